@@ -16,7 +16,7 @@ from types import ModuleType
 from typing import Any
 
 LIST = Path(__file__).parents[1] / "tests" / "api" / "public_api.txt"
-MODULES = ("errors", "geometry", "path", "solids")
+MODULES = ("errors", "geometry.solids", "path")
 """Modules beside the packages whose names are public."""
 
 PRIVATE = {"cli"}
@@ -27,12 +27,10 @@ def lines() -> Iterator[str]:
     """One line for each public name, and one for each public member of a class."""
     trundle = importlib.import_module("trundle")
     yield from _lines_of_module(trundle, trundle.__all__)
-    for found in sorted(pkgutil.iter_modules(trundle.__path__), key=lambda one: one.name):
-        if found.name.startswith("_") or found.name in PRIVATE:
-            continue
-        if found.ispkg or found.name in MODULES:
-            module = importlib.import_module(f"trundle.{found.name}")
-            yield from _lines_of_module(module, getattr(module, "__all__", None) or _defined(module))
+    packages = {found.name for found in pkgutil.iter_modules(trundle.__path__) if found.ispkg}
+    for name in sorted({name for name in packages if not name.startswith("_")} - PRIVATE | set(MODULES)):
+        module = importlib.import_module(f"trundle.{name}")
+        yield from _lines_of_module(module, getattr(module, "__all__", None) or _defined(module))
 
 
 def _defined(module: ModuleType) -> list[str]:

@@ -11,6 +11,7 @@ from trundle.control.collision import stopping_poses
 from trundle.costmap import Costmap
 from trundle.errors import InputError, NoValidControlError, RobotWarning
 from trundle.geometry import Pose2D, Pose3D, Twist2D, path_length, wrap_angles
+from trundle.geometry.solids import Box, Mesh, OccupancyCells
 from trundle.maps import OccupancyGrid, SpeedMask
 from trundle.mission import DropBox, Manual, Scenario, StepOnce, Trajectory, load_directives, run, sample_mission
 from trundle.navigation import Navigator, NavigatorSettings
@@ -20,7 +21,6 @@ from trundle.path import Path
 from trundle.planning import PathCheck, create_planner
 from trundle.robots import Robot
 from trundle.sim import simulate
-from trundle.solids import Box, Mesh, OccupancyCells
 from trundle.worlds import World
 
 CARTER = Robot.load("nova_carter")

@@ -8,13 +8,13 @@ from trundle.registry import Contract, PluginFunction, Registry
 REGISTRY: Registry[object] = Registry(
     "shape",
     "trundle.nothing",
-    {"sphere": "trundle.solids:Sphere", "box": "trundle.solids:Box"},
+    {"sphere": "trundle.geometry.solids:Sphere", "box": "trundle.geometry.solids:Box"},
     contract=Contract({"contains": "point"}, function=("point", "margin"), keywords=("deadline_s",)),
 )
 
 
 def test_a_name_gives_the_class_behind_it():
-    from trundle.solids import Sphere
+    from trundle.geometry.solids import Sphere
 
     assert REGISTRY.load("sphere") is Sphere
     assert REGISTRY.names() == ["box", "sphere"]
@@ -28,7 +28,7 @@ def test_an_unknown_name_offers_the_nearest_and_lists_all():
 
 
 def test_what_is_made_gets_its_arguments_and_options():
-    from trundle.solids import Sphere
+    from trundle.geometry.solids import Sphere
 
     assert REGISTRY.make("sphere", 0.5) == REGISTRY.make("sphere", radius=0.5) == Sphere(0.5)
     with pytest.raises(InputError, match=r"^shape 'sphere' has no option 'size'$"):
@@ -38,7 +38,7 @@ def test_what_is_made_gets_its_arguments_and_options():
 def test_names_of_the_table_ask_for_no_entry_points(monkeypatch):
     monkeypatch.setattr(importlib.metadata, "entry_points", lambda **_: pytest.fail("asked for entry points"))
     registry = Registry(
-        "shape", "trundle.nothing", {"box": "trundle.solids:Box"}, removed={"cube": "was renamed; use box"}
+        "shape", "trundle.nothing", {"box": "trundle.geometry.solids:Box"}, removed={"cube": "was renamed; use box"}
     )
     registry.load("box")
     registry.check("box")
@@ -193,15 +193,18 @@ def test_they_are_named_by_their_module(file, monkeypatch):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("trundle.solids:solids_bounds", r"is no shape. A shape is a name, an object with contains\(point\), a class"),
+        (
+            "trundle.geometry.solids:solids_bounds",
+            r"is no shape. A shape is a name, an object with contains\(point\), a class",
+        ),
         ("os:system", "is no shape"),
         ("subprocess:Popen", "is no shape"),
-        ("trundle.solids:Nothing", "trundle.solids has no 'Nothing'"),
-        ("trundle.solids:Sphre", "Did you mean 'Sphere'"),
+        ("trundle.geometry.solids:Nothing", "trundle.geometry.solids has no 'Nothing'"),
+        ("trundle.geometry.solids:Sphre", "Did you mean 'Sphere'"),
         ("no_such_module:Shape", "there is no module 'no_such_module'; install its package, or give its file"),
         ("my_shapes_2:Shape", "there is no module 'my_shapes_2'; write my_shapes_2.py:Shape"),
         (":Shape", "write module:name or file.py:name"),
-        ("trundle.solids:", "write module:name or file.py:name"),
+        ("trundle.geometry.solids:", "write module:name or file.py:name"),
         ("no_such.py:Shape", "there is no file no_such.py"),
         ("my_shapes.py:Half", r"has no contains\(point\)|is no shape"),
         ("my_shapes.py:make", "is no shape"),

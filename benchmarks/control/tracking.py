@@ -30,6 +30,7 @@ from benchmarks.timing import print_table
 import trundle
 from trundle.costmap import Costmap
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Cylinder, Solid
 from trundle.maps import OccupancyGrid
 from trundle.mission.sampling import sample_mission
 from trundle.navigation import Navigator
@@ -37,7 +38,6 @@ from trundle.navigation.status import FINAL
 from trundle.observation import Scan, Track
 from trundle.robots import Robot
 from trundle.sim import MoverState
-from trundle.solids import Box, Cylinder, Solid
 from trundle.tracking import Tracker
 from trundle.worlds import World
 from trundle.worlds.movers import Crowd, Mover, Waypoints

@@ -37,8 +37,8 @@ from tests.support.mesh_oracle import (
 )
 
 from trundle.geometry import Pose3D
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.maps.rasterise import DEPTH, SolidRaster
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 
 AROUND = 3_000  # Sides of the prisms that a cylinder is held between.
 BODIES = 3  # In a scene.

@@ -8,8 +8,8 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from trundle.geometry.solids import Box, Cylinder, Mesh, Solid, Sphere, solids_bounds
 from trundle.maps import OccupancyGrid
-from trundle.solids import Box, Cylinder, Mesh, Solid, Sphere, solids_bounds
 from trundle.worlds import World
 
 _DEPTH = 1e-6  # As deep [m] a solid must reach into a cell; what trundle asks for.

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from trundle.geometry import FloatArray, Pose3D, rotation_matrices
-from trundle.solids import Box, Cylinder, Mesh, Shape, Solid, Sphere
+from trundle.geometry.solids import Box, Cylinder, Mesh, Shape, Solid, Sphere
 from trundle.worlds import World
 
 BAND = (0.10, 0.62)

@@ -29,8 +29,8 @@ from benchmarks.mapping.scenes import BAND, FIELD, HALL, KINDS, MESHES, mixed_wo
 from benchmarks.timing import describe_machine, interleaved_times, print_table
 
 from trundle.export import export_world
+from trundle.geometry.solids import Solid
 from trundle.maps import OCCUPIED, OccupancyGrid
-from trundle.solids import Solid
 from trundle.worlds import World
 
 RESOLUTION = 0.05

@@ -20,13 +20,13 @@ import trundle
 from trundle.costmap import Costmap
 from trundle.errors import PlanningError, TrundleError
 from trundle.geometry import Pose2D, Pose3D
+from trundle.geometry.solids import Box, Solid
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, sample_mission
 from trundle.navigation import Navigator
 from trundle.path import Path
 from trundle.planning import create_planner
 from trundle.robots import Robot
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 _WORLDS = {"warehouse": {"low_objects": False}, "office": {"low_objects": False}, "maze": {}}

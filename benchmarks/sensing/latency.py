@@ -14,9 +14,9 @@ from pathlib import Path
 
 import trundle
 from trundle.control import CollisionMonitor
+from trundle.control.latency import Latency
 from trundle.evaluation.public.barn import GOAL, START
 from trundle.evaluation.public.conditions import benchmark_robot, write_robot
-from trundle.latency import Latency
 from trundle.mission import Episode, Outcome, Session
 from trundle.navigation import Navigator
 from trundle.robots import Robot

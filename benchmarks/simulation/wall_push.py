@@ -14,9 +14,9 @@ from importlib.metadata import version
 from pathlib import Path
 
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot, robot_names
 from trundle.sim.mujoco.simulator import MujocoSimulator
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 PERIOD = 0.005

@@ -23,10 +23,10 @@ from playwright.sync_api import Browser, sync_playwright
 
 from trundle import page
 from trundle.geometry import Pose3D
+from trundle.geometry.solids import Box, Cylinder, Solid
 from trundle.maps import OccupancyGrid
 from trundle.page.encoding import pack_json, to_json
 from trundle.robots import Robot
-from trundle.solids import Box, Cylinder, Solid
 from trundle.worlds import World
 
 FLAGS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]

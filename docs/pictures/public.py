@@ -24,8 +24,8 @@ from trundle.evaluation.public.barn import barn_suite
 from trundle.evaluation.public.conditions import Conditions, benchmark_robot, write_robot
 from trundle.evaluation.public.dynabarn import dynabarn_suite
 from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry.solids import Cylinder
 from trundle.mission import Episode, Mission, RunInfo, Step
-from trundle.solids import Cylinder
 
 SCALE = 2  # of the drawing, which is then reduced
 PAGE, INK, SOLID, MOVER = (250, 250, 248), (60, 64, 70), (126, 130, 136), (205, 96, 78)

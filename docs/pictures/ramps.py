@@ -12,8 +12,8 @@ from PIL import Image, ImageDraw
 
 import trundle
 from trundle.geometry import Pose3D
+from trundle.geometry.solids import Box, Cylinder, Mesh, Solid
 from trundle.pictures.text import font
-from trundle.solids import Box, Cylinder, Mesh, Solid
 from trundle.viewer.cameras import Camera
 from trundle.viewer.offscreen import render
 

@@ -14,13 +14,13 @@ import pytest
 
 from trundle import page
 from trundle.geometry import Pose3D
+from trundle.geometry.solids import Box, Solid
 from trundle.maps import OccupancyGrid
 from trundle.mission import Session
 from trundle.navigation import Navigator
 from trundle.page.encoding import pack_json
 from trundle.robots import Robot
 from trundle.sim.kinematic import KinematicSimulator
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 FLAGS = (

@@ -30,7 +30,7 @@ SETTINGS = yaml.safe_load((ROOT / "mkdocs.yml").read_text())
 # What is no part of the API: the command line, the kernels, and how other people's files are opened and read.
 INTERNAL = ("trundle._core", "trundle.cli", "trundle.files", "trundle.guard")
 # Modules whose public names are those that they define, as they have no `__all__`.
-WHOLE = ("trundle.errors", "trundle.geometry", "trundle.path", "trundle.solids")
+WHOLE = ("trundle.errors", "trundle.geometry", "trundle.path", "trundle.geometry.solids")
 DIRECTIVE = re.compile(r"^::: (\S+)$", flags=re.MULTILINE)
 
 

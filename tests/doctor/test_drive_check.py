@@ -8,10 +8,10 @@ import pytest
 from trundle.doctor import DriveCheck, check_drive
 from trundle.errors import InputError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim import RobotState, Simulator, simulate
 from trundle.sim.mujoco.simulator import MujocoSimulator
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 EMPTY = World("empty", ())

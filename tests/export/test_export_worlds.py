@@ -5,9 +5,9 @@ import pytest
 from trundle.errors import InputError, MapWarning, OutputError, UnknownNameError, WorldError
 from trundle.export import FORMATS, export_robot, export_world
 from trundle.geometry import Pose3D
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.worlds import World
 
 # An L: not convex, so that a convex hull would be seen.

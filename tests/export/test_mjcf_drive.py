@@ -8,9 +8,9 @@ import pytest
 
 from trundle.export import export_robot, export_world
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Mesh, Solid
 from trundle.robots import Robot, robot_names
 from trundle.sim import simulate
-from trundle.solids import Box, Mesh, Solid
 from trundle.worlds import World
 from trundle.worlds.tessellate import box_mesh
 

@@ -9,12 +9,12 @@ from trundle.errors import MissingExtraError, OutputError
 from trundle.export.usd import export_robot, export_world
 from trundle.export.usd_robot import robot_stage
 from trundle.geometry import Pose3D
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.maps import OccupancyGrid
 from trundle.robots import Caster, Robot, robot_names
 from trundle.sim.mujoco.joints import list_joints
 from trundle.sim.mujoco.model import robot_spec
 from trundle.sim.mujoco.robot_parts import Servo, chassis_inertial
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.worlds import World
 from trundle.worlds.tessellate import cone_mesh
 from trundle.worlds.usd import load_usd

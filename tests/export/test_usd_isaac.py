@@ -12,10 +12,10 @@ from trundle.export import Scene, export_robot, export_scene, export_world
 from trundle.export.usd_robot import robot_stage
 from trundle.export.usd_scene import scene_stage
 from trundle.geometry import Pose2D, Pose3D
+from trundle.geometry.solids import Box, Solid, Sphere
 from trundle.robots import Robot, robot_names
 from trundle.sim import simulate
 from trundle.sim.mujoco.robot_parts import Servo, chassis_inertial
-from trundle.solids import Box, Solid, Sphere
 from trundle.usd.isaac_physics import GROUND_OFFSET
 from trundle.worlds import World
 

@@ -16,7 +16,7 @@ from fuzz.loop import NUMBERS, attempt, rng_of, spoil
 from support import mesh_oracle, raster_oracle
 from support.raster_oracle import RESOLUTION, check, cut_hull, prism, random_pose, raster
 from trundle import _core
-from trundle.solids import Box, Cylinder, Mesh, Solid, Sphere
+from trundle.geometry.solids import Box, Cylinder, Mesh, Solid, Sphere
 
 
 def check_boxes(generator: random.Random) -> None:

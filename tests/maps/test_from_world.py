@@ -8,8 +8,8 @@ import pytest
 from support.solid_maps import FIELD, Room, count, cube_mesh, occupied
 from trundle.errors import MapError, MapWarning
 from trundle.geometry import Pose2D, Pose3D
+from trundle.geometry.solids import Box, Cylinder, OccupancyCells, Solid
 from trundle.maps import OccupancyGrid
-from trundle.solids import Box, Cylinder, OccupancyCells, Solid
 from trundle.worlds import World
 
 WALLS = [

@@ -23,7 +23,7 @@ from support.mesh_oracle import (
     seen_from_above,
 )
 from trundle.geometry import Pose3D
-from trundle.solids import Mesh, Solid
+from trundle.geometry.solids import Mesh, Solid
 
 
 def check(cells: np.ndarray, parts: np.ndarray) -> int:

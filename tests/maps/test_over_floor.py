@@ -15,8 +15,8 @@ from support.mesh_oracle import mesh_of, random_body
 from trundle._core import floor_planes
 from trundle.errors import MapError, MapWarning
 from trundle.geometry import Pose3D
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.maps import HeightField, OccupancyGrid
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.worlds import World
 
 FIELD = ((-2.0, -2.0), (2.0, 2.0))

@@ -29,8 +29,8 @@ from support.raster_oracle import (
     reached,
 )
 from trundle.geometry import Pose3D
+from trundle.geometry.solids import Box, Cylinder, Mesh, Solid, Sphere
 from trundle.maps.rasterise import DEPTH
-from trundle.solids import Box, Cylinder, Mesh, Solid, Sphere
 
 
 @pytest.mark.parametrize("seed", range(60))

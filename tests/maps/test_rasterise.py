@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from support.solid_maps import FIELD, Room, count, cube_mesh, extent, occupied
 from trundle.errors import MapWarning
 from trundle.geometry import Pose2D, Pose3D
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.maps import OccupancyGrid
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 
 
 @pytest.mark.filterwarnings("ignore:no cell of the map is free")

@@ -7,11 +7,11 @@ import pytest
 
 from support.sessions import steps_of
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Solid
 from trundle.mission import Outcome, Rules, Session, run
 from trundle.navigation import CommandScript
 from trundle.sim import Contact, MoverState
 from trundle.sim.kinematic import KinematicSimulator
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 from trundle.worlds.movers import Mover, Waypoints
 

@@ -11,6 +11,7 @@ from support.observers import Recorder
 from trundle.errors import ScenarioError, UnknownNameError
 from trundle.files.choice import Choice
 from trundle.geometry import Pose3D, Twist2D
+from trundle.geometry.solids import Box, Solid
 from trundle.localization.odometry import OdometryLocalizer
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, Scenario, Session, run
@@ -19,7 +20,6 @@ from trundle.navigation import CommandScript
 from trundle.observation import Scan
 from trundle.robots import Robot
 from trundle.sim.kinematic import KinematicSimulator
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 # Without further setup ------------------------------------------------------------------------------------------------

@@ -9,6 +9,7 @@ import pytest
 from mission.conftest import BACKENDS
 from support.sessions import drive
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Solid
 from trundle.mission import (
     DropBox,
     End,
@@ -28,7 +29,6 @@ from trundle.mission import (
 from trundle.navigation import CommandScript, Navigator
 from trundle.record.run_folder import RunFolder
 from trundle.sim import simulate
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 GOAL, OTHER = (3.0, 4.5), (1.5, 4.5)

@@ -8,10 +8,10 @@ import pytest
 import trundle
 from trundle.costmap import Costmap
 from trundle.geometry import Pose2D, Pose3D
+from trundle.geometry.solids import Box, Solid
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome
 from trundle.mission.truth import shortest_length
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 WALLS = (

@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 
 from trundle.control import CollisionMonitor, MonitorReport, MonitorSettings
+from trundle.control.latency import Latency
 from trundle.costmap import LETHAL
 from trundle.errors import InputError, NoValidControlError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
-from trundle.latency import Latency
+from trundle.geometry.solids import Box, Solid
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, Session, run
 from trundle.navigation import CommandScript, Navigator, NavigatorSettings
 from trundle.robots import Robot
 from trundle.sim.kinematic import KinematicSimulator
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 CARTER = Robot.load("nova_carter")

@@ -5,11 +5,11 @@ import pytest
 
 from support.sensed_rooms import GOAL, ROBOT, START, block, grid_of, room
 from trundle.geometry import Pose2D, Pose3D
+from trundle.geometry.solids import Box, Solid
 from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
 from trundle.navigation.status import FINAL
 from trundle.observation import Scan
 from trundle.sim import simulate
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 from trundle.worlds.movers import Mover, Waypoints, person_body
 

@@ -21,7 +21,7 @@ def office():
 def hall():
     """A room of 10 m x 8 m with a pillar, whose solids have hostile names."""
     from trundle.geometry import Pose3D
-    from trundle.solids import Box, Cylinder, Solid
+    from trundle.geometry.solids import Box, Cylinder, Solid
 
     def wall(name, x, y, size):
         return Solid(name, Box(size), Pose3D((x, y, 1.0)), (0.9, 0.9, 0.9, 1.0), "wall")

@@ -8,13 +8,13 @@ from PIL import Image
 
 from trundle.errors import WorldError
 from trundle.geometry import Pose2D, Pose3D
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.maps import OccupancyGrid
 from trundle.page import costmap_png, grid_png, scene_of
 from trundle.page.cell_boxes import boxes_of
 from trundle.page.encoding import unpack_array
 from trundle.page.scene import solid_instances
 from trundle.robots import Robot, robot_names
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.worlds import World
 from trundle.worlds.movers import Crowd, Mover, Waypoints
 from trundle.worlds.movers.bodies import person_body

@@ -10,6 +10,7 @@ from PIL import Image
 import trundle
 from trundle.costmap import LETHAL, Costmap
 from trundle.geometry import Pose2D, Pose3D
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.maps import HeightField, KeepoutMask, OccupancyGrid
 from trundle.mission import Scenario, run
 from trundle.observation import Scan
@@ -33,7 +34,6 @@ from trundle.pictures.plan import Plan
 from trundle.planning import GridSearch
 from trundle.robots import Robot
 from trundle.sim import simulate
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.worlds import World
 from trundle.worlds.movers import Crowd, Mover, Waypoints
 

@@ -12,12 +12,12 @@ import pytest
 from trundle.errors import InputError, RobotError, RobotWarning
 from trundle.export import Scene, export_robot, export_scene
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Solid
 from trundle.path import Path as Plan
 from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.sim.mujoco.joints import list_joints
 from trundle.sim.mujoco.model import robot_spec
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 ROBOT = """<robot name="{name}">

@@ -4,10 +4,10 @@ import pytest
 
 from trundle.errors import InputError, SimulationError, WorldError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot
 from trundle.sim import add_solid, simulate
 from trundle.sim.actuation import Actuation
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 from trundle.worlds.movers import Crowd
 

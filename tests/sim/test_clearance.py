@@ -9,11 +9,11 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from trundle.geometry import Pose2D, Pose3D
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.robots import Robot
 from trundle.sim.clearance import least_clearance, map_world
 from trundle.sim.distances import polygon_distances
 from trundle.sim.sections import cut_triangles
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.worlds import World
 
 CARTER = Robot.load("nova_carter")

@@ -4,13 +4,13 @@ import pytest
 
 from trundle.errors import InputError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot
 from trundle.sim import Simulator, world_of
 from trundle.sim.actuation import Actuation
 from trundle.sim.command_delay import DelayedSimulator
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.sim.mujoco.simulator import MujocoSimulator
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 EMPTY = World("empty", ())

@@ -10,11 +10,11 @@ import trimesh
 
 from trundle.errors import WorldWarning
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Mesh, Solid
 from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.sim.convex import FLOOR_TOP, MOST_PLATES, THICKNESS, take_apart
 from trundle.sim.mujoco.model import build_spec
-from trundle.solids import Box, Mesh, Solid
 from trundle.worlds import World
 
 BACKENDS = ("mujoco", "kinematic")

@@ -3,8 +3,8 @@
 import pytest
 
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Solid
 from trundle.sim import simulate
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 TAIL, NOSE = -0.607, 0.14  # Nova Carter's footprint along x

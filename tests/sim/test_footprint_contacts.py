@@ -9,9 +9,9 @@ from shapely.geometry import Point, Polygon, box
 
 from trundle.errors import WorldError
 from trundle.geometry import Pose3D
+from trundle.geometry.solids import Box, Cylinder, OccupancyCells, Solid, Sphere
 from trundle.robots import Robot
 from trundle.sim.footprint import FootprintChecker, polygon_depth
-from trundle.solids import Box, Cylinder, OccupancyCells, Solid, Sphere
 from trundle.worlds import World
 
 ROBOT = Robot.load("nova_carter")

@@ -4,10 +4,10 @@ import pytest
 
 from trundle.errors import InputError, SimulationError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.sim.kinematic import KinematicSimulator
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 EMPTY = World("empty", ())

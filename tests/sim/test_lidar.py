@@ -10,13 +10,13 @@ from support.beams_oracle import cast_cells, cast_slowly
 from trundle._core import cast_grid_rays, cast_outline_rays
 from trundle.errors import UnknownNameError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.robots import Lidar, Robot
 from trundle.sim import simulate
 from trundle.sim.beams import WorldOutline
 from trundle.sim.footprint import CellField
 from trundle.sim.lidar import beam_angles
 from trundle.sim.mujoco.model import build_spec
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.worlds import World
 
 BACKENDS = ["kinematic", "mujoco"]

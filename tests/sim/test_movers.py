@@ -10,9 +10,9 @@ import trundle
 from trundle import Pose2D, World
 from trundle.errors import WorldWarning
 from trundle.geometry import Pose3D, Twist2D
+from trundle.geometry.solids import Box, Cylinder, Solid
 from trundle.robots import Robot
 from trundle.sim.visibility import crosses_height, unseen_names
-from trundle.solids import Box, Cylinder, Solid
 from trundle.worlds.movers import AlongPath, Crowd, Mover, Waypoints, forklift_body, person_body
 from trundle.worlds.tessellate import box_mesh
 

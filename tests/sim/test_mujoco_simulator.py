@@ -8,12 +8,12 @@ import pytest
 
 from trundle.errors import InputError, RobotError, SimulationError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Cylinder, OccupancyCells, Solid, Sphere
 from trundle.robots import Robot, robot_names
 from trundle.sim import simulate
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.sim.mujoco.model import build_spec
 from trundle.sim.mujoco.simulator import MujocoSimulator
-from trundle.solids import Box, Cylinder, OccupancyCells, Solid, Sphere
 from trundle.worlds import World
 
 EMPTY = World("empty", ())

@@ -6,6 +6,7 @@ from dataclasses import fields
 import pytest
 
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Solid
 from trundle.observation import Observation, Scan
 from trundle.robots import Robot
 from trundle.sim.actuation import Actuation
@@ -13,7 +14,6 @@ from trundle.sim.command_delay import DelayedSimulator
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.sim.mujoco.simulator import MujocoSimulator
 from trundle.sim.odometry_errors import OdometryErrors
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 CARTER = Robot.load("nova_carter")

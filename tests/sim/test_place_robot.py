@@ -6,12 +6,12 @@ import pytest
 
 from trundle.errors import InputError, SimulationError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot
 from trundle.sim import place_robot, simulate
 from trundle.sim.actuation import Actuation
 from trundle.sim.command_delay import DelayedSimulator
 from trundle.sim.odometry_errors import OdometryErrors
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 CARTER = Robot.load("nova_carter")

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from trundle.geometry import Pose2D, Pose3D
+from trundle.geometry.solids import Box, Solid
 from trundle.sim import MoverState
 from trundle.sim.mujoco.ring_beams import RingBeams
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 from trundle.worlds.movers import Crowd
 

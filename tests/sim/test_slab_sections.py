@@ -8,8 +8,8 @@ from shapely.geometry import MultiPoint
 
 from trundle.errors import WorldError
 from trundle.geometry import Pose3D
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.sim.sections import Disc, Polygon, convex_hull, outline_segments, slab_section
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 
 TETRAHEDRON = Mesh(
     np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]]), np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])

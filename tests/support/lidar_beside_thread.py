@@ -13,8 +13,8 @@ import threading
 import numpy as np
 
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Cylinder, Solid
 from trundle.sim import simulate
-from trundle.solids import Box, Cylinder, Solid
 from trundle.worlds import World
 
 STEPS = 300

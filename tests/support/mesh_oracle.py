@@ -13,8 +13,8 @@ import shapely
 from manifold3d import CrossSection, Manifold
 
 from trundle.geometry import Pose3D
+from trundle.geometry.solids import Mesh, Solid
 from trundle.maps.rasterise import DEPTH, HeightBand, SolidRaster
-from trundle.solids import Mesh, Solid
 
 RESOLUTION = 0.05
 ORIGIN = (-1.313, -1.287)

@@ -8,8 +8,8 @@ from functools import cache
 import numpy as np
 
 from trundle.geometry import Pose2D, Pose3D
+from trundle.geometry.solids import Box, Solid
 from trundle.maps import OccupancyGrid
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 EDGE = 0.05

@@ -13,8 +13,8 @@ import numpy as np
 import shapely
 
 from trundle.geometry import Pose3D
+from trundle.geometry.solids import Cylinder, Solid
 from trundle.maps.rasterise import DEPTH, HeightBand, SolidRaster
-from trundle.solids import Cylinder, Solid
 
 RESOLUTION = 0.05
 ORIGIN = (-1.013, -0.987)

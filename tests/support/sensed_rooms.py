@@ -1,9 +1,9 @@
 """A robot with one lidar, and rooms of blocks for it to drive in."""
 
 from trundle.geometry import Pose2D, Pose3D
+from trundle.geometry.solids import Box, Solid
 from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 CARTER = Robot.load("nova_carter")

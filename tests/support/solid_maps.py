@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from trundle.geometry.solids import Mesh, Solid
 from trundle.maps import OccupancyGrid
-from trundle.solids import Mesh, Solid
 
 
 @dataclass

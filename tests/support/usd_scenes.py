@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from trundle.solids import Mesh
+from trundle.geometry.solids import Mesh
 
 HEAD = '#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Z"\n)\n'
 UNIT = "double size = 1"

@@ -6,11 +6,11 @@ import pytest
 
 from trundle.errors import SimulationError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Solid
 from trundle.mission import LiveRun
 from trundle.record.drive_log import DriveLog
 from trundle.robots import Robot
 from trundle.sim import simulate
-from trundle.solids import Box, Solid
 from trundle.teleop.drive import drive_by_hand
 from trundle.worlds import World
 

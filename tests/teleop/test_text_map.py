@@ -3,8 +3,8 @@ import math
 import pytest
 
 from trundle.geometry import Pose2D, Pose3D
+from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot
-from trundle.solids import Box, Solid
 from trundle.teleop.text_map import TextMap
 from trundle.worlds import World
 

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from trundle.errors import InputError, UnknownNameError
 from trundle.geometry import Pose2D, Pose3D
+from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot
-from trundle.solids import Box, Solid
 from trundle.viewer.cameras import Camera, aim
 from trundle.viewer.stage import Stage
 from trundle.worlds import World

@@ -3,10 +3,10 @@ import numpy as np
 import pytest
 
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim import MoverState, RobotState
 from trundle.sim.mover_history import MoverHistory, ShownMovers
-from trundle.solids import Box, Solid
 from trundle.viewer.moving import movers_at_start
 from trundle.viewer.scene import SceneRenderer
 from trundle.viewer.stage import Stage

@@ -6,8 +6,8 @@ from PIL import Image
 
 from trundle.errors import InputError, OutputError, SimulationError, UnknownNameError
 from trundle.geometry import Pose2D, Pose3D
+from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot
-from trundle.solids import Box, Solid
 from trundle.viewer import gl
 from trundle.viewer.cameras import CAMERAS, Camera
 from trundle.viewer.offscreen import render

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from trundle.geometry import Pose3D
-from trundle.solids import Box, Cylinder, Mesh, Solid, Sphere
+from trundle.geometry.solids import Box, Cylinder, Mesh, Solid, Sphere
 from trundle.worlds.affine import FlattenedError, as_mesh, place, pose_of, split
 from trundle.worlds.tessellate import box_mesh, capsule_mesh, cone_mesh, cylinder_mesh, frustum_mesh, sphere_mesh
 

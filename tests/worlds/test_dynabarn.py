@@ -8,8 +8,8 @@ import pytest
 import trundle
 from trundle.errors import InputError, WorldError
 from trundle.geometry import Pose2D, Twist2D
+from trundle.geometry.solids import Cylinder
 from trundle.robots import Robot
-from trundle.solids import Cylinder
 from trundle.worlds import World
 
 FRAMES = [[0.0, 0.0, -10.0], [4.0, 1.0, 0.0], [10.0, 0.0, 10.0]]

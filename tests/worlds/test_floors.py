@@ -7,8 +7,8 @@ import pytest
 
 from trundle.errors import WorldError
 from trundle.geometry import Pose2D, Pose3D
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid
 from trundle.robots import Robot
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid
 from trundle.worlds import World
 from trundle.worlds.floors import find_common_floor, find_floor, lower_world
 from trundle.worlds.tessellate import box_mesh, rectangle_mesh

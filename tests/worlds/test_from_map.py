@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from trundle.errors import InputError, WorldError
 from trundle.geometry import Pose2D
+from trundle.geometry.solids import Box, OccupancyCells
 from trundle.maps import OccupancyGrid
-from trundle.solids import Box, OccupancyCells
 from trundle.worlds import World
 from trundle.worlds.walls import extrude, merge_cells
 

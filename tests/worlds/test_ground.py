@@ -3,8 +3,8 @@
 import pytest
 
 from trundle.geometry import Pose2D, Pose3D
+from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 from trundle.worlds.floors import find_common_floor, find_floor, lower_world
 from trundle.worlds.ground import ENDLESS, LevelPlane, find_ground

@@ -5,7 +5,7 @@ import trimesh
 
 from trundle.errors import InputError, WorldWarning
 from trundle.geometry import Pose3D
-from trundle.solids import Box, Solid
+from trundle.geometry.solids import Box, Solid
 from trundle.worlds import World
 from trundle.worlds.leave_out import leave_out
 

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from trundle.errors import InputError, MissingExtraError, WorldError
-from trundle.solids import Mesh
+from trundle.geometry.solids import Mesh
 from trundle.worlds import World
 
 

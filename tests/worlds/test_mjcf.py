@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 from trundle.errors import WorldError, WorldWarning
-from trundle.solids import Box, Cylinder, Mesh, Sphere
+from trundle.geometry.solids import Box, Cylinder, Mesh, Sphere
 from trundle.worlds import World
 
 MJCF = """

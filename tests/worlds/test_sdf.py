@@ -8,8 +8,8 @@ import pytest
 
 from trundle.errors import InputError, WorldError, WorldWarning
 from trundle.geometry import Pose3D
+from trundle.geometry.solids import Box, Cylinder, Mesh, Sphere
 from trundle.maps import OccupancyGrid
-from trundle.solids import Box, Cylinder, Mesh, Sphere
 from trundle.worlds import World
 from trundle.worlds.gazebo.values import VERSIONS
 

@@ -6,7 +6,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
 from support.usd_scenes import TETRA, extent, named, only, volume
 from trundle.errors import WorldError, WorldWarning
-from trundle.solids import Box, Cylinder, Mesh, Sphere
+from trundle.geometry.solids import Box, Cylinder, Mesh, Sphere
 from trundle.worlds import World
 from trundle.worlds.usd import load_usd
 

@@ -7,7 +7,7 @@ import pytest
 
 from support.usd_scenes import TETRA, UNIT, named, only, volume
 from trundle.errors import WorldWarning
-from trundle.solids import Box, Mesh, Sphere
+from trundle.geometry.solids import Box, Mesh, Sphere
 from trundle.worlds.usd import load_usd
 
 SEEN = """

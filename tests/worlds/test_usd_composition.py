@@ -5,7 +5,7 @@ from pxr import UsdUtils
 
 from support.usd_scenes import TETRA, named, only
 from trundle.errors import WorldError, WorldWarning
-from trundle.solids import Box
+from trundle.geometry.solids import Box
 from trundle.worlds import World
 from trundle.worlds.usd import load_usd
 

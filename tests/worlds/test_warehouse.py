@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from trundle.errors import InputError, WorldError
-from trundle.solids import Solid
+from trundle.geometry.solids import Solid
 from trundle.worlds import World
 from trundle.worlds.generators.warehouse import CROSS_AISLE, FORKLIFT_ROOM, FREE_BESIDE, LANE, generate_warehouse
 

@@ -14,14 +14,13 @@ import numpy as np
 from pydantic import Field
 
 from trundle.control.collision import stopping_poses
-from trundle.control.delayed_commands import DelayedCommands
 from trundle.control.intent import Intent
+from trundle.control.latency import DelayedCommands, Latency
 from trundle.control.sensed_points import Edges, Points, SensedPoints, box_around
 from trundle.errors import InputError
 from trundle.files.config_fields import NotNegative, Positive
 from trundle.files.yaml_config import Config
 from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist
-from trundle.latency import Latency
 from trundle.observation import Scan, check_scans
 from trundle.robots import Robot
 from trundle.values import as_number, check_kind

@@ -10,8 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle import _core
-from trundle.footprint import Footprint
-from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry import FloatArray, Footprint, Pose2D
 from trundle.observation import PoseBuffer, Scan
 
 _COMPARE_S = 0.25  # movement is found between scans this far apart [s]

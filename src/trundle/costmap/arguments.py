@@ -8,8 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError
-from trundle.footprint import Footprint
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, Footprint
 from trundle.maps.grid import OccupancyGrid
 from trundle.robots import Robot
 from trundle.values import check_kind

@@ -30,8 +30,7 @@ from trundle.costmap.unknown import (
     raise_unknown,
 )
 from trundle.errors import InputError, MapError
-from trundle.footprint import Footprint
-from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry import FloatArray, Footprint, Pose2D
 from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
 from trundle.maps.frame import GridFrame
 from trundle.maps.grid import OccupancyGrid

@@ -16,7 +16,7 @@ import numpy as np
 
 from trundle.errors import InputError, TrundleError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
-from trundle.solids import Box, Solid
+from trundle.geometry.solids import Box, Solid
 
 Status = Literal["pass", "fail", "missing"]
 

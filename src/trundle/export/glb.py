@@ -10,7 +10,7 @@ import numpy as np
 from trundle.errors import MissingExtraError, WorldError
 from trundle.export.plain import plain_solids
 from trundle.files.writing import write_bytes
-from trundle.solids import Box, Cylinder, Mesh, Shape, Sphere
+from trundle.geometry.solids import Box, Cylinder, Mesh, Shape, Sphere
 from trundle.worlds import World
 from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
 

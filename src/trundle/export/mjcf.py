@@ -18,12 +18,12 @@ from trundle.export.scene import Scene
 from trundle.export.xmltext import add, numbers, to_text
 from trundle.files.writing import write_text
 from trundle.geometry import FloatArray, Pose3D
+from trundle.geometry.solids import Box, Cylinder, Mesh, Solid, Sphere
 from trundle.robots import Robot
 from trundle.sim.convex import Pieces, take_apart
 from trundle.sim.mujoco.model import build_spec, robot_spec
 from trundle.sim.mujoco.robot_parts import BASE
 from trundle.sim.mujoco.world_parts import FLOOR, GROUP_PIECES, at_least_four
-from trundle.solids import Box, Cylinder, Mesh, Solid, Sphere
 from trundle.worlds import World
 from trundle.worlds.floors import lower_solid
 from trundle.worlds.mjcf import PIECE

@@ -12,7 +12,7 @@ import numpy as np
 from trundle.errors import OutputError, WorldError
 from trundle.files.writing import make_folder
 from trundle.geometry import Pose3D
-from trundle.solids import Box, OccupancyCells, Solid
+from trundle.geometry.solids import Box, OccupancyCells, Solid
 from trundle.worlds import World
 from trundle.worlds.shapes import Names
 from trundle.worlds.walls import merge_cells

@@ -12,7 +12,7 @@ from trundle.export.plain import check_xml_names, mesh_folder, plain_solids
 from trundle.export.xmltext import add, numbers, to_text
 from trundle.files.writing import write_text
 from trundle.geometry import Pose3D
-from trundle.solids import Box, Cylinder, Mesh, Solid, Sphere
+from trundle.geometry.solids import Box, Cylinder, Mesh, Solid, Sphere
 from trundle.worlds import World
 from trundle.worlds.shapes import Names
 

@@ -11,11 +11,11 @@ from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics
 
 from trundle.errors import OutputError
 from trundle.geometry import FloatArray, Pose3D
+from trundle.geometry.solids import Mesh
 from trundle.robots import Robot
 from trundle.sim.mujoco.model import robot_spec
 from trundle.sim.mujoco.robot_parts import BASE, GROUP_COLLIDERS
 from trundle.sim.mujoco.world_parts import SOLIDS_TYPE
-from trundle.solids import Mesh
 from trundle.usd.stage import (
     PrimNames,
     bind_friction,

@@ -7,8 +7,8 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field, ValidationInfo
 from pydantic_core import PydanticCustomError
 
-from trundle.angles import FORM, describe_degrees, is_in_degrees, parse_angle, warn_of_degrees
 from trundle.geometry import wrap_angle
+from trundle.geometry.angles import FORM, describe_degrees, is_in_degrees, parse_angle, warn_of_degrees
 from trundle.values import is_finite_number
 
 ANGLES = "angles"

@@ -19,7 +19,7 @@ from trundle.files.opening import check_regular, exists, open_file, read_up_to
 from trundle.files.parser_errors import parser_errors, parser_reason
 from trundle.files.xml_elements import parse_xml, read_limited
 from trundle.geometry import FloatArray
-from trundle.solids import Color, Mesh
+from trundle.geometry.solids import Color, Mesh
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0, "in": 0.0254, "ft": 0.3048}
 """Length of each unit [m]."""

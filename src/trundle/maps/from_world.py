@@ -14,11 +14,11 @@ import numpy.typing as npt
 from trundle._core import flood_free, flood_largest
 from trundle.errors import MapError, MapWarning
 from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry.solids import Solid, solids_bounds
 from trundle.maps.cells import MAX_CELLS, OCCUPIED, UNKNOWN, PlacedCells
 from trundle.maps.height_field import HeightField
 from trundle.maps.over_floor import mark_over_floor
 from trundle.maps.rasterise import DEPTH, TOUCH, HeightBand, SolidRaster
-from trundle.solids import Solid, solids_bounds
 from trundle.values import as_array, first_names, is_finite_number, show_value
 
 Bounds: TypeAlias = tuple[tuple[float, float], tuple[float, float]]

@@ -11,10 +11,10 @@ import numpy.typing as npt
 
 from trundle._core import floor_planes, raster_mesh_over_floor, raster_thin_faces_over_floor
 from trundle.geometry import FloatArray, Pose3D
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.maps.height_field import HeightField
 from trundle.maps.rasterise import CORNERS, HeightBand, mark_pending, run_corners
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 
 ROUND = 1e-4
 """Largest excess of cylinders and spheres, as a fraction of their radius and in metres; they are never too small."""

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from trundle._core import raster_cylinders, raster_discs, raster_hexahedra, raster_mesh, raster_thin_faces
 from trundle.geometry import FloatArray, Pose3D
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, SolidArrays, Sphere
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, SolidArrays, Sphere
 
 DEPTH = 1e-6
 """A solid must reach deeper than this into a cell [m]: otherwise rounding makes a 1 m box 20, 21 or 22 cells wide."""

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field, field_validator
 
 from trundle.files.yaml_config import Config
-from trundle.footprint import Footprint
+from trundle.geometry import Footprint
 from trundle.robots import Limits, Robot
 from trundle.robots.sizes import Acceleration, Coordinate, ReverseSpeed, Speed, TurningAcceleration, TurningSpeed
 

@@ -8,10 +8,10 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from trundle.control import MonitorSettings
 from trundle.control.controller import CONTROLLERS
+from trundle.control.latency import Latency
 from trundle.costmap import CostmapSettings, LayersSettings
 from trundle.files.choice import Choice, takes_name, takes_plugin
 from trundle.files.config_fields import PoseNumbers, Positive
-from trundle.latency import Latency
 from trundle.mission.assumed import Assumed
 from trundle.mission.choices import MapOptions, RecordChoice, WorldChoice, refuse_removed_names
 from trundle.mission.goal_fields import GoalFields

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from trundle.control.latency import Latency
 from trundle.geometry import Pose2D
-from trundle.latency import Latency
 from trundle.localization.localizer import LocalizerLike
 from trundle.mission.episode import Episode
 from trundle.mission.observers import Observer

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from trundle.files.config_fields import NotNegative, Positive
 from trundle.files.yaml_config import Config
 from trundle.geometry import Pose3D
-from trundle.solids import Box, Cylinder, Solid
+from trundle.geometry.solids import Box, Cylinder, Solid
 from trundle.worlds.movers import AlongPath, Crowd, Motion, Mover, Waypoints
 from trundle.worlds.movers.bodies import body_named
 

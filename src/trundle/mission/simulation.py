@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, TypedDict
 
 from trundle.control import CollisionMonitor
-from trundle.latency import Latency
+from trundle.control.latency import Latency
 from trundle.localization import Localizer, create_localizer
 from trundle.maps import OccupancyGrid
 from trundle.mission.fields import ScenarioFields

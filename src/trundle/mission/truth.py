@@ -13,10 +13,10 @@ import numpy.typing as npt
 
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.geometry import FloatArray, path_length
+from trundle.geometry.solids import Solid
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.robots import Robot
 from trundle.sim.clearance import least_clearance, map_extent, map_world
-from trundle.solids import Solid
 from trundle.worlds import World
 
 MeasuredOn: TypeAlias = Literal["world", "map", "nothing"]

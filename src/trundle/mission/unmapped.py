@@ -17,8 +17,8 @@ from trundle.errors import ScenarioError
 from trundle.files.config_fields import NotNegative, Positive
 from trundle.files.yaml_config import Config
 from trundle.geometry import FloatArray, Pose3D, path_length
+from trundle.geometry.solids import Box, Solid
 from trundle.planning.grid.grid_search import GridSearch
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 KIND = "unmapped box"

@@ -1,7 +1,7 @@
 """Navigation: plan, follow, replan and recover behind one call, for any simulator or robot."""
 
+from trundle.control.latency import Latency
 from trundle.files.choice import Choice
-from trundle.latency import Latency
 from trundle.navigation.agent import Agent, AgentLike, CommandScript, agent_names, create_agent
 from trundle.navigation.assisted_teleop import AssistedCommand
 from trundle.navigation.navigator import Navigator

@@ -11,14 +11,13 @@ from typing import Literal, cast, overload
 
 from trundle.control import Rollouts, create_controller
 from trundle.control.controller import ControllerLike
-from trundle.control.delayed_commands import DelayedCommands
 from trundle.control.intent import Intent
+from trundle.control.latency import DelayedCommands, Latency
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.costmap.layers import LayersSettings
 from trundle.errors import InputError
 from trundle.files.choice import split_choice
 from trundle.geometry import Goal, Pose2D, Twist2D
-from trundle.latency import Latency
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
 from trundle.navigation.agenda import Agenda

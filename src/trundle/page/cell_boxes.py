@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from trundle.solids import OccupancyCells
+from trundle.geometry.solids import OccupancyCells
 
 MOST_BOXES = 40_000
 

@@ -10,13 +10,13 @@ import numpy.typing as npt
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose3D
+from trundle.geometry.solids import Box, Color, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
 from trundle.maps import OccupancyGrid
 from trundle.page.cell_boxes import boxes_of
 from trundle.page.encoding import pack_array, rounded
 from trundle.page.maps import grid_png
 from trundle.page.robot_look import robot_of
 from trundle.robots import Robot
-from trundle.solids import Box, Color, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
 from trundle.worlds import World
 from trundle.worlds.movers.crowd import each_body
 

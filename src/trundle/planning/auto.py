@@ -10,8 +10,7 @@ import numpy as np
 from trundle import _core
 from trundle.costmap import Costmap
 from trundle.errors import NoPathError, PlanningError, PlanningStoppedError
-from trundle.footprint import Footprint
-from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry import FloatArray, Footprint, Pose2D
 from trundle.path import Path
 from trundle.planning.cancellation import Patience
 from trundle.planning.grid_planners.footprint_planner import FootprintOptions

@@ -13,8 +13,7 @@ import numpy.typing as npt
 from trundle import _core
 from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError
-from trundle.footprint import Footprint
-from trundle.geometry import FloatArray, arc_lengths, wrap_angles
+from trundle.geometry import FloatArray, Footprint, arc_lengths, wrap_angles
 from trundle.path import Path
 from trundle.planning.motions import CHECK_STEP_M
 from trundle.planning.path_check import PathCheck

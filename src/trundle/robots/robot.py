@@ -17,8 +17,7 @@ from trundle.files.kinds import ROBOT
 from trundle.files.uris import Folders, split_folders
 from trundle.files.yaml_config import Config, Plain, build, plain_value, validate
 from trundle.files.yaml_nodes import compose
-from trundle.footprint import Footprint
-from trundle.geometry import FloatArray, Twist2D
+from trundle.geometry import FloatArray, Footprint, Twist2D
 from trundle.guard import ReadCall, ReadLimits, read_guarded, read_limits
 from trundle.registry import Registry
 from trundle.robots.drive import DifferentialDrive, WheelSpeeds

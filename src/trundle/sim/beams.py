@@ -6,9 +6,9 @@ import numpy as np
 
 from trundle._core import cast_grid_rays, cast_outline_rays
 from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry.solids import Cylinder, OccupancyCells, Sphere
 from trundle.sim.footprint import CellField
 from trundle.sim.sections import Disc, outline_segments, slab_section
-from trundle.solids import Cylinder, OccupancyCells, Sphere
 from trundle.worlds import World
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from trundle.geometry import Pose2D
-from trundle.solids import OccupancyCells, Solid
+from trundle.geometry.solids import OccupancyCells, Solid
 from trundle.worlds import World
 
 

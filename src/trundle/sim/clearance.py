@@ -9,12 +9,12 @@ import numpy as np
 from trundle import _core
 from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry.solids import Mesh, OccupancyCells, Solid, solids_bounds
 from trundle.maps import OccupancyGrid
 from trundle.maps.rasterise import HeightBand, SolidRaster
 from trundle.robots import Robot
 from trundle.sim.distances import disc_distances, polygon_distances
 from trundle.sim.sections import Disc, Polygon, cut_triangles, slab_section
-from trundle.solids import Mesh, OccupancyCells, Solid, solids_bounds
 from trundle.worlds import World
 
 _MOST_CELLS = 60_000_000

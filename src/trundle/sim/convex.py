@@ -27,8 +27,8 @@ import numpy.typing as npt
 
 from trundle.errors import WorldWarning
 from trundle.geometry import FloatArray, Pose3D
+from trundle.geometry.solids import Mesh, Solid
 from trundle.maps.rasterise import HeightBand, SolidRaster
-from trundle.solids import Mesh, Solid
 from trundle.values import first_names
 from trundle.worlds.walls import merge_cells
 

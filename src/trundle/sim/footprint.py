@@ -11,13 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import WorldError
-from trundle.footprint import Footprint
-from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry import FloatArray, Footprint, Pose2D
+from trundle.geometry.solids import OccupancyCells, Solid
 from trundle.robots import Robot
 from trundle.sim.convex import take_apart
 from trundle.sim.sections import Disc, Polygon, piece_section, slab_section
 from trundle.sim.simulator import Contact
-from trundle.solids import OccupancyCells, Solid
 from trundle.worlds import World
 
 _TOUCH = 1e-9

@@ -11,6 +11,7 @@ import numpy as np
 
 from trundle.errors import InputError, SimulationError
 from trundle.geometry import FloatArray, Pose2D, Twist2D, arc_shares
+from trundle.geometry.solids import Solid
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.footprint import FootprintChecker
 from trundle.sim.lidar import LidarChoice, LidarSet
@@ -18,7 +19,6 @@ from trundle.sim.movers import MoverField
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.scene_beams import SceneBeams
 from trundle.sim.simulator import Contact, RobotState, Substep
-from trundle.solids import Solid
 from trundle.worlds import World
 
 TIMESTEP = 0.005

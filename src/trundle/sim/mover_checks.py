@@ -9,8 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from trundle.errors import WorldWarning
-from trundle.footprint import Footprint
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, Footprint
 from trundle.sim.footprint import FootprintChecker
 from trundle.sim.simulator import Contact
 from trundle.worlds import World

@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, convex_hull
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.sim.convex import Piece, mesh_edges
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 
 _SIDES = 128
 """A lying or leaning cylinder becomes a prism of this many sides, which is 0.03 % of the radius too small."""

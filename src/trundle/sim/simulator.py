@@ -8,10 +8,10 @@ from typing import Any, Protocol, Self, cast, runtime_checkable
 
 from trundle.errors import InputError
 from trundle.geometry import Pose2D, Twist2D
+from trundle.geometry.solids import Solid
 from trundle.observation import Observation, Scan
 from trundle.registry import Registry
 from trundle.robots import Robot, WheelSpeeds
-from trundle.solids import Solid
 from trundle.values import check_kind, check_number
 from trundle.worlds import World
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from trundle.geometry.solids import Solid
 from trundle.robots import Robot
-from trundle.solids import Solid
 from trundle.worlds import World
 from trundle.worlds.movers.crowd import each_body
 

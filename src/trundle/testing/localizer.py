@@ -11,13 +11,13 @@ import numpy as np
 
 from trundle.errors import InputError
 from trundle.geometry import Pose2D, Pose3D, Twist2D, wrap_angle
+from trundle.geometry.solids import Box, Solid
 from trundle.localization import Localizer, create_localizer
 from trundle.localization.localizer import LocalizerLike
 from trundle.maps import OccupancyGrid
 from trundle.observation import Estimate, Observation
 from trundle.robots import Robot
 from trundle.sim.kinematic import KinematicSimulator
-from trundle.solids import Box, Solid
 from trundle.testing.conformance import ConformanceError, accept, expect
 from trundle.worlds import World
 

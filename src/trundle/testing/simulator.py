@@ -10,11 +10,11 @@ import numpy as np
 
 from trundle.errors import InputError, SimulationError
 from trundle.geometry import Pose2D, Pose3D, Twist2D, wrap_angle
+from trundle.geometry.solids import Box, Cylinder, Solid
 from trundle.observation import Scan
 from trundle.robots import Robot
 from trundle.sim import RobotState, Simulator
 from trundle.sim.kinematic import KinematicSimulator
-from trundle.solids import Box, Cylinder, Solid
 from trundle.testing.conformance import expect
 from trundle.worlds import World
 from trundle.worlds.movers import AlongPath, Mover

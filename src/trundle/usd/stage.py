@@ -13,7 +13,7 @@ from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 from trundle.errors import OutputError
 from trundle.files.writing import DISK_FULL, atomic_path, cannot_write
 from trundle.geometry import Pose3D
-from trundle.solids import Color, Mesh
+from trundle.geometry.solids import Color, Mesh
 
 SUFFIXES = (".usd", ".usda", ".usdc")
 

@@ -9,7 +9,7 @@ from pxr import Gf, Sdf, UsdGeom, UsdPhysics
 
 from trundle.errors import OutputError
 from trundle.geometry import FloatArray
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.usd.stage import (
     PrimNames,
     bind_friction,

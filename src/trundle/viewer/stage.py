@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry.solids import Solid
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.mover_history import ShownMovers
 from trundle.sim.mujoco.model import build_spec
 from trundle.sim.mujoco.world_parts import FLOOR
-from trundle.solids import Solid
 from trundle.viewer.cameras import Camera, aim
 from trundle.viewer.moving import MovingBodies
 from trundle.viewer.route import (

@@ -8,7 +8,7 @@ import numpy as np
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose3D
-from trundle.solids import Box, Cylinder, Mesh, Sphere
+from trundle.geometry.solids import Box, Cylinder, Mesh, Sphere
 from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
 
 ALIKE = 1e-6

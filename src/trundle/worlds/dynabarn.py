@@ -17,7 +17,7 @@ from trundle.errors import WorldError
 from trundle.files.opening import open_file, read_up_to
 from trundle.files.parser_errors import parser_reason
 from trundle.geometry import Pose3D
-from trundle.solids import Box, Color, Cylinder, Solid
+from trundle.geometry.solids import Box, Color, Cylinder, Solid
 from trundle.values import check_number, is_finite_number, show_value
 from trundle.worlds.movers import Mover, Waypoints
 from trundle.worlds.world import World

@@ -19,8 +19,8 @@ import numpy.typing as npt
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose2D, Pose3D
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
 from trundle.robots import Robot
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
 from trundle.worlds.ground import LARGE
 from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
 from trundle.worlds.world_like import WorldLike, WorldT

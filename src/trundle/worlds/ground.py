@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from trundle.geometry import Pose3D
-from trundle.solids import Color, Solid, solids_bounds
+from trundle.geometry.solids import Color, Solid, solids_bounds
 from trundle.worlds.shapes import Names, Part, make_solids
 
 LARGE = 10.0

@@ -6,7 +6,7 @@ import numpy as np
 
 from trundle.errors import MissingExtraError
 from trundle.geometry import FloatArray
-from trundle.solids import Mesh
+from trundle.geometry.solids import Mesh
 
 
 def convex_hull(points: FloatArray) -> Mesh | None:

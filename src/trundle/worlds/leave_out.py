@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from trundle.errors import InputError, WorldWarning
-from trundle.solids import Solid
+from trundle.geometry.solids import Solid
 from trundle.worlds.world_like import WorldT
 
 _FLOOR_TOP = 0.01

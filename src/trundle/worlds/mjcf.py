@@ -12,7 +12,7 @@ from trundle.errors import WorldError, WorldWarning
 from trundle.files.model_spec import GeometryChoice, compile_spec, drop_textures, read_spec
 from trundle.files.uris import Folders, split_folders
 from trundle.geometry import Pose3D
-from trundle.solids import Box, Color, Cylinder, Mesh, Solid, Sphere
+from trundle.geometry.solids import Box, Color, Cylinder, Mesh, Solid, Sphere
 from trundle.worlds.ground import ENDLESS, LevelPlanes
 from trundle.worlds.options import check_choice
 from trundle.worlds.shapes import (

@@ -10,11 +10,11 @@ from PIL import Image
 
 from trundle._core import draw_triangles
 from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
 from trundle.pictures.cells import merge_cells
 from trundle.pictures.colors import START, WARNING
 from trundle.pictures.figure import make_figure
 from trundle.pictures.plan import Plan
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
 from trundle.worlds.movers.crowd import Crowd
 from trundle.worlds.movers.mover import Mover, outline_of
 from trundle.worlds.movers.walk import CrowdWalk, RobotMotion

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from trundle.geometry import FloatArray, Pose3D
-from trundle.solids import Color, Cylinder, Mesh, Shape, Solid, Sphere
+from trundle.geometry.solids import Color, Cylinder, Mesh, Shape, Solid, Sphere
 from trundle.worlds.tessellate import sphere_mesh
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.geometry import FloatArray
-from trundle.solids import Mesh
+from trundle.geometry.solids import Mesh
 
 AROUND = 64
 """Sides of a circle."""

@@ -12,9 +12,9 @@ import numpy.typing as npt
 from trundle._core import flood_largest
 from trundle.errors import WorldError
 from trundle.geometry import Pose3D
+from trundle.geometry.solids import Box, Color, OccupancyCells, Solid
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import OCCUPIED, UNKNOWN
-from trundle.solids import Box, Color, OccupancyCells, Solid
 from trundle.values import check_kind, is_finite_number, show_value
 from trundle.worlds.options import Unknown, check_choice
 

@@ -12,9 +12,9 @@ import numpy as np
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray
+from trundle.geometry.solids import Solid, solids_bounds
 from trundle.maps import OccupancyGrid
 from trundle.registry import Registry
-from trundle.solids import Solid, solids_bounds
 from trundle.values import check_kind
 from trundle.worlds.movers import Crowd, Mover
 from trundle.worlds.options import Unknown

@@ -6,7 +6,7 @@ from dataclasses import Field
 from typing import Any, ClassVar, Protocol, TypeVar
 
 from trundle.geometry import FloatArray
-from trundle.solids import Solid
+from trundle.geometry.solids import Solid
 
 
 class WorldLike(Protocol):

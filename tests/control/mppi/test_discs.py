@@ -8,7 +8,7 @@ from shapely.geometry import Point, Polygon
 from shapely.ops import unary_union
 
 from trundle.control.mppi.discs import MOST_DISCS, cover_with_discs
-from trundle.footprint import Footprint
+from trundle.geometry import Footprint
 from trundle.robots import Robot
 
 

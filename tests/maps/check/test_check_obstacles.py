@@ -4,9 +4,9 @@ import pytest
 from support.planted_faults import grown, plant
 from support.planted_maps import EDGE, changed, map_of, redrawn, room, surveyed, warehouse
 from trundle.geometry import Pose3D
+from trundle.geometry.solids import Box, Solid
 from trundle.maps import FREE, OCCUPIED, OccupancyGrid
 from trundle.maps.check import check_grid
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 KINDS = ("missing_obstacle", "phantom_obstacle")

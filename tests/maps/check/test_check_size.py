@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from support.planted_maps import EDGE, map_of, redrawn, room, same, surveyed, warehouse
+from trundle.geometry.solids import Box, Solid
 from trundle.maps import OccupancyGrid
 from trundle.maps.check import PLACEMENT_KINDS, check_grid, check_map
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 

@@ -17,11 +17,11 @@ from trundle.errors import (
     WorldError,
 )
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, Solid
 from trundle.mission import Outcome
 from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.sim.isaac import IsaacSimulator, application
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 EMPTY = World("empty", ())

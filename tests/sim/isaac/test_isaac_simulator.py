@@ -7,11 +7,11 @@ import pytest
 import trundle
 from trundle.errors import SimulationError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry.solids import Box, OccupancyCells, Solid
 from trundle.mission import Outcome
 from trundle.sim import Simulator, simulate
 from trundle.sim.isaac import IsaacSimulator
 from trundle.sim.isaac.application import Application
-from trundle.solids import Box, OccupancyCells, Solid
 from trundle.testing import check_simulator
 from trundle.worlds import World
 

@@ -2,9 +2,9 @@
 
 from trundle.export.usd import export_robot, export_world
 from trundle.geometry import Pose3D
+from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot
 from trundle.sim.isaac.assets import ENVIRONMENTS, ROBOTS
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 

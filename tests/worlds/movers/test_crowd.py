@@ -9,8 +9,8 @@ import pytest
 from trundle import World
 from trundle.errors import InputError, UnknownNameError, WorldError
 from trundle.geometry import Pose2D, Pose3D, wrap_angle
+from trundle.geometry.solids import Box, OccupancyCells, Solid
 from trundle.maps import OccupancyGrid
-from trundle.solids import Box, OccupancyCells, Solid
 from trundle.worlds.movers import AlongPath, Crowd, Mover, Waypoints, forklift_body, person_body
 from trundle.worlds.movers.mover import radius_of
 from trundle.worlds.movers.walk import PERIOD_S, CrowdWalk, RobotMotion

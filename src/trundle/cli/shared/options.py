@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import CoercionError, Parameter, Token
 
-from trundle.angles import FORM as ANGLE_FORM
-from trundle.angles import parse_angle, warn_of_degrees
 from trundle.errors import InputError, OutputError
+from trundle.geometry.angles import FORM as ANGLE_FORM
+from trundle.geometry.angles import parse_angle, warn_of_degrees
 
 if TYPE_CHECKING:
     from trundle.geometry import Goal as Target

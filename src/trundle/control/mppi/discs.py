@@ -7,8 +7,7 @@ import math
 
 import numpy as np
 
-from trundle.footprint import Footprint
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, Footprint
 
 MOST_DISCS = 8
 _WIDER = 0.17

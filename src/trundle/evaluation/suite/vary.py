@@ -9,10 +9,10 @@ from typing import Annotated, Self, TypeAlias
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
+from trundle.control.latency import Latency
 from trundle.errors import InputError
 from trundle.files.yaml_config import Config
 from trundle.geometry import Pose2D, wrap_angle
-from trundle.latency import Latency
 from trundle.mission import Scenario
 from trundle.sim.actuation import Actuation
 from trundle.sim.odometry_errors import OdometryErrors

@@ -13,12 +13,12 @@ import numpy.typing as npt
 
 from trundle.errors import MapError, MapWarning
 from trundle.geometry import FloatArray, Pose2D, Pose3D
+from trundle.geometry.solids import Solid
 from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.maps.check.areas import Cells, Mask
 from trundle.maps.check.orientation import Orientation
 from trundle.maps.from_world import SolidWorld
 from trundle.maps.grid import OccupancyGrid
-from trundle.solids import Solid
 
 MOST_CELLS = 100_000_000
 _MOST_SAMPLES = 60_000

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from trundle.control import CollisionMonitor
+from trundle.control.latency import Latency
 from trundle.geometry import Twist2D
-from trundle.latency import Latency
 from trundle.mission.observers import MonitorReport
 from trundle.mission.running.monitoring import Monitor
 from trundle.mission.running.scan_mail import report_latency

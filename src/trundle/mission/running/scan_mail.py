@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 
-from trundle.latency import Latency
+from trundle.control.latency import Latency
 from trundle.observation import Scan
 
 

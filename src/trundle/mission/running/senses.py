@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from trundle.control.latency import Latency
 from trundle.errors import InputError
 from trundle.fault import check_result
 from trundle.geometry import Pose2D
-from trundle.latency import Latency
 from trundle.localization import create_localizer
 from trundle.localization.localizer import LocalizerLike
 from trundle.maps import OccupancyGrid

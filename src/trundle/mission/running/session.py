@@ -8,10 +8,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Self, cast
 
+from trundle.control.latency import Latency
 from trundle.errors import PlanningError, ScenarioError, SimulationError, TrundleError
 from trundle.fault import Fault, find_fault, is_of_plugin, keep_fault, note_folder, text_of
 from trundle.geometry import Pose2D, Twist2D
-from trundle.latency import Latency
 from trundle.localization.localizer import LocalizerLike
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.legs import read_goals

@@ -8,6 +8,7 @@ from typing import Literal, TypeAlias
 
 from trundle.errors import InputError
 from trundle.geometry import Pose2D, Pose3D, wrap_angle
+from trundle.geometry.solids import Box, Solid
 from trundle.mission.steering.goal_directives import (
     Cancel,
     ClearObstacles,
@@ -17,7 +18,6 @@ from trundle.mission.steering.goal_directives import (
     SetGoals,
     SetPose,
 )
-from trundle.solids import Box, Solid
 from trundle.values import as_number, as_sequence, check_count, check_flag, check_number, check_seed
 
 SLOWEST, FASTEST = 0.1, 50.0

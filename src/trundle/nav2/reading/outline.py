@@ -9,8 +9,7 @@ import numpy as np
 from trundle.errors import InputError
 from trundle.files.yaml_config import plain_value
 from trundle.files.yaml_nodes import compose_text
-from trundle.footprint import Footprint
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, Footprint
 from trundle.nav2.parameters import NodeParameters
 from trundle.nav2.reading.notes import Notes
 

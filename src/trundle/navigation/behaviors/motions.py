@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from trundle.angles import parse_angle, warn_of_degrees
 from trundle.control.collision import FOOTPRINT_PADDING_M, may_pass
 from trundle.errors import BehaviorFailedError, InputError
 from trundle.geometry import Twist2D, integrate_twist, wrap_angle
+from trundle.geometry.angles import parse_angle, warn_of_degrees
 from trundle.navigation.behaviors.behavior import Behavior, BehaviorContext
 from trundle.values import as_number, check_number
 

@@ -14,6 +14,7 @@ import numpy as np
 from trundle.errors import InputError, RobotError, SimulationError, WorldError
 from trundle.files.model_spec import log_warnings
 from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist, wrap_angle
+from trundle.geometry.solids import Solid
 from trundle.observation import Scan
 from trundle.robots import Robot, WheelSpeeds
 from trundle.robots.balance import describe_imbalance
@@ -26,7 +27,6 @@ from trundle.sim.mujoco.robot_parts import FeedForward, scale_robot, traction_jo
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.scene_beams import SceneBeams
 from trundle.sim.simulator import Contact, RobotState, Substep
-from trundle.solids import Solid
 from trundle.values import as_number, check_seed
 from trundle.worlds import World
 

@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.geometry import FloatArray, Pose3D
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
 from trundle.sim.convex import FLOOR_TOP, Pieces, take_apart
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
 from trundle.worlds import World
 from trundle.worlds.mjcf import PIECE
 from trundle.worlds.movers import Mover

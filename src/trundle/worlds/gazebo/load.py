@@ -12,7 +12,7 @@ from trundle.errors import WorldError, WorldWarning
 from trundle.files.uris import Folders, split_folders
 from trundle.files.xml_elements import XmlElement, read_xml
 from trundle.geometry import Pose3D
-from trundle.solids import Color, Solid
+from trundle.geometry.solids import Color, Solid
 from trundle.values import first_names
 from trundle.worlds.gazebo.actors import read_actor
 from trundle.worlds.gazebo.frames import WORLD_FRAME, Scope

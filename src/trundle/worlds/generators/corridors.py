@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from trundle.errors import WorldError
-from trundle.solids import Color, Solid
+from trundle.geometry.solids import Color, Solid
 from trundle.worlds.generators.checks import check_number, check_numbers, check_seed
 from trundle.worlds.generators.props import Part, box, place
 from trundle.worlds.world import World

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from trundle.geometry import Pose3D
-from trundle.solids import Color, Cylinder, Sphere
+from trundle.geometry.solids import Color, Cylinder, Sphere
 from trundle.worlds.generators.props import CHARCOAL, RUBBER, SEEN_TO, STEEL, WOOD, Part, box
 
 DESK_SIZE = (1.6, 0.8)

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from trundle.solids import Color, Solid
+from trundle.geometry.solids import Color, Solid
 from trundle.worlds.generators import yard
 from trundle.worlds.generators.checks import check_flag, check_number, check_seed, check_size, check_whole
 from trundle.worlds.generators.props import SEEN_TO, Part, box, place

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import WorldError
-from trundle.solids import Color, Solid
+from trundle.geometry.solids import Color, Solid
 from trundle.worlds.generators.checks import check_number, check_seed, check_whole
 from trundle.worlds.generators.props import Part, box, place
 from trundle.worlds.world import World

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trundle.errors import WorldError
-from trundle.solids import Color, Solid
+from trundle.geometry.solids import Color, Solid
 from trundle.worlds.generators import furniture
 from trundle.worlds.generators.checks import check_flag, check_number, check_seed, check_size
 from trundle.worlds.generators.props import SEEN_TO, Part, box, place

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trundle.geometry import Pose3D
-from trundle.solids import Box, Color, Cylinder, Shape, Solid
+from trundle.geometry.solids import Box, Color, Cylinder, Shape, Solid
 
 WOOD: Color = (0.72, 0.55, 0.34, 1.0)
 DARK_WOOD: Color = (0.58, 0.42, 0.25, 1.0)

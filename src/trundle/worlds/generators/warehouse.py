@@ -17,7 +17,7 @@ import numpy as np
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray
-from trundle.solids import Color, Solid
+from trundle.geometry.solids import Color, Solid
 from trundle.worlds.generators.checks import check_flag, check_number, check_seed, check_size, check_whole
 from trundle.worlds.generators.props import (
     CARTONS,

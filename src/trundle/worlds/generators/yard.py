@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from trundle.geometry import Pose3D
-from trundle.solids import Color, Cylinder, Sphere
+from trundle.geometry.solids import Color, Cylinder, Sphere
 from trundle.worlds.generators.furniture import LEAVES
 from trundle.worlds.generators.props import CHARCOAL, DARK_WOOD, RUBBER, STEEL, Part, box
 

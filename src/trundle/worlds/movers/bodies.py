@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from trundle.errors import UnknownNameError
 from trundle.geometry import Pose3D
-from trundle.solids import Box, Color, Cylinder, Solid, Sphere
+from trundle.geometry.solids import Box, Color, Cylinder, Solid, Sphere
 
 PERSON_RADIUS, PERSON_HEIGHT = 0.3, 1.75  # [m]
 FORK_LOW, FORK_HIGH = 0.14, 0.20  # of the forks above the floor [m]: below the lidars of many robots

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from trundle.errors import WorldError
-from trundle.solids import Solid
+from trundle.geometry.solids import Solid
 from trundle.values import is_finite_number, show_value
 from trundle.worlds.movers.bodies import body_named
 from trundle.worlds.movers.mover import Mover, check_parts

@@ -8,7 +8,7 @@ import numpy as np
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, convex_hull
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.values import check_kind
 from trundle.worlds.movers.motion import Motion
 

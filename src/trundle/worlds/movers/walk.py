@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, wrap_angles
-from trundle.solids import Solid, solids_bounds
+from trundle.geometry.solids import Solid, solids_bounds
 from trundle.worlds.movers.crowd import Crowd
 from trundle.worlds.movers.mover import Mover, outline_of, radius_of, top_of
 from trundle.worlds.movers.social_force import border_force, driving, repulsion

@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from trundle._core import cost_field, inflate, label_components
 from trundle.geometry import FloatArray
+from trundle.geometry.solids import Solid
 from trundle.maps.rasterise import HeightBand, SolidRaster
-from trundle.solids import Solid
 
 IndexArray = npt.NDArray[np.int64]
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from pxr import UsdGeom, UsdShade
 
-from trundle.solids import Color
+from trundle.geometry.solids import Color
 from trundle.worlds.usd.walk import TIME
 
 GREY: Color = (0.6, 0.6, 0.62, 1.0)

@@ -11,7 +11,7 @@ from typing import Any, Self, get_args
 from pxr import UsdPhysics
 
 from trundle.errors import InputError, WorldError
-from trundle.solids import Solid
+from trundle.geometry.solids import Solid
 from trundle.worlds.affine import FlattenedError
 from trundle.worlds.ground import find_ground, is_ground
 from trundle.worlds.leave_out import Filter, split_words, warn_of_unmet

@@ -11,7 +11,7 @@ from pxr import UsdGeom
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose3D
-from trundle.solids import Box, Cylinder, Mesh, Sphere
+from trundle.geometry.solids import Box, Cylinder, Mesh, Sphere
 from trundle.worlds import tessellate
 from trundle.worlds.affine import FlattenedError, place, pose_of, scale_mesh, split
 from trundle.worlds.ground import ENDLESS, LevelPlane, is_level

@@ -8,7 +8,7 @@ import numpy as np
 from pxr import Tf, UsdGeom
 
 from trundle.geometry import FloatArray
-from trundle.solids import Solid, solids_bounds
+from trundle.geometry.solids import Solid, solids_bounds
 from trundle.worlds.usd.walk import TIME, Place
 
 LOW, HIGH = 0.01, 2.0

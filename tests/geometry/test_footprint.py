@@ -5,8 +5,7 @@ import pytest
 
 from trundle.costmap import Costmap
 from trundle.errors import InputError
-from trundle.footprint import Footprint
-from trundle.geometry import pad_outline
+from trundle.geometry import Footprint, pad_outline
 from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
 

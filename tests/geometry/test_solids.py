@@ -3,7 +3,7 @@ import math
 import pytest
 
 from trundle.geometry import Pose3D
-from trundle.solids import Box, Cylinder, Shape, Solid, Sphere
+from trundle.geometry.solids import Box, Cylinder, Shape, Solid, Sphere
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from trundle.angles import is_in_degrees, parse_angle
+from trundle.geometry.angles import is_in_degrees, parse_angle
 
 
 @pytest.mark.parametrize(

@@ -1,14 +1,15 @@
-"""`Footprint`: the outline of a robot on the floor, checked in one place."""
+"""`Footprint`, the outline of a robot on the floor, checked in one place; and what is computed of outlines."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError
-from trundle.geometry import FloatArray, pad_outline, shrink_outline
+from trundle.geometry.poses import FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,3 +103,56 @@ def _edge_distances(outline: FloatArray) -> FloatArray:
     """Distance [m] of base_link to the left of each edge of a counter-clockwise outline."""
     edges = np.roll(outline, -1, axis=0) - outline
     return (outline[:, 0] * edges[:, 1] - outline[:, 1] * edges[:, 0]) / np.hypot(edges[:, 0], edges[:, 1])
+
+
+def pad_outline(outline: npt.ArrayLike, padding: float) -> FloatArray:
+    """Move every edge of a convex, counter-clockwise outline outwards by `padding` [m]; shape (N, 2) stays (N, 2)."""
+    points = np.asarray(outline, dtype=np.float64)
+    edges = np.roll(points, -1, axis=0) - points
+    normals = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.hypot(edges[:, 0], edges[:, 1])[:, None]
+    before = np.roll(normals, 1, axis=0)
+    # A corner moves along the sum of its two edges' normals, scaled to move both edges by the padding.
+    shift = (before + normals) / (1.0 + (before * normals).sum(axis=1))[:, None]
+    return points + padding * shift
+
+
+def shrink_outline(outline: npt.ArrayLike, margin: float) -> FloatArray | None:
+    """Inset a convex, counter-clockwise outline by `margin` [m]; None if nothing is left."""
+    points = np.asarray(outline, dtype=np.float64)
+    kept = points
+    for first, second in zip(points, np.roll(points, -1, axis=0), strict=True):
+        along = (second - first) / math.hypot(*(second - first))
+        inside = along[0] * (kept[:, 1] - first[1]) - along[1] * (kept[:, 0] - first[0]) - margin
+        # Sutherland and Hodgman 1974, against one edge.
+        clipped: list[FloatArray] = []
+        for i in range(len(kept)):
+            before, here = inside[i - 1], inside[i]
+            if (before > 0.0) != (here > 0.0):
+                clipped.append(kept[i - 1] + before / (before - here) * (kept[i] - kept[i - 1]))
+            if here > 0.0:
+                clipped.append(kept[i])
+        if len(clipped) < 3:
+            return None
+        kept = np.array(clipped)
+    return kept
+
+
+def convex_hull(points: FloatArray) -> FloatArray:
+    """Convex hull of points, shape (N, 2), counter-clockwise (Andrew's monotone chain)."""
+    ordered = sorted({(float(x), float(y)) for x, y in points})
+    if len(ordered) < 3:
+        return np.array(ordered).reshape(-1, 2)
+
+    def half(sequence: list[tuple[float, float]]) -> list[tuple[float, float]]:
+        chain: list[tuple[float, float]] = []
+        for point in sequence:
+            while len(chain) >= 2 and _turn(chain[-2], chain[-1], point) <= 0.0:
+                chain.pop()
+            chain.append(point)
+        return chain[:-1]
+
+    return np.array(half(ordered) + half(ordered[::-1]))
+
+
+def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

@@ -3,7 +3,7 @@ import random
 
 import pytest
 
-from trundle.control.delayed_commands import DelayedCommands
+from trundle.control.latency import DelayedCommands
 from trundle.geometry import Pose2D, Twist2D
 from trundle.robots import Robot
 from trundle.sim.command_delay import DelayedSimulator
