@@ -18,7 +18,7 @@ from trundle.localization import create_localizer
 from trundle.maps import OccupancyGrid
 from trundle.mission import Scenario
 from trundle.navigation import Choice, NavigationStatus, Navigator
-from trundle.navigation.agent import create_agent
+from trundle.navigation.agents import create_agent
 from trundle.observation import Estimate
 from trundle.path import Path
 from trundle.planning import create_planner, plan_many

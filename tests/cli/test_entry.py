@@ -15,7 +15,7 @@ from trundle.control import controller_names
 from trundle.control.controller import CONTROLLERS
 from trundle.errors import InputError, OutputError
 from trundle.localization.localizer import LOCALIZERS
-from trundle.navigation.agent import AGENTS
+from trundle.navigation.agents import AGENTS
 from trundle.navigation.behaviors.behavior import BEHAVIORS
 from trundle.planning.planner import PLANNERS
 from trundle.planning.smoother import SMOOTHERS

@@ -13,7 +13,7 @@ from trundle.mission.rules import Rules
 from trundle.mission.running.monitoring import Monitor
 from trundle.mission.running.session import Session
 from trundle.mission.truth import Measure, measure_truth
-from trundle.navigation.agent import AgentLike
+from trundle.navigation.agents import AgentLike
 from trundle.sim import Simulator
 
 

@@ -31,7 +31,7 @@ from trundle.mission.simulation import session_options, start_backend, wrap_back
 from trundle.mission.steering.file import load_directives
 from trundle.mission.steering.queue import Steering
 from trundle.navigation import Agent, Navigator, NavigatorSettings
-from trundle.navigation.agent import create_agent
+from trundle.navigation.agents import create_agent
 from trundle.navigation.behaviors.choice import shorten_behavior
 from trundle.robots import Robot, is_robot_file
 from trundle.sim import Simulator

@@ -2,7 +2,8 @@
 
 from trundle.control.latency import Latency
 from trundle.files.choice import Choice
-from trundle.navigation.agent import Agent, AgentLike, CommandScript, agent_names, create_agent
+from trundle.navigation.agent import Agent, AgentInfo, AgentReport
+from trundle.navigation.agents import AgentLike, CommandScript, agent_names, create_agent
 from trundle.navigation.assisted_teleop import AssistedCommand
 from trundle.navigation.navigator import Navigator
 from trundle.navigation.settings import NavigatorSettings
@@ -11,7 +12,9 @@ from trundle.navigation.waypoint import Waypoint
 
 __all__ = [
     "Agent",
+    "AgentInfo",
     "AgentLike",
+    "AgentReport",
     "AssistedCommand",
     "Choice",
     "CommandScript",

@@ -1,67 +1,148 @@
-"""`Agent`: what decides how a robot drives; and `CommandScript`, an agent that drives by a list of commands."""
+"""`Agent`: what decides how a robot drives; `AgentInfo` and `AgentReport`, what it says of itself."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any, Protocol, TypeAlias, cast, runtime_checkable
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, Protocol
 
-from trundle.control import GoalChecker
-from trundle.errors import InputError
-from trundle.fault import wrong_result
-from trundle.files.choice import Choice, split_choice
+from trundle.control import GoalChecker, Rollouts
+from trundle.control.intent import Intent
+from trundle.control.latency import Latency
+from trundle.costmap import Costmap
+from trundle.errors import InputError, PlanningError, ScenarioError
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
+from trundle.maps.masks import SpeedMask
+from trundle.navigation.assisted_teleop import AssistedCommand
+from trundle.navigation.behaviors import Behavior, BehaviorRun
 from trundle.navigation.status import NavigationStatus
-from trundle.observation import Estimate, Observation
-from trundle.registry import Contract, PluginFunction, Registry, offered_arguments
+from trundle.observation import Estimate, Observation, Track
+from trundle.path import Path
 from trundle.robots import Robot
-from trundle.values import as_number, as_sequence, check_kind
 
 CONTROL_PERIOD_S = 0.05
-"""Length of the control periods of an agent that does not say it [s]."""
-
-AGENTS: Registry[Agent] = Registry(
-    "agent",
-    "trundle.agents",
-    {},
-    contract=Contract(
-        {"reset": "*, seed", "set_goal": "goal", "update": "observation, estimate"},
-        ("status",),
-        function=("observation", "estimate"),
-        keywords=("goal",),
-    ),
-)
+"""Length of the control periods of an agent that does not say it [s]: 20 Hz, Nav2's default."""
 
 
-@runtime_checkable
-class Agent(Protocol):
-    """Decides how a robot drives: a `Navigator`, a script, a keyboard, or another package's autonomy.
+@dataclass(frozen=True, slots=True, eq=False)
+class AgentInfo:
+    """What an agent is and drives with, which does not change during a run.
 
-    A `Session` calls `update` once per control period. It also uses, where the agent has them: `dt`, the length of the
-    next control period [s] (0.05 otherwise); `path`, the path that it follows; `costmap`, what it drives on; `robot`;
-    `grid`, its map, for a localizer; `error` or `message`, why it gave up; `replans` and `planning_time_s`;
-    `tracks`, what its scans show to move; `intent`, what it means to command next, for the collision monitor;
-    `planner_name` and `controller_name`, for reports; `goal_checker`, which says whether a pose is at the goal;
-    `set_latency(latency)`, to which it reports the `Latency` of scans and commands; `set_sent_command(twist)`, to
-    which it reports what was sent where the collision monitor changed the agent's command; and `assist_teleop(command,
-    observation, estimate)`, which it calls instead of `update` while the robot is driven by hand, and which says what
-    of that command may be sent (see `Navigator.assist_teleop`).
+    Attributes:
+        controller: Name of the controller, or of the agent, for reports.
+        planner: Name of the planner, "none" without one.
+        robot: The robot that it takes itself to drive; None means the simulator's.
+        grid: Its map, which a localizer gets too; None without one.
+        costmap: What it plans and drives on at the start; None without one.
+        speed_mask: What limits its speed, or None.
+        goal_checker: What says whether a pose is at the goal; None means that the run's default decides.
+        plans: Whether it plans a path to each goal, by `plan` and `plan_between`, before it moves.
+        needs_goal: Whether it drives to goals alone: its run has one from the start, or waits for one.
+        plugins: The objects that may be of other packages, of which an exception may come.
     """
+
+    controller: str
+    planner: str = "none"
+    robot: Robot | None = None
+    grid: OccupancyGrid | None = None
+    costmap: Costmap | None = None
+    speed_mask: SpeedMask | None = None
+    goal_checker: GoalChecker | None = None
+    plans: bool = False
+    needs_goal: bool = False
+    plugins: tuple[object, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AgentReport:
+    """What an agent is doing after a control period; all but the status may be left out.
+
+    Attributes:
+        status: What it is doing.
+        message: What blocks it, such as "blocked: obstacle ahead at (2.00, 3.50)"; empty where nothing does.
+        error: Why it has no path, or None.
+        path: The path that it follows, or None.
+        distance_remaining: Length of what is left of that path [m]; None without one.
+        costmap: What it drives on, or None.
+        tracks: What its scans show to move, map frame.
+        rollouts: The best samples of its controller; None where there are none, or they were not asked for.
+        intent: What it means to command next, for the collision monitor; None where it does not say.
+        goals_reached: How many of the goals that `set_goals` gave it are reached or passed.
+        behaviors: The behaviors that it has run since the last reset, in order; the last one may still be running.
+        replans: Number of plans since the goal was set, after the first.
+        planning_time_s: Wall time spent on planning since the goal was set [s].
+        standing_reasons: In how many control periods since then it made no progress, by reason.
+        waits_to_plan: Whether it stands and waits until it may plan again.
+        follows_given: Whether it follows a path that `follow` gave it.
+    """
+
+    status: NavigationStatus
+    message: str = ""
+    error: PlanningError | None = None
+    path: Path | None = None
+    distance_remaining: float | None = None
+    costmap: Costmap | None = None
+    tracks: tuple[Track, ...] = ()
+    rollouts: Rollouts | None = None
+    intent: Intent | None = None
+    goals_reached: int = 0
+    behaviors: tuple[BehaviorRun, ...] = ()
+    replans: int = 0
+    planning_time_s: float = 0.0
+    standing_reasons: Mapping[str, int] = field(default_factory=dict[str, int])
+    waits_to_plan: bool = False
+    follows_given: bool = False
+
+
+class SomeAgent(Protocol):
+    """The least that an object needs to be used as an agent; `create_agent` makes an `Agent` of it."""
 
     @property
     def status(self) -> NavigationStatus:
-        """What it is doing. ARRIVED, FINISHED, STUCK, NO_PATH and PLANNING_TIMED_OUT end the drive to a goal."""
+        """What it is doing."""
         ...
 
     def reset(self, *, seed: int = 0) -> None:
-        """Forget the goal, and all that was observed. The same seed and observations give the same commands."""
+        """Forget the goal, and all that was observed."""
         ...
 
     def set_goal(self, goal: Goal, /) -> None:
         """Set where to drive, map frame."""
         ...
 
+    def update(self, observation: Observation, estimate: Estimate, /) -> Twist2D:
+        """Return the command for the next control period."""
+        ...
+
+
+class Agent(ABC):
+    """Decides how a robot drives: a `Navigator`, a script, a keyboard, or another package's autonomy.
+
+    A `Session` calls `update` once per control period, and `report` after it. `reset`, `set_goal`, `update` and the
+    attribute `status` are all that an agent must have. Everything else has a default here, for an agent that has no
+    path, no map, no behaviors, and takes one goal at a time; an agent overrides what it can do more.
+
+    Attributes:
+        status: What it is doing. ARRIVED, FINISHED, STUCK, NO_PATH and PLANNING_TIMED_OUT end the drive to a goal.
+        dt: Length of the next control period [s]; it may change with every `update`.
+    """
+
+    status: NavigationStatus
+    dt: float = CONTROL_PERIOD_S
+
+    # Driving: what an agent must have -------------------------------------------------------------------------------
+
+    @abstractmethod
+    def reset(self, *, seed: int = 0) -> None:
+        """Forget the goal, and all that was observed. The same seed and observations give the same commands."""
+
+    @abstractmethod
+    def set_goal(self, goal: Goal, /) -> None:
+        """Set where to drive, map frame."""
+
+    @abstractmethod
     def update(self, observation: Observation, estimate: Estimate, /) -> Twist2D:
         """Return the command for the next control period.
 
@@ -71,172 +152,113 @@ class Agent(Protocol):
             observation: What the robot knows of its surroundings and its motion.
             estimate: Where it believes to be.
         """
-        ...
 
+    # What it says of itself -----------------------------------------------------------------------------------------
 
-AgentLike: TypeAlias = str | Choice | Agent | Callable[..., object]
-"""Whatever drives: a name, `"module:name"`, an agent, a class of agents, or a function (observation, estimate), whose
-further parameter `goal` gets the `Goal`. A class is made with those of `robot`, `map` and the options that its
-parameters name. See `FunctionAgent`."""
+    def info(self) -> AgentInfo:
+        """Say what it is and drives with; a session asks before a run. By default only the name of its class."""
+        return AgentInfo(type(self).__name__)
 
+    def report(self, *, rollouts: bool = False) -> AgentReport:
+        """Say what it is doing; a session asks after every `update`. By default only the status.
 
-def agent_names() -> list[str]:
-    """Names that `create_agent` takes, sorted: those of installed packages."""
-    return AGENTS.names()
-
-
-def create_agent(agent: AgentLike, robot: Robot, grid: OccupancyGrid | None = None, **options: Any) -> Agent:
-    """Make an agent of whatever drives.
-
-    Args:
-        agent: A name, a class, a function or an object; see `AgentLike`.
-        robot: The robot.
-        grid: What a class gets as `map`, where there is one.
-        options: Of the agent; more than those of a `Choice`.
-
-    Raises:
-        UnknownNameError: If there is no agent of that name.
-        InputError: If it does not take these options, needs an argument that nothing gives, or is no agent.
-    """
-    check_kind(robot, Robot, "an agent's robot", "Robot.load(name) makes one")
-    _, given, chosen = split_choice(agent)
-    made = AGENTS.resolve(given, offered_arguments(robot, grid), {**chosen, **options})
-    return FunctionAgent(made) if isinstance(made, PluginFunction) else made
-
-
-def check_command(agent: Agent, command: object) -> Twist2D:
-    """The command of an agent.
-
-    Raises:
-        InputError: If it is none.
-    """
-    if isinstance(command, Twist2D):
-        return command
-    name = getattr(agent, "controller_name", type(agent).__name__)
-    raise wrong_result(
-        f"agent {name!r} returned {command!r}: an agent returns a Twist2D(v, w) [m/s, rad/s], and a function None "
-        "where it has finished",
-        agent.function if isinstance(agent, FunctionAgent) else agent,
-        "update",
-        kind="agent",
-    )
-
-
-class FunctionAgent:
-    """A function (observation, estimate) → `Twist2D` as an agent.
-
-    It is DRIVING until its estimate is within the tolerance of the goal; there it stops, and has ARRIVED. A function
-    that returns None is FINISHED.
-
-    Args:
-        function: The function.
-
-    Attributes:
-        controller_name: The function's name, for reports.
-        function: The function.
-        goal_checker: Says whether the goal is reached; may be replaced.
-        status: What it is doing.
-    """
-
-    def __init__(self, function: PluginFunction) -> None:
-        self.controller_name = function.name
-        self.goal_checker = GoalChecker()
-        self.function, self._call = function.function, function
-        self.reset()
-
-    def __repr__(self) -> str:
-        return f"FunctionAgent({self.controller_name}, {self.status.value})"
-
-    def reset(self, *, seed: int = 0) -> None:
-        """Forget the goal; the function keeps what it keeps."""
-        self._goal: Goal | None = None
-        self.status = NavigationStatus.IDLE
-
-    def set_goal(self, goal: Goal | Pose2D | Sequence[float], /) -> None:
-        """Hand this goal to the function from now on, and stop there."""
-        self._goal = Goal.of(goal)
-        self.status = NavigationStatus.DRIVING
-
-    def update(self, observation: Observation, estimate: Estimate) -> Twist2D:
-        """Ask the function for the command for the next control period.
-
-        Raises:
-            InputError: If it returns neither a `Twist2D` nor None.
+        Args:
+            rollouts: Whether the best samples of its controller are wanted, which may take time.
         """
-        goal = self._goal
-        if self.status in (NavigationStatus.ARRIVED, NavigationStatus.FINISHED):
-            return Twist2D()
-        checker = self.goal_checker
-        if goal is not None and checker.is_within(estimate.pose, goal.pose, any_yaw=goal.yaw_free):
-            if checker.is_reached(estimate.pose, observation.twist, goal.pose, any_yaw=goal.yaw_free):
-                self.status = NavigationStatus.ARRIVED
-            return Twist2D()
-        command = cast("object", self._call(observation, estimate, goal=goal))
-        if command is None:
-            self.status = NavigationStatus.FINISHED
-            return Twist2D()
-        self.status = NavigationStatus.DRIVING
-        return check_command(self, command)
-
-
-class CommandScript:
-    """An agent that drives a list of commands one after the other, without a goal; then it is FINISHED.
-
-    Every `update` is one control period.
-
-    Args:
-        commands: (v [m/s], w [rad/s], seconds) of each.
-        period_s: Length of a control period [s]; the last one of a command is as long as is left of it.
-
-    Raises:
-        InputError: If a number is not finite, or a duration or the period is not positive.
-    """
-
-    def __init__(self, commands: Iterable[Sequence[float]], *, period_s: float = CONTROL_PERIOD_S) -> None:
-        self._commands = [_read_command(command) for command in commands]
-        if not 0.0 < as_number(period_s, "the control period") < math.inf:
-            raise InputError(f"the control period must be a positive number of seconds, got {period_s}")
-        self._period_s = period_s
-        self.reset()
-
-    def __repr__(self) -> str:
-        return f"CommandScript({len(self._commands)} commands, {self.status.value})"
+        return AgentReport(self.status)
 
     @property
-    def index(self) -> int:
-        """Index of the command that it drives, −1 before the first `update`."""
-        return self._index
+    def path_left(self) -> Path | None:
+        """What is left of the path that it follows; None without one."""
+        return None
 
-    def reset(self, *, seed: int = 0) -> None:
-        """Start over; nothing here is random."""
-        self._index = -1
-        self._left_s = 0.0
-        self.dt = self._period_s
-        self.status = NavigationStatus.IDLE
+    # What it is told ------------------------------------------------------------------------------------------------
 
-    def set_goal(self, goal: Goal | Pose2D | Sequence[float], /) -> None:
-        """Do nothing: the commands say where to drive."""
+    def set_latency(self, latency: Latency) -> None:
+        """Take into account from now on how late scans and commands arrive. By default it does not."""
 
-    def update(self, observation: Observation, estimate: Estimate) -> Twist2D:
-        """Return the command for the next control period, whose length is `dt` from now on."""
-        while self._left_s <= 1e-9:
-            if self._index + 1 == len(self._commands):
-                self.status = NavigationStatus.FINISHED
-                return Twist2D()
-            self._index += 1
-            self._left_s = self._commands[self._index][2]
-        self.status = NavigationStatus.DRIVING
-        self.dt = min(self._period_s, self._left_s)
-        self._left_s -= self.dt
-        v, w, _ = self._commands[self._index]
-        return Twist2D(v, w)
+    def set_sent_command(self, command: Twist2D) -> None:
+        """Take what was sent to the robot instead of the last command, where a check of the run changed it."""
 
+    def assist_teleop(self, command: Twist2D, observation: Observation, estimate: Estimate) -> AssistedCommand:
+        """Say what of a command by hand may be sent; called instead of `update` while the robot is driven by hand.
 
-def _read_command(command: Sequence[float]) -> tuple[float, float, float]:
-    numbers = as_sequence(command, "a command (v, w, seconds)")
-    if len(numbers) != 3:
-        raise InputError(f"a command is (v, w, seconds), got {command!r}")
-    v, w, seconds = (as_number(number, "a number of a command") for number in numbers)
-    if not (math.isfinite(v) and math.isfinite(w) and 0.0 < seconds < math.inf):
-        raise InputError(f"a command needs finite speeds and a positive number of seconds, got {command!r}")
-    return v, w, seconds
+        By default all of it: the agent knows nothing that the robot could touch.
+        """
+        return AssistedCommand(command)
+
+    # Goals and paths ------------------------------------------------------------------------------------------------
+
+    def set_goals(self, goals: Sequence[Goal], *, through: bool = False) -> None:
+        """Set several goals, to be reached in order: it stops at each, or drives through them without stopping.
+
+        It then counts them in `AgentReport.goals_reached`. By default it is refused.
+
+        Raises:
+            ScenarioError: If the agent takes one goal at a time.
+        """
+        raise ScenarioError(
+            f"{self.info().controller} takes one goal at a time: to drive through goals, and to run tasks, takes an "
+            "agent with set_goals(goals, through=…) and goals_reached, such as a Navigator"
+        )
+
+    def plan(self, start: Pose2D, /) -> Path | None:
+        """Plan from `start` to the goal that was set, and follow that path; None by an agent that does not plan.
+
+        Raises:
+            PlanningError: If there is no path.
+        """
+        return None
+
+    def plan_between(self, start: Pose2D, goal: Goal) -> Path | None:
+        """Plan a path, and follow it not; None without one that is known, and by an agent that does not plan.
+
+        Raises:
+            PlanningError: If its map shows that there is no path.
+        """
+        return None
+
+    def follow(self, path: Path) -> None:
+        """Follow this path to its end, instead of planning one. By default it is refused.
+
+        Raises:
+            InputError: If the agent follows no given path, or not this one.
+        """
+        raise self._lacks("follows no given path")
+
+    def cancel(self) -> None:
+        """Stop: forget the goal, and interrupt what is running. By default it is refused.
+
+        Raises:
+            InputError: If the agent cannot.
+        """
+        raise self._lacks("cannot give up its goal")
+
+    # Behaviors and costmap ------------------------------------------------------------------------------------------
+
+    def run(self, behavior: Behavior) -> None:
+        """Run a behavior from the next `update` on, then drive on. By default it is refused.
+
+        Raises:
+            InputError: If the agent runs no behaviors.
+        """
+        raise self._lacks("runs no behaviors")
+
+    def cancel_behavior(self) -> None:
+        """Stop the behavior that was asked for, if one runs, and drive on. By default it is refused.
+
+        Raises:
+            InputError: If the agent runs no behaviors.
+        """
+        raise self._lacks("runs no behaviors")
+
+    def clear_obstacles(self, region: Literal["all", "around", "except"] = "all", size: float = 0.0) -> None:
+        """Forget what the scans saw, everywhere or by a square of this size [m]. By default it is refused.
+
+        Raises:
+            InputError: If the agent has no costmap to clear.
+        """
+        raise self._lacks("has no costmap to clear")
+
+    def _lacks(self, what: str) -> InputError:
+        return InputError(f"the agent of this run, {self.info().controller}, {what}")

@@ -15,12 +15,14 @@ from trundle.control.intent import Intent
 from trundle.control.latency import DelayedCommands, Latency
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.costmap.layers import LayersSettings
-from trundle.errors import InputError
+from trundle.errors import InputError, PlanningError, PlanningStoppedError
+from trundle.fault import check_result
 from trundle.files.choice import split_choice
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
 from trundle.navigation.agenda import Agenda
+from trundle.navigation.agent import Agent, AgentInfo, AgentReport
 from trundle.navigation.assisted_teleop import AssistedCommand, assist_teleop
 from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import Behavior, BehaviorRun, create_behavior
@@ -62,7 +64,7 @@ _QUICK_EXPANSIONS = 5_000
 """Of hybrid A* in a plan round what was sensed, a tenth of a second: there may be no path, which takes it seconds."""
 
 
-class Navigator(Drive):
+class Navigator(Drive, Agent):
     """Plans a path, follows it, replans when it is blocked, and reports its status.
 
     It knows no simulator: call `update` with the robot's pose once per control period and send the twist to the robot.
@@ -189,6 +191,44 @@ class Navigator(Drive):
         goal = "no goal" if self.target is None else repr(self.target)
         names = f"{self.robot.name}, {self.planner_name}, {self.controller_name}"
         return f"Navigator({names}, {goal}, {self.status.value})"
+
+    # What it says of itself -----------------------------------------------------------------------------------------
+
+    def info(self) -> AgentInfo:
+        """Say what it is and drives with."""
+        return AgentInfo(
+            self.controller_name,
+            self.planner_name,
+            self.robot,
+            self.grid,
+            self.costmap,
+            self.speed_mask,
+            self.goal_checker,
+            plans=True,
+            needs_goal=True,
+            plugins=(self, self.controller, self.planner, self.smoother, self.goal_checker),
+        )
+
+    def report(self, *, rollouts: bool = False) -> AgentReport:
+        """Say what it is doing, and why."""
+        return AgentReport(
+            status=self.status,
+            message=self.message,
+            error=self.error,
+            path=self.path,
+            distance_remaining=self.distance_remaining,
+            costmap=self.costmap,
+            tracks=self.tracks,
+            rollouts=self.rollouts if rollouts else None,
+            intent=self.intent,
+            goals_reached=self.goals_reached,
+            behaviors=self.behavior_runs,
+            replans=self.replans,
+            planning_time_s=self.planning_time_s,
+            standing_reasons=self.standing_reasons,
+            waits_to_plan=self.waits_to_plan,
+            follows_given=self.follows_given,
+        )
 
     # Latency --------------------------------------------------------------------------------------------------------
 
@@ -427,6 +467,21 @@ class Navigator(Drive):
         followed = self._replanner.plan(Now(self._time, here, _STAND, self.costmap))
         self._replanner.take(followed)
         return followed.path
+
+    def plan_between(self, start: Pose2D, goal: Goal) -> Path | None:
+        """Plan a path between two poses, and follow it not; None where planning took too long, or there is no map yet.
+
+        Raises:
+            PlanningError: If the map shows that there is no path.
+        """
+        try:
+            return check_result(self.planner.plan(self.costmap, start, goal), Path, self.planner, "plan")
+        except PlanningStoppedError:
+            return None
+        except PlanningError:
+            if self.has_map:
+                raise
+            return None
 
     def _take(self, followed: FollowedPath) -> None:
         """Follow a path from now on."""

@@ -11,7 +11,7 @@ from trundle.errors import InputError
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.navigation import Agent, NavigationStatus
-from trundle.navigation.agent import CONTROL_PERIOD_S, AgentLike, create_agent
+from trundle.navigation.agents import AgentLike, create_agent
 from trundle.navigation.status import FINAL
 from trundle.observation import Estimate, Observation, Scan
 from trundle.robots import Robot
@@ -70,7 +70,7 @@ def _drive(agent: Agent, robot: Robot, *, scans: bool) -> list[Twist2D]:
         commands.append(_command(agent, observation, Estimate(time, pose)))
         unchanged = all(np.array_equal(scan.ranges, old) for scan, old in zip(observation.scans, seen, strict=True))
         expect(unchanged, "an agent must not modify the scans that it gets; found: other ranges")
-        dt = float(getattr(agent, "dt", CONTROL_PERIOD_S))
+        dt = float(agent.dt)
         expect(0.0 < dt < math.inf, f"the control period dt of an agent must be a positive number; found: {dt}")
         twist = robot.limits.approach(twist, commands[-1], dt)
         pose, time = twist.integrate(pose, dt), time + dt

@@ -27,7 +27,7 @@ from trundle.mission.loop import run_measured
 from trundle.mission.scenario import PLUGINS
 from trundle.mission.simulation import session_options
 from trundle.mission.truth import Truth, measure_truth
-from trundle.navigation.agent import AGENTS
+from trundle.navigation.agents import AGENTS
 from trundle.navigation.behaviors import describe_behaviors
 from trundle.planning.planner import PLANNERS
 from trundle.planning.smoother import SMOOTHERS

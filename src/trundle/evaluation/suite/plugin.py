@@ -14,7 +14,7 @@ from pydantic_core import PydanticCustomError
 from trundle.control.controller import CONTROLLERS
 from trundle.errors import InputError, MissingExtraError, UnknownNameError
 from trundle.files.choice import Choice, takes_plugin
-from trundle.navigation.agent import AGENTS
+from trundle.navigation.agents import AGENTS
 from trundle.planning.planner import PLANNERS
 from trundle.planning.smoother import SMOOTHERS
 from trundle.registry import Registry, is_plugin_file

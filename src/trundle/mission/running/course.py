@@ -20,7 +20,7 @@ from trundle.mission.running.episode_maker import AgentTotals
 from trundle.mission.running.goal_count import GoalCount
 from trundle.mission.running.preparation import allowed_time
 from trundle.navigation import Agent, NavigationStatus, Navigator, NavigatorSettings
-from trundle.navigation.agent import check_command
+from trundle.navigation.agents import check_command
 from trundle.observation import Estimate, Observation
 from trundle.path import Path
 from trundle.sim import Contact, RobotState

@@ -32,7 +32,8 @@ from trundle.mission.steering.queue import Steering
 from trundle.mission.steering.report import SteeringReport
 from trundle.mission.truth import Measure, measure_truth
 from trundle.navigation import Agent, Navigator
-from trundle.navigation.agent import CONTROL_PERIOD_S, AgentLike, create_agent
+from trundle.navigation.agent import CONTROL_PERIOD_S
+from trundle.navigation.agents import AgentLike, create_agent
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.navigation.waypoint import tasks_of
 from trundle.observation import Estimate
