@@ -122,6 +122,9 @@ class Navigator(Drive, Agent):
         InputError: If an option is out of range, or a keep-out mask or `unknown` is given for a costmap.
     """
 
+    plans = True
+    needs_goal = True
+
     def __init__(
         self,
         grid: OccupancyGrid | Costmap | tuple[OccupancyGrid, Costmap] | str | os.PathLike[str] | None,
@@ -204,8 +207,6 @@ class Navigator(Drive, Agent):
             self.costmap,
             self.speed_mask,
             self.goal_checker,
-            plans=True,
-            needs_goal=True,
             plugins=(self, self.controller, self.planner, self.smoother, self.goal_checker),
         )
 
