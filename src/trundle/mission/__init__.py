@@ -3,7 +3,7 @@
 from trundle.fault import Fault
 from trundle.geometry import Goal
 from trundle.mission.episode import Episode, Metrics, Outcome
-from trundle.mission.fields import RunSettings
+from trundle.mission.fields import Rules, RunSettings
 from trundle.mission.loop import run
 from trundle.mission.observers import (
     MonitorReport,
@@ -14,8 +14,7 @@ from trundle.mission.observers import (
     Step,
     SubstepObserver,
 )
-from trundle.mission.rules import Rules
-from trundle.mission.running.monitor import Monitor
+from trundle.mission.running.robot_stack import Monitor
 from trundle.mission.running.session import Session
 from trundle.mission.sampling import sample_mission, sample_tight_ends
 from trundle.mission.scenario import Mission, Scenario, Setting

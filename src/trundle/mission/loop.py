@@ -7,10 +7,10 @@ from typing import Unpack
 
 from trundle.geometry import Pose2D
 from trundle.mission.episode import Episode
+from trundle.mission.metrics import Measure
 from trundle.mission.observers import Observer
 from trundle.mission.running.session import Session
 from trundle.mission.simulation import SessionOptions
-from trundle.mission.truth import Measure
 from trundle.navigation.agents import AgentLike
 from trundle.sim import Simulator
 

@@ -15,7 +15,7 @@ from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import SpeedMask
 from trundle.mission.episode import Episode
-from trundle.mission.record_file import RECORD
+from trundle.mission.run_files import RECORD
 from trundle.navigation import NavigationStatus
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.observation import Estimate, Observation, Scan, Track

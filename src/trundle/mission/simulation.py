@@ -9,9 +9,8 @@ from trundle.control.latency import Latency
 from trundle.localization import create_localizer
 from trundle.localization.localizer import LocalizerLike
 from trundle.maps import OccupancyGrid
-from trundle.mission.fields import ScenarioFields
-from trundle.mission.rules import Rules
-from trundle.mission.running.monitor import SomeMonitor
+from trundle.mission.fields import Rules, ScenarioFields
+from trundle.mission.running.robot_stack import SomeMonitor
 from trundle.robots import Robot
 from trundle.sim import Simulator, simulate
 from trundle.sim.wrapper import SimulatorWrapper

@@ -7,13 +7,12 @@ from collections.abc import Sequence
 
 from trundle.fault import Fault
 from trundle.mission.episode import Episode, Outcome
-from trundle.mission.metrics import compute_metrics
+from trundle.mission.metrics import DroppedBox, Measure, Truth, compute_metrics, near_boxes
 from trundle.mission.observers import RunInfo
 from trundle.mission.running.control_loop import ControlLoop
 from trundle.mission.running.endings import RunEnd
 from trundle.mission.running.run_log import AgentTotals, RunLog
 from trundle.mission.steering.directives import GivenDirective
-from trundle.mission.truth import DroppedBox, Measure, Truth, near_boxes
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.worlds import World
 

@@ -10,8 +10,8 @@ import numpy as np
 from trundle.errors import InputError, PlanningError
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.mission.episode import Outcome
+from trundle.mission.fields import Rules
 from trundle.mission.observers import RunInfo
-from trundle.mission.rules import Rules
 from trundle.mission.running import endings
 from trundle.mission.running.endings import Ending
 from trundle.mission.running.goal_count import GoalCount

@@ -15,13 +15,13 @@ from trundle.geometry import Pose2D, Twist2D
 from trundle.localization import create_localizer
 from trundle.localization.localizer import LocalizerLike
 from trundle.mission.episode import Episode, Outcome
+from trundle.mission.fields import Rules
+from trundle.mission.metrics import Measure, measure_truth
 from trundle.mission.observers import Observer, Observers, RunInfo, SteeringReport, Step
-from trundle.mission.rules import Rules
 from trundle.mission.running.control_loop import ControlLoop
 from trundle.mission.running.endings import RunEnd
 from trundle.mission.running.episode_maker import conclude
 from trundle.mission.running.goal_sequence import GoalSequence
-from trundle.mission.running.monitor import SomeMonitor
 from trundle.mission.running.preparation import (
     allowed_time,
     delay_commands,
@@ -31,12 +31,11 @@ from trundle.mission.running.preparation import (
     read_goals,
     standing_at,
 )
-from trundle.mission.running.robot_stack import RobotStack
+from trundle.mission.running.robot_stack import RobotStack, SomeMonitor
 from trundle.mission.running.run_log import RunLog
 from trundle.mission.steering.directive_executor import DirectiveExecutor
 from trundle.mission.steering.directives import GivenDirective, Restart
 from trundle.mission.steering.queue import Steering
-from trundle.mission.truth import Measure, measure_truth
 from trundle.navigation import Agent
 from trundle.navigation.agent import CONTROL_PERIOD_S
 from trundle.navigation.agents import AgentLike, create_agent

@@ -12,6 +12,7 @@ from trundle.errors import InputError, TrundleError
 from trundle.fault import Fault, find_fault, is_of_plugin
 from trundle.geometry import Pose2D, Twist2D
 from trundle.mission.episode import Outcome
+from trundle.mission.metrics import DroppedBox
 from trundle.mission.observers import SteeringReport
 from trundle.mission.running.endings import Ending
 from trundle.mission.running.goal_sequence import GoalSequence
@@ -19,7 +20,6 @@ from trundle.mission.running.robot_stack import RobotStack
 from trundle.mission.steering import directives as kinds
 from trundle.mission.steering.directives import GivenDirective
 from trundle.mission.steering.queue import DEAD_MAN_S, Order, Steering, TaskEnd, TaskResult, TaskWatcher
-from trundle.mission.truth import DroppedBox
 from trundle.navigation import NavigationStatus
 from trundle.navigation.behaviors.behavior import ASKED_FOR
 from trundle.navigation.status import FINAL
