@@ -15,7 +15,7 @@ from trundle.navigation import Navigator
 from trundle.path import Path
 from trundle.planning import Cancellation, create_planner, plan_many, planner_names
 from trundle.planning.grid_planners.least_cost import LeastCostPlanner
-from trundle.planning.planner_adapter import PlannerAdapter
+from trundle.planning.planner import PlannerAdapter
 from trundle.robots import Robot
 
 CARTER = Robot.load("nova_carter")
