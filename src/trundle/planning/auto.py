@@ -23,6 +23,9 @@ from trundle.planning.queries.query import Query
 from trundle.planning.search_rounds import search_in_rounds
 from trundle.values import check_flag
 
+_QUICK_EXPANSIONS = 5_000
+"""Of hybrid A* in a quick planner: a tenth of a second. Where there is no path, all expansions take it seconds."""
+
 
 class AutoPlanner(PosePlanner):
     """Plans by `least_cost`, and where that finds no path by `hybrid_astar` with turns in place.
@@ -72,6 +75,16 @@ class AutoPlanner(PosePlanner):
         given["max_expansions"] = max_expansions
         self._searches = [HybridAStarPlanner(in_place=in_place, **given) for in_place in (True, False)]
         self._nearing = HybridAStarPlanner(in_place=True, allow_partial=True, **given) if allow_partial else None
+
+    def make_quick(self) -> AutoPlanner | None:
+        """Make one with the same options whose hybrid A* expands 5,000 nodes at most.
+
+        It is None where `max_expansions` was chosen, and for derived classes, which may take other options.
+        """
+        _, options = self._made_with
+        if type(self) is not AutoPlanner or "max_expansions" in options:
+            return None
+        return AutoPlanner(**options, max_expansions=_QUICK_EXPANSIONS)
 
     def _plan_to(self, query: Query, goal: Pose2D, patience: Patience) -> Path:
         refusal: NoPathError | None = None

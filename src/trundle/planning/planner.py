@@ -98,6 +98,14 @@ class Planner(Protocol):
         """
         ...
 
+    def make_quick(self) -> Planner | None:
+        """Make a planner like this one that gives up sooner, or return None, as the default does.
+
+        A `Navigator` asks once, when it is made. It then plans by that planner round what its scans saw while the robot
+        moves, as there may be no path, and finding that out can take the planner itself seconds.
+        """
+        return None
+
 
 class SomePlanner(Protocol):
     """The least that an object needs to be used as a planner; `create_planner` makes a `Planner` of it."""
@@ -142,7 +150,7 @@ def create_planner(
     return PlannerAdapter(made) if isinstance(made, PluginFunction) or is_foreign(made) else made
 
 
-class PlannerAdapter:
+class PlannerAdapter(Planner):
     """Hands a planner the keywords that its `plan` takes, and makes a `Path` of what it returns.
 
     The planner gets a `Pose2D` and a `Goal`, in whatever form they are given. Without `deadline_s` or `cancel` it
@@ -183,6 +191,16 @@ class PlannerAdapter:
         if isinstance(answer, Path):
             return answer
         return _path_of(answer, self.planner, start, goal)
+
+    def make_quick(self) -> Planner | None:
+        """Make what the planner makes as its quick one, where it has such a method; see `Planner`.
+
+        Raises:
+            InputError: If that is no planner.
+        """
+        make: Callable[[], PlannerLike | None] | None = getattr(self.planner, "make_quick", None)
+        quick = None if make is None else make()
+        return None if quick is None else create_planner(quick)
 
 
 def _path_of(answer: object, planner: object, start: Pose2D, goal: Goal) -> Path:

@@ -20,7 +20,10 @@ SMOOTHERS: Registry[Smoother] = Registry(
 
 @runtime_checkable
 class Smoother(Protocol):
-    """Smooths a path. It keeps no state that changes a result: the same path gives the same smoothed path."""
+    """Smooths a path. It keeps no state that changes a result: the same path gives the same smoothed path.
+
+    `smooth` is all that trundle uses of a smoother, so a class needs nothing else.
+    """
 
     def smooth(self, path: Path, costmap: Costmap) -> Path:
         """A path with the same ends that is free on `costmap` wherever `path` is.

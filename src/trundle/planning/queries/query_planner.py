@@ -66,6 +66,10 @@ class QueryPlanner(ABC):
         patience.check()
         return self._plan(costmap, start, goal, patience)
 
+    def make_quick(self) -> QueryPlanner | None:
+        """Return None: there is no planner like this one that gives up sooner; see `Planner`."""
+        return None
+
     @abstractmethod
     def _plan(self, costmap: Costmap, start: Pose2D, goal: Goal, patience: Patience) -> Path:
         """The path of a query whose arguments are checked."""
