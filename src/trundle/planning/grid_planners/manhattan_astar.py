@@ -62,7 +62,9 @@ class ManhattanAstarPlanner(QueryPlanner):
             end = start if target == first else Pose2D(float(x), float(y), end.yaw)
         centres = np.column_stack(costmap.cell_to_world(cells[:, 0], cells[:, 1]))
         vertices: FloatArray = np.concatenate([[[start.x, start.y]], centres[1:-1], [[end.x, end.y]]])
-        motions = motions_along(vertices, start.yaw, end.yaw)
+        motions = motions_along(vertices, start.yaw, None if goal.yaw_free else end.yaw)
+        if goal.yaw_free:  # it ends as it arrives
+            end = Pose2D(end.x, end.y, motions[-1].yaw if motions else start.yaw)
         poses = poses_of(motions, np.array(start.as_tuple()), np.array(end.as_tuple()), 2.0 * costmap.resolution)
         return Path(
             poses,

@@ -40,7 +40,7 @@ class QueryPlanner(ABC):
             costmap: What to stay clear of.
             start: Where the robot stands.
             goal: Where it is to stand. Where any yaw will do, the path ends with the yaw that the robot arrives with
-                (of `hybrid_astar` one of 16, of `manhattan_astar` 0).
+                (with `hybrid_astar` one of 16).
             deadline_s: Give up after this time [s]; the planner's own deadline holds as well.
             cancel: Give up once this is cancelled.
 
