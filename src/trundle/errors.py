@@ -80,7 +80,7 @@ class UnknownNameError(InputError):
         kind: What a name stands for ("planner").
         name: The requested name.
         choices: The available names, sorted.
-        hint: For a name from an earlier version: its replacement ("was removed; use …").
+        hint: What to use instead of a name that is none any more ("was renamed; use …"), or None.
     """
 
     def __init__(self, kind: str, name: str, choices: Iterable[str], *, hint: str | None = None) -> None:

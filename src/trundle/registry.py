@@ -95,7 +95,6 @@ class Registry(Generic[_Made]):
         kind: What a name stands for, in messages ("planner").
         group: Entry-point group where other packages register theirs ("trundle.planners").
         builtin: The built-in names, each with its `"module:attribute"`.
-        removed: Names from earlier versions, each with its replacement ("was removed; use …").
         contract: What such a plug-in must have; None for kinds that are only made by name.
     """
 
@@ -104,24 +103,17 @@ class Registry(Generic[_Made]):
         kind: str,
         group: str,
         builtin: Mapping[str, str],
-        removed: Mapping[str, str] | None = None,
         *,
         contract: Contract | None = None,
     ) -> None:
         self.kind = kind
         self._group = group
         self._builtin = dict(builtin)
-        self._removed = dict(removed or {})
         self._contract = contract or Contract({})
 
     def names(self) -> list[str]:
         """Every name, built in or from an installed package, sorted."""
         return sorted({*self._builtin, *(point.name for point in importlib.metadata.entry_points(group=self._group))})
-
-    def removal(self, name: str) -> str | None:
-        """Hint for a name that was removed ("was removed; use …"); None for any other name."""
-        hint = self._removed.get(name)  # first, as names() asks for the entry points of every installed package
-        return None if hint is None or name in self.names() else hint
 
     def check(self, name: str) -> None:
         """Refuse a name that is not known. Only what has no name of its own, `"module:name"`, is imported for that.
@@ -133,7 +125,7 @@ class Registry(Generic[_Made]):
         if ":" in name and self._contract.methods:
             self.load(name)
         elif name not in self._builtin and name not in self.names():
-            raise UnknownNameError(self.kind, name, self.names(), hint=self._removed.get(name))
+            raise UnknownNameError(self.kind, name, self.names())
 
     def module_of(self, name: str) -> str | None:
         """The module behind a built-in name or `"module:name"`; None for any other name and for a file."""
@@ -147,8 +139,7 @@ class Registry(Generic[_Made]):
             name: A built-in name, one of an installed package, `"module:name"`, or `"file.py:name"`.
 
         Raises:
-            UnknownNameError: If there is no such name; it lists the choices and the nearest one, or the replacement
-                of a name that was removed.
+            UnknownNameError: If there is no such name; it lists the choices and the nearest one.
             InputError: If the name is not a string, or it cannot be imported or is nothing of this kind.
         """
         given = cast("object", name)
@@ -164,7 +155,7 @@ class Registry(Generic[_Made]):
                 return point.load()
             except (ImportError, AttributeError) as error:
                 raise InputError(f"{self.kind} {name!r} ({point.value}) cannot be imported: {error}") from error
-        raise UnknownNameError(self.kind, name, self.names(), hint=self._removed.get(name))
+        raise UnknownNameError(self.kind, name, self.names())
 
     def make(self, name: str, /, *arguments: object, **options: Any) -> _Made:
         """Create an object by name.

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, Field, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import Field, model_validator
 
 from trundle.files.choice import Choice
 from trundle.files.config_fields import Positive
 from trundle.files.yaml_config import Config
 from trundle.maps.cells import MOST_CELLS
-from trundle.registry import Registry
 from trundle.worlds.load import is_world_file
 
 _READING = ("trusted", "time_limit_s", "memory_limit_gb")
@@ -72,15 +70,3 @@ class RecordChoice(Config):
 
     name: Literal["mcap"] = "mcap"
     distro: Literal["humble", "jazzy", "kilted", "lyrical"] | None = None
-
-
-def refuse_removed_names(registry: Registry[Any]) -> AfterValidator:
-    """Validate that a choice is not a name which an earlier version had: the error says what became of it."""
-
-    def check(choice: Choice) -> Choice:
-        became = registry.removal(choice.name)
-        if became is not None:
-            raise PydanticCustomError("removed_name", "{what}", {"what": f"{choice.name!r} {became}"})
-        return choice
-
-    return AfterValidator(check)

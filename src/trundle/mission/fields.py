@@ -7,19 +7,17 @@ from typing import Annotated, Any, Literal, Self, TypeAlias, cast
 from pydantic import BeforeValidator, Field, model_validator
 
 from trundle.control import MonitorSettings
-from trundle.control.controller import CONTROLLERS
 from trundle.control.latency import Latency
 from trundle.costmap import CostmapSettings, LayersSettings
 from trundle.files.choice import Choice, takes_name, takes_plugin
 from trundle.files.config_fields import PoseNumbers, Positive
 from trundle.mission.assumed import Assumed
-from trundle.mission.choices import MapOptions, RecordChoice, WorldChoice, refuse_removed_names
+from trundle.mission.choices import MapOptions, RecordChoice, WorldChoice
 from trundle.mission.goal_fields import GoalFields
 from trundle.mission.movers import MoverChoice
 from trundle.mission.rules import Rules
 from trundle.mission.unmapped import Unmapped
 from trundle.navigation import NavigatorSettings
-from trundle.planning.planner import PLANNERS
 from trundle.sim.actuation import Actuation
 from trundle.sim.odometry_errors import OdometryErrors
 
@@ -109,10 +107,8 @@ class ScenarioFields(CostmapSettings, RunSettings):
     goal: PoseNumbers | None = None
     goals: Annotated[tuple[GoalFields, ...], Field(min_length=1)] | None = None
     through: bool = False
-    planner: Annotated[Choice, takes_plugin(Choice), refuse_removed_names(PLANNERS)] = Choice(name="auto")
-    controller: Annotated[Choice, takes_plugin(Choice), refuse_removed_names(CONTROLLERS)] = Choice(
-        name="regulated_pure_pursuit"
-    )
+    planner: Annotated[Choice, takes_plugin(Choice)] = Choice(name="auto")
+    controller: Annotated[Choice, takes_plugin(Choice)] = Choice(name="regulated_pure_pursuit")
     smoother: Annotated[Choice | None, takes_plugin(Choice)] = None
     agent: Annotated[Choice | None, takes_plugin(Choice)] = None
     unmapped: Unmapped | None = None

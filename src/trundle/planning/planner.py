@@ -43,12 +43,6 @@ PLANNERS: Registry[Planner] = Registry(
         "any_angle": "trundle.planning.grid_planners.any_angle:AnyAnglePlanner",
         "manhattan_astar": "trundle.planning.grid_planners.manhattan_astar:ManhattanAstarPlanner",
     },
-    removed={
-        "blog": "was renamed; use manhattan_astar",
-        "jps": "was removed; use astar with method='jps'",
-        "jps_plus": "was removed; use astar with method='jps'",
-        "theta_star": "was removed; use any_angle, whose paths are shorter and found faster",
-    },
     contract=Contract(
         {"plan": "costmap, start, goal"},
         function=("costmap", "start", "goal"),

@@ -24,11 +24,9 @@ from trundle.planning.grid.grid_paths import (
     PointPaths,
     Status,
 )
-from trundle.planning.grid.removed import refuse_removed
 
 METHODS = ("auto", "jps", "astar")
 
-_ONLY_EXACT = "leave it out: paths in any direction are always the shortest ones"
 _LONGEST_POINT_SIDE = 2**29
 _STATUS_NAMES = np.array(STATUSES)
 _ROOT_2 = math.sqrt(2.0)
@@ -60,7 +58,6 @@ class GridSearch:
         InputError: If an argument is invalid.
     """
 
-    @refuse_removed(landmarks="leave it out: paths have the same lengths without")
     def __init__(self, blocked: npt.ArrayLike, connectivity: int = 8, *, method: str = "auto") -> None:
         values = as_bytes(blocked, "blocked")
         if values.ndim != 2 or values.size == 0:
@@ -144,7 +141,6 @@ class GridSearch:
             raise self._ends.refusal(code, start, goal)
         return GridPath(*_outcome(code, straight + _ROOT_2 * diagonal, moved), corners, *moved)
 
-    @refuse_removed(method=_ONLY_EXACT)
     def any_angle_path(
         self,
         start: CellLike,
@@ -217,7 +213,6 @@ class GridSearch:
         codes, steps, ends, corners = found
         return _paths_of(GridPaths, codes, steps[:, 0] + _ROOT_2 * steps[:, 1], corners, ends, moved)
 
-    @refuse_removed(method=_ONLY_EXACT)
     def any_angle_paths(
         self,
         starts: npt.ArrayLike,
@@ -292,8 +287,6 @@ def check_method(method: str) -> str:
     Raises:
         InputError: If there is none of that name.
     """
-    if method == "jps_plus":
-        raise InputError("method 'jps_plus' was removed; use 'jps'")
     if method not in METHODS:
         raise InputError(f"method is one of {', '.join(METHODS)}; got {method!r}")
     return method
