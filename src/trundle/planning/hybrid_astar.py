@@ -13,7 +13,7 @@ from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import InputError, NoPathError, PlanningError, PlanningStoppedError
 from trundle.geometry import FloatArray, Pose2D, wrap_angles
 from trundle.path import Path
-from trundle.planning.cancellation import Patience
+from trundle.planning.cancellation import Patience, nominal_expansions
 from trundle.planning.constrained_smoother import (
     LEAST_PADDING_M,
     PADDING_SHARE,
@@ -21,12 +21,11 @@ from trundle.planning.constrained_smoother import (
     ConstrainedSmoother,
     pose_spacing,
 )
-from trundle.planning.effort import nominal_expansions
 from trundle.planning.enclosure import Enclosure, on_grid
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.planning.queries.ends import End
-from trundle.planning.queries.pose_planner import PosePlanner
 from trundle.planning.queries.query import Query, no_path
+from trundle.planning.queries.query_planner import PosePlanner
 from trundle.planning.search_rounds import (
     ALL_TRIED,
     CANCELLED,

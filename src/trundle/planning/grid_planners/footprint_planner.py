@@ -31,15 +31,13 @@ from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import InputError, PlanningError
 from trundle.geometry import FloatArray, Pose2D, path_length
 from trundle.path import Path
-from trundle.planning.cancellation import Patience
-from trundle.planning.effort import nominal_expansions
+from trundle.planning.cancellation import Patience, nominal_expansions
 from trundle.planning.grid.grid_search import GridSearch
-from trundle.planning.grid_planners.detours import Detours
-from trundle.planning.grid_planners.tight_places import TightPlaces
+from trundle.planning.grid_planners.detours import Detours, TightPlaces
 from trundle.planning.motions import Motion, fit_motions, motions_before, poses_of
 from trundle.planning.queries.ends import End, place_to_turn, place_with_room
-from trundle.planning.queries.pose_planner import PosePlanner
 from trundle.planning.queries.query import Query, no_path, none_found
+from trundle.planning.queries.query_planner import PosePlanner
 from trundle.values import check_count, check_number
 
 

@@ -14,8 +14,7 @@ from trundle.path import Path
 from trundle.planning.cancellation import Patience
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.planning.motions import motions_along, poses_of
-from trundle.planning.queries.blocked_end import REACH_CELLS
-from trundle.planning.queries.places import cells_near
+from trundle.planning.queries.ends import REACH_CELLS, cells_near
 from trundle.planning.queries.query_planner import QueryPlanner
 from trundle.values import check_flag
 
