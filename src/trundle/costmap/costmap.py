@@ -11,21 +11,19 @@ import numpy.typing as npt
 
 from trundle import _core
 from trundle.costmap.arguments import as_corners, as_footprint, as_poses, as_range, keepout_costs, slices_of, widen
-from trundle.costmap.inflation import (
+from trundle.costmap.costs import (
     DEFAULT_COST_SCALING_FACTOR,
     DEFAULT_MARGIN_M,
+    DEFAULT_UNKNOWN_COST,
     INSCRIBED,
     LETHAL,
     NO_INFORMATION,
-    check_inflation,
-    cost_table,
-    inflate,
-)
-from trundle.costmap.unknown import (
-    DEFAULT_UNKNOWN_COST,
     UnknownPolicy,
+    check_inflation,
     check_unknown,
     check_unseen,
+    cost_table,
+    inflate,
     open_unknown,
     raise_unknown,
 )

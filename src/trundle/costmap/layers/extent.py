@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TypeVar
 
@@ -10,12 +11,18 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle import _core
-from trundle.errors import MapError
+from trundle.costmap.costmap import Costmap, CostmapStyle
+from trundle.costmap.costmap_settings import CostmapSettings
+from trundle.costmap.costs import LETHAL
+from trundle.costmap.layers.layer import OdomWindow
+from trundle.errors import InputError, MapError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
 from trundle.maps.frame import GridFrame
 from trundle.maps.grid import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
+from trundle.robots import Robot
+from trundle.values import check_kind
 
 _GROWTH_M = 4.0
 _DRIFT_SHARE = 0.05  # of a window's width: so far the robot may be from its middle
@@ -144,6 +151,23 @@ class Extent:
         except MapError:  # the mask lies elsewhere
             return None
 
+    def cells_under(self, windows: Sequence[OdomWindow], T_map_odom: Pose2D) -> tuple[slice, slice] | None:
+        """Return the rows and columns that one or more windows in odom reach into; None where they lie elsewhere."""
+        window = self._now()
+        rows, cols = window.rows, window.cols
+        low_x, low_y, high_x, high_y = zip(*windows, strict=True)
+        x0, y0, x1, y1 = min(low_x), min(low_y), max(high_x), max(high_y)
+        if not math.isfinite(x0 + y0 + x1 + y1):
+            return slice(0, rows), slice(0, cols)
+        place = self.origin.inverse() @ T_map_odom
+        edge, cos, sin = self.resolution, math.cos(place.yaw), math.sin(place.yaw)
+        corners = (x0, y0), (x1, y0), (x0, y1), (x1, y1)
+        across = [(place.x + cos * x - sin * y) / edge for x, y in corners]
+        up = [(place.y + sin * x + cos * y) / edge for x, y in corners]
+        # Centres are looked up in the evidence, so cells up to half a cell's diagonal away may change.
+        (row, row_end), (col, col_end) = _cells_between(up, rows), _cells_between(across, cols)
+        return (slice(row, row_end), slice(col, col_end)) if row < row_end and col < col_end else None
+
     def _now(self) -> CellWindow:
         if self.window is None:
             raise MapError(
@@ -195,6 +219,11 @@ class Extent:
         return part
 
 
+def _cells_between(places: Sequence[float], count: int) -> tuple[int, int]:
+    """The first of `count` cells that some places, in cells, lie around, with one cell more, and the one after them."""
+    return max(0, min(count, math.floor(min(places)) - 1)), max(0, min(count, math.ceil(max(places)) + 1))
+
+
 def _around(points: list[tuple[float, float]]) -> CellWindow:
     low, high = np.floor(np.min(points, axis=0)), np.ceil(np.max(points, axis=0))
     (col, row), (col_end, row_end) = low.astype(int).tolist(), high.astype(int).tolist()
@@ -220,3 +249,36 @@ def _near_obstacles(static: OccupancyGrid, tolerance: float | None) -> npt.NDArr
     occupied = np.where(static.data == OCCUPIED, np.int8(OCCUPIED), np.int8(FREE))
     table = np.ones(math.floor(cells * cells + 1e-9) + 1, np.uint8)
     return np.minimum(_core.inflate(occupied, table), np.uint8(1))
+
+
+def read_static(
+    static: OccupancyGrid | Costmap | None,
+    robot: Robot,
+    costmap: CostmapSettings | None,
+    keepout: KeepoutMask | None,
+    resolution: float,
+) -> tuple[Costmap | None, OccupancyGrid | None, CostmapStyle]:
+    """The static costmap and its occupancy, if there is a map, and how costmaps are made."""
+    settings = CostmapSettings() if costmap is None else costmap
+    check_kind(settings, CostmapSettings, "costmap", "give CostmapSettings(…)")
+    grid: OccupancyGrid | None = None
+    if isinstance(static, Costmap):
+        if costmap is not None or keepout is not None:
+            raise InputError(
+                "a Costmap has its settings and its keep-out mask: give the OccupancyGrid to choose others"
+            )
+        made = static
+        data = np.where(static.data == LETHAL, np.int8(OCCUPIED), np.int8(FREE))
+        if static.keepout is not None:
+            data[static.keepout == LETHAL] = FREE
+        data[static.unknown_cells] = UNKNOWN
+        grid = OccupancyGrid(data, static.resolution, static.origin)
+    elif static is not None:
+        check_kind(static, OccupancyGrid, "a layered costmap's map", "OccupancyGrid.load(path) reads one")
+        made, grid = settings.make_costmap(static, robot, keepout=keepout), static
+    else:
+        if "unknown" not in settings.model_fields_set:
+            settings = settings.model_copy(update={"unknown": "costly"})
+        made = settings.make_costmap(OccupancyGrid(np.zeros((1, 1), np.int8), resolution), robot)
+    style = CostmapStyle(made.planar, made.inflation_radius, made.cost_scaling_factor, made.unknown, made.unknown_cost)
+    return (None if grid is None else made), grid, style

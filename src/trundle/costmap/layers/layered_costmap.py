@@ -8,21 +8,21 @@ import warnings
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import numpy.typing as npt
+from pydantic import Field
 
-from trundle.costmap.costmap import Costmap, CostmapStyle
-from trundle.costmap.inflation import LETHAL
-from trundle.costmap.layers.extent import Extent
+from trundle.costmap.costmap import Costmap
+from trundle.costmap.costmap_settings import CostmapSettings
+from trundle.costmap.layers.extent import Extent, read_static
 from trundle.costmap.layers.layer import EVERYWHERE, Layer, MapPart, OdomWindow
-from trundle.costmap.layers.obstacle_layer import ObstacleLayer
-from trundle.costmap.layers.settings import LayersSettings
-from trundle.costmap.settings import CostmapSettings
+from trundle.costmap.layers.obstacle_layer import ObstacleLayer, ObstacleLayerSettings
 from trundle.errors import InputError, SensorWarning
+from trundle.files.yaml_config import Config
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
-from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
+from trundle.maps.cells import OCCUPIED
 from trundle.maps.grid import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
 from trundle.observation import Estimate, Scan, check_scans
@@ -35,6 +35,26 @@ _SHIFT_CELLS = 0.2  # a correction that moves nothing near the robot farther tha
 _NEAR_M = 12.0
 _JUMP_M = 1.0
 _MARGIN_M = 1.0
+
+
+class LayersSettings(Config):
+    """The layers of a costmap and its extent.
+
+    Attributes:
+        obstacle: Obstacles from scans; none leaves them out.
+        rolling_window: Whether the costmap is a window that moves with the robot instead of the whole map. What was
+            sensed outside the window is forgotten.
+        width: Of the window, or of the first extent where there is no map [m].
+        height: As width [m].
+
+    Raises:
+        InputError: If a value is out of range.
+    """
+
+    obstacle: ObstacleLayerSettings | None = ObstacleLayerSettings()
+    rolling_window: bool = False
+    width: Annotated[float, Field(gt=0.0, le=1000.0)] = 12.0
+    height: Annotated[float, Field(gt=0.0, le=1000.0)] = 12.0
 
 
 class LayeredCostmap:
@@ -95,7 +115,7 @@ class LayeredCostmap:
         keepout: KeepoutMask | None,
         resolution: float,
     ) -> None:
-        fixed, grid, self._style = _read_static(static, self._robot, costmap, keepout, resolution)
+        fixed, grid, self._style = read_static(static, self._robot, costmap, keepout, resolution)
         obstacle = self.settings.obstacle
         self._extent = Extent(
             grid,
@@ -331,7 +351,9 @@ class LayeredCostmap:
     def _repaint(self, windows: Sequence[OdomWindow]) -> None:
         """Paint what changed, and update the costmap where that makes a difference."""
         self._changed = None
-        part = self._cells_of(windows)
+        if not windows or self._T_map_odom is None:
+            return
+        part = self._extent.cells_under(windows, self._T_map_odom)
         if part is None:
             return
         painted = self._painted(part)
@@ -358,62 +380,6 @@ class LayeredCostmap:
         for layer in self._layers:
             layer.paint(MapPart(cells, kept, self._extent.resolution, pose))
         return cells
-
-    def _cells_of(self, windows: Sequence[OdomWindow]) -> _Slices | None:
-        """Cells of the map that windows in odom reach into; None if there are none."""
-        if not windows or self._T_map_odom is None:
-            return None
-        rows, cols = self._base.shape
-        low_x, low_y, high_x, high_y = zip(*windows, strict=True)
-        x0, y0, x1, y1 = min(low_x), min(low_y), max(high_x), max(high_y)
-        if not math.isfinite(x0 + y0 + x1 + y1):
-            return slice(0, rows), slice(0, cols)
-        place = self._extent.origin.inverse() @ self._T_map_odom
-        edge, cos, sin = self._extent.resolution, math.cos(place.yaw), math.sin(place.yaw)
-        corners = (x0, y0), (x1, y0), (x0, y1), (x1, y1)
-        across = [(place.x + cos * x - sin * y) / edge for x, y in corners]
-        up = [(place.y + sin * x + cos * y) / edge for x, y in corners]
-        # Centres are looked up in the evidence, so cells up to half a cell's diagonal away may change.
-        (row, row_end), (col, col_end) = _cells_between(up, rows), _cells_between(across, cols)
-        return (slice(row, row_end), slice(col, col_end)) if row < row_end and col < col_end else None
-
-
-def _cells_between(places: Sequence[float], count: int) -> tuple[int, int]:
-    """The first of `count` cells that some places, in cells, lie around, with one cell more, and the one after them."""
-    return max(0, min(count, math.floor(min(places)) - 1)), max(0, min(count, math.ceil(max(places)) + 1))
-
-
-def _read_static(
-    static: OccupancyGrid | Costmap | None,
-    robot: Robot,
-    costmap: CostmapSettings | None,
-    keepout: KeepoutMask | None,
-    resolution: float,
-) -> tuple[Costmap | None, OccupancyGrid | None, CostmapStyle]:
-    """The static costmap and its occupancy, if there is a map, and how costmaps are made."""
-    settings = CostmapSettings() if costmap is None else costmap
-    check_kind(settings, CostmapSettings, "costmap", "give CostmapSettings(…)")
-    grid: OccupancyGrid | None = None
-    if isinstance(static, Costmap):
-        if costmap is not None or keepout is not None:
-            raise InputError(
-                "a Costmap has its settings and its keep-out mask: give the OccupancyGrid to choose others"
-            )
-        made = static
-        data = np.where(static.data == LETHAL, np.int8(OCCUPIED), np.int8(FREE))
-        if static.keepout is not None:
-            data[static.keepout == LETHAL] = FREE
-        data[static.unknown_cells] = UNKNOWN
-        grid = OccupancyGrid(data, static.resolution, static.origin)
-    elif static is not None:
-        check_kind(static, OccupancyGrid, "a layered costmap's map", "OccupancyGrid.load(path) reads one")
-        made, grid = settings.make_costmap(static, robot, keepout=keepout), static
-    else:
-        if "unknown" not in settings.model_fields_set:
-            settings = settings.model_copy(update={"unknown": "costly"})
-        made = settings.make_costmap(OccupancyGrid(np.zeros((1, 1), np.int8), resolution), robot)
-    style = CostmapStyle(made.planar, made.inflation_radius, made.cost_scaling_factor, made.unknown, made.unknown_cost)
-    return (None if grid is None else made), grid, style
 
 
 def _differences(one: npt.NDArray[np.int8], other: npt.NDArray[np.int8]) -> _Slices | None:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from trundle import _core
 from trundle.costmap import INSCRIBED, LETHAL, Costmap
-from trundle.costmap.inflation import cost_table
+from trundle.costmap.costs import cost_table
 from trundle.geometry import FloatArray, arc_lengths
 from trundle.maps import FREE, OCCUPIED
 from trundle.planning.cancellation import Patience

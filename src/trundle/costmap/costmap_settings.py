@@ -8,8 +8,7 @@ import numpy.typing as npt
 from pydantic import Field
 
 from trundle.costmap.costmap import Costmap
-from trundle.costmap.inflation import DEFAULT_COST_SCALING_FACTOR
-from trundle.costmap.unknown import DEFAULT_UNKNOWN_COST, UnknownPolicy
+from trundle.costmap.costs import DEFAULT_COST_SCALING_FACTOR, DEFAULT_UNKNOWN_COST, UnknownPolicy
 from trundle.errors import InputError
 from trundle.files.config_fields import NotNegative
 from trundle.files.yaml_config import Config

@@ -1,4 +1,4 @@
-"""`ScanGate`: which scans a layer may use, and where their sensor was."""
+"""`ScanFilter`: which scans a layer may use, and where their sensor was."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _AHEAD_S = 0.1  # as far as PoseBuffer continues a motion
 _JUMP_M, _JUMP_RAD = 1.0, 1.0
 
 
-class ScanGate:
+class ScanFilter:
     """Places scans in the odom frame at their own times, and leaves out those that cannot be used.
 
     Scans that are stale, out of order, from the future, or from a lidar that the robot lacks are counted, with one
