@@ -201,5 +201,5 @@ class BehaviorFailedError(TrundleError):
 
 
 def _remake(kind: type[TrundleError], *arguments: object) -> TrundleError:
-    """An error with these `args`, created without `__init__`, whose parameters may differ; attributes are set next."""
+    """Make an error with these `args` without `__init__`, whose parameters may differ; its attributes are set next."""
     return kind.__new__(kind, *arguments)

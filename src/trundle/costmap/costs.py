@@ -38,7 +38,7 @@ DEFAULT_UNKNOWN_COST = 200
 
 _MOST_UNKNOWN_COST = INSCRIBED - 1  # that of an inscribed cell blocks
 
-_MAX_INFLATION_CELLS = 4096
+_MAX_INFLATION_CELLS = 4096  # a table of costs by squared distance then has 16 million entries
 
 
 def check_inflation(inflation_radius: float, cost_scaling_factor: float, resolution: float) -> None:
@@ -55,7 +55,7 @@ def check_inflation(inflation_radius: float, cost_scaling_factor: float, resolut
 def cost_table(
     inscribed: float, inflation_radius: float, cost_scaling_factor: float, resolution: float
 ) -> npt.NDArray[np.uint8]:
-    """Costs of free cells by squared distance, in cells, to the nearest blocked cell; see `Costmap.from_grid`.
+    """Return the costs of free cells by squared distance [cells²] to the nearest blocked cell; see `Costmap.from_grid`.
 
     Raises:
         InputError: If a number is out of range.
@@ -71,6 +71,7 @@ def _costs_by_distance(
 ) -> npt.NDArray[np.uint8]:
     reach = (max(inflation_radius, inscribed) + 1e-9) / resolution
     distances = np.sqrt(np.arange(int(reach * reach) + 1)) * resolution
+    # Nav2's inflation layer: computeCost in nav2_costmap_2d/inflation_layer.hpp.
     costs = (252.0 * np.exp(-cost_scaling_factor * np.maximum(0.0, distances - inscribed))).astype(np.uint8)
     costs[distances <= inscribed + 1e-9] = INSCRIBED
     costs[0] = LETHAL
@@ -81,7 +82,7 @@ def _costs_by_distance(
 def inflate(
     cells: npt.NDArray[np.int8], table: npt.NDArray[np.uint8], floor: npt.NDArray[np.uint8] | None
 ) -> npt.NDArray[np.uint8]:
-    """Costs of occupancy and of what a keep-out mask asks for at least."""
+    """Inflate occupancy, and raise the costs to those that a keep-out mask asks for at least."""
     if floor is None:
         return _core.inflate(np.ascontiguousarray(cells), table)
     costs = _core.inflate(np.where(floor == LETHAL, np.int8(OCCUPIED), cells), table)
@@ -107,11 +108,11 @@ def check_unseen(policy: UnknownPolicy, unseen: npt.NDArray[np.bool_] | None, sh
 
 
 def open_unknown(cells: npt.NDArray[np.int8]) -> tuple[npt.NDArray[np.int8], npt.NDArray[np.bool_]]:
-    """Occupancy with unknown cells free, and which they are."""
+    """Return occupancy with unknown cells free, and which they are."""
     unseen = cells == UNKNOWN
     return np.where(unseen, np.int8(FREE), cells), unseen
 
 
 def raise_unknown(costs: npt.NDArray[np.uint8], unseen: npt.NDArray[np.bool_], cost: int) -> npt.NDArray[np.uint8]:
-    """Costs with those of unknown cells at least as high."""
+    """Raise the costs of unknown cells to a least one."""
     return np.maximum(costs, unseen.view(np.uint8) * np.uint8(cost))

@@ -30,6 +30,7 @@ from trundle.robots import Robot
 _KEYWORDS = ("deadline_s", "cancel")
 
 _SAME_PLACE_M = 1e-3
+"""A path of another planner that ends so near to the goal ends there, and gets a turn in place to the goal's yaw."""
 _SAME_YAW_RAD = 1e-9
 
 PLANNERS: Registry[Planner] = Registry(
@@ -80,7 +81,7 @@ class Planner(Protocol):
             start: Where the robot stands.
             goal: Where it is to stand, with a yaw or with any (`Goal.yaw_free`). Planners of `create_planner` also take
                 (x, y) for any yaw, (x, y, yaw) or a pose, whose yaw is wanted then.
-            deadline_s: Give up after this time [s]; none means as long as it takes. A search bounded by other means,
+            deadline_s: Give up after this time [s]. If None, plan as long as it takes. A search bounded by other means,
                 such as its expansions, gives the same path whatever the machine is doing; this one is a safety net.
             cancel: Give up once this is cancelled. A planner that counts the nodes that it expands says how many to
                 `cancel.count`, if there is one, also where it finds no path: a navigator limits their sum. The plans of
@@ -117,7 +118,7 @@ A class is made with those of `robot`, `map` and the options that its parameters
 
 
 def planner_names() -> list[str]:
-    """Names that `create_planner` takes, sorted."""
+    """Return names that `create_planner` takes, sorted."""
     return PLANNERS.names()
 
 
@@ -132,7 +133,7 @@ def create_planner(
         planner: A name, a class, a function or an object; see `PlannerLike`.
         robot: What a class gets as `robot`, where it is known.
         grid: What a class gets as `map`, where there is one.
-        options: Of the planner; more than those of a `Choice`.
+        options: Options of the planner, besides those of a `Choice`.
 
     Raises:
         UnknownNameError: If there is no planner of that name.
@@ -155,7 +156,7 @@ class PlannerAdapter(Planner):
         planner: What plans: an object with `plan`, or a function.
 
     Attributes:
-        planner: The same; of a function, the function itself.
+        planner: The object, or the function, that plans.
     """
 
     def __init__(self, planner: Any) -> None:
@@ -175,7 +176,7 @@ class PlannerAdapter(Planner):
         """Plan from `start` to `goal`; see `Planner`.
 
         Raises:
-            InputError: If the start or the goal is none, or the planner returns neither a path nor poses nor points.
+            InputError: If the start or the goal is no pose, or the planner returns neither a path nor poses nor points.
         """
         start, goal = read_ends(start, goal)
         may_take_s = None if "deadline_s" in self._taken else deadline_s
@@ -227,7 +228,7 @@ def _path_of(answer: object, planner: object, start: Pose2D, goal: Goal) -> Path
 
 
 def _with_yaws(points: np.ndarray, yaw: float) -> np.ndarray:
-    """Points as poses that look along the line: each corner is one pose for each of its sides."""
+    """Return points as poses that look along the line: each corner is one pose for each of its sides."""
     poses: list[tuple[float, float, float]] = []
     for (x0, y0), (x1, y1) in zip(points[:-1].tolist(), points[1:].tolist(), strict=True):
         if (x1, y1) != (x0, y0):
@@ -239,6 +240,6 @@ def _with_yaws(points: np.ndarray, yaw: float) -> np.ndarray:
 
 
 def _turns(pose: np.ndarray, end: Pose2D) -> bool:
-    """Whether a pose is at an end of the path, with another yaw."""
+    """Return whether a pose is at an end of the path, with another yaw."""
     x, y, yaw = pose.tolist()
     return end.distance_to(Pose2D(x, y)) <= _SAME_PLACE_M and abs(wrap_angle(yaw - end.yaw)) > _SAME_YAW_RAD

@@ -26,7 +26,7 @@ class Smoother(Protocol):
     """
 
     def smooth(self, path: Path, costmap: Costmap) -> Path:
-        """A path with the same ends that is free on `costmap` wherever `path` is.
+        """Return a path with the same ends that is free on `costmap` wherever `path` is.
 
         Raises:
             PlanningError: If `path` leaves the map (`OutsideMapError`) or touches something (`BlockedPoseError`).
@@ -39,7 +39,7 @@ SmootherLike: TypeAlias = str | Choice | Smoother | Callable[..., object]
 
 
 def smoother_names() -> list[str]:
-    """Names that `create_smoother` takes, sorted."""
+    """Return names that `create_smoother` takes, sorted."""
     return SMOOTHERS.names()
 
 

@@ -24,10 +24,10 @@ from trundle.maps.masks import KeepoutMask
 from trundle.robots import Robot
 from trundle.values import check_kind
 
-_GROWTH_M = 4.0
+_GROWTH_M = 4.0  # by how much more than needed it grows, as each growth makes the whole costmap anew
 _DRIFT_SHARE = 0.05  # of a window's width: so far the robot may be from its middle
 _MOST_CELLS = 64_000_000  # 400 x 400 m at 5 cm
-_EIGHT_AROUND = 1.5  # cells
+_EIGHT_AROUND = 1.5  # cells: between the diagonal neighbours at 1.41 and the next ones at 2
 
 _Item = TypeVar("_Item", bound=np.generic)
 
@@ -56,13 +56,13 @@ class Extent:
     """Cells aligned with the static map, or with the map frame where there is none.
 
     Args:
-        static: Occupancy, origin and resolution of the static map; None without one.
+        static: Occupancy, origin and resolution of the static map, or None where there is no map.
         floor: Lowest costs of its cells by the keep-out mask.
         keepout: The mask, where there is no static map.
         resolution: Edge of a cell [m], where there is no static map.
         size: Width and height of the window, or of the first extent without a map [m].
         rolling: Whether the window moves with the robot.
-        tolerance: Distance from static obstacles within which nothing is marked [m]; none for the cells around them.
+        tolerance: Distance from static obstacles within which nothing is marked [m]. If None, the eight cells around.
     """
 
     def __init__(
@@ -132,15 +132,15 @@ class Extent:
         return self._grow(wanted)
 
     def cells(self) -> npt.NDArray[np.int8]:
-        """The static map here, −1 where there is none."""
+        """Return the static map here; cells are −1 where there is none."""
         return self._cut(None if self._static is None else self._static.data, np.int8(UNKNOWN))
 
     def near(self) -> npt.NDArray[np.uint8]:
-        """1 where nothing is marked, as it is near a static obstacle; 0 elsewhere."""
+        """Return 1 where nothing is marked, as it is near a static obstacle, and 0 elsewhere."""
         return self._cut(self._near, np.uint8(0))
 
     def floor(self) -> npt.NDArray[np.uint8] | None:
-        """Lowest costs by the keep-out mask; None without one."""
+        """Return the lowest costs by the keep-out mask; None if there is no mask."""
         if self._floor is not None:
             return self._cut(self._floor, np.uint8(0))
         if self._keepout is None:
@@ -194,7 +194,7 @@ class Extent:
         return True
 
     def _to_cells(self, points: list[tuple[float, float]] | FloatArray) -> list[tuple[float, float]]:
-        """x, y in cells of the endless grid."""
+        """Return points [m] as x, y in cells of the endless grid."""
         at = self._frame.inverse().transform_points(points) / self.resolution
         return [(x, y) for x, y in at.tolist()]
 
@@ -203,7 +203,7 @@ class Extent:
         return wide, high
 
     def _cut(self, full: npt.NDArray[_Item] | None, outside: _Item) -> npt.NDArray[_Item]:
-        """This extent's part of an array of the static map's shape."""
+        """Return this extent's part of an array of the static map's shape."""
         window = self._now()
         part = np.full((window.rows, window.cols), outside)
         if full is None:
@@ -220,7 +220,7 @@ class Extent:
 
 
 def _cells_between(places: Sequence[float], count: int) -> tuple[int, int]:
-    """The first of `count` cells that some places, in cells, lie around, with one cell more, and the one after them."""
+    """Return the first of `count` cells around some places, in cells, with one cell more, and the one after them."""
     return max(0, min(count, math.floor(min(places)) - 1)), max(0, min(count, math.ceil(max(places)) + 1))
 
 
@@ -258,7 +258,7 @@ def read_static(
     keepout: KeepoutMask | None,
     resolution: float,
 ) -> tuple[Costmap | None, OccupancyGrid | None, CostmapStyle]:
-    """The static costmap and its occupancy, if there is a map, and how costmaps are made."""
+    """Return the static costmap and its occupancy, if there is a map, and how costmaps are made."""
     settings = CostmapSettings() if costmap is None else costmap
     check_kind(settings, CostmapSettings, "costmap", "give CostmapSettings(…)")
     grid: OccupancyGrid | None = None

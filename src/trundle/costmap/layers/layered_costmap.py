@@ -32,20 +32,20 @@ from trundle.values import as_array, check_kind, check_number
 _Slices = tuple[slice, slice]
 
 _SHIFT_CELLS = 0.2  # a correction that moves nothing near the robot farther than this is not put into the map yet
-_NEAR_M = 12.0
-_JUMP_M = 1.0
-_MARGIN_M = 1.0
+_NEAR_M = 12.0  # how far "near" is: as far as beams clear by default, where a turn moves what was sensed the most
+_JUMP_M = 1.0  # a correction of more moves obstacles by more than a robot's width: worth a warning
+_MARGIN_M = 1.0  # room around what must be contained, so that its inflation ends within the costmap
 
 
 class LayersSettings(Config):
     """The layers of a costmap and its extent.
 
     Attributes:
-        obstacle: Obstacles from scans; none leaves them out.
+        obstacle: How scans become obstacles. If None, they are left out.
         rolling_window: Whether the costmap is a window that moves with the robot instead of the whole map. What was
             sensed outside the window is forgotten.
-        width: Of the window, or of the first extent where there is no map [m].
-        height: As width [m].
+        width: Width of the window, or of the first extent where there is no map [m].
+        height: Height of the window, or of the first extent where there is no map [m].
 
     Raises:
         InputError: If a value is out of range.
@@ -71,10 +71,10 @@ class LayeredCostmap:
     All methods may be called from several threads.
 
     Args:
-        static: The map, or a costmap of it; None without a map.
+        static: The map, or a costmap of it, or None where there is no map.
         robot: The robot, with its lidars.
-        costmap: How the costmap is made; None for the defaults. Not with a `Costmap`, which is made already.
-        layers: The layers and the extent; None for the defaults.
+        costmap: How the costmap is made. If None, by the defaults. Not with a `Costmap`, which is made already.
+        layers: The layers and the extent. If None, the defaults.
         keepout: Zones to keep out of; not with a `Costmap`, which has its own.
         resolution: Edge of a cell [m], where there is no map.
         extra_layers: Further layers, painted after the obstacles.
@@ -141,7 +141,7 @@ class LayeredCostmap:
 
     @property
     def changed(self) -> tuple[slice, slice] | None:
-        """Rows and columns of `costmap` whose occupancy the last update changed; None if it changed nothing."""
+        """Rows and columns of `costmap` whose occupancy the last update changed, or None if it changed nothing."""
         return self._changed
 
     @property
@@ -159,7 +159,7 @@ class LayeredCostmap:
             return (self._cells == OCCUPIED) & (self._base != OCCUPIED)
 
     def obstacles(self) -> FloatArray:
-        """Where obstacles were sensed that are not on the static map [m], map frame, shape (N, 2)."""
+        """Return where obstacles were sensed that are not on the static map [m], map frame, shape (N, 2)."""
         with self._lock:
             if self._T_map_odom is None or self._costmap is None:
                 return np.zeros((0, 2))
@@ -237,7 +237,7 @@ class LayeredCostmap:
             points: [m], map frame, shape (N, 2) or (2,).
 
         Returns:
-            The costmap; None before the first update. With a map or a rolling window it stays as it is.
+            The costmap, or None before the first update. With a map or a rolling window it stays as it is.
 
         Raises:
             InputError: If the points are not finite or of another shape.
@@ -369,7 +369,7 @@ class LayeredCostmap:
         self._changed = rows, cols
 
     def _painted(self, part: _Slices) -> npt.NDArray[np.int8]:
-        """The static map in a part of it, with the layers."""
+        """Return a part of the static map with the layers painted on it."""
         cells = np.array(self._base[part])
         if self._T_map_odom is None or not self._layers:
             return cells
@@ -383,7 +383,7 @@ class LayeredCostmap:
 
 
 def _differences(one: npt.NDArray[np.int8], other: npt.NDArray[np.int8]) -> _Slices | None:
-    """The smallest rectangle outside of which two arrays are equal; None if they are."""
+    """Return the smallest rectangle outside of which two arrays are equal; None if they are equal."""
     differ = one != other
     cells = differ.tobytes()  # searched faster than an array
     first = cells.find(1)

@@ -24,7 +24,7 @@ from trundle.values import check_kind, check_number
 _LARGEST_CELL_M = 10.0
 _MOST_SENSORS = 32  # whose place is remembered: some robots move theirs
 _BESIDE_M = 2.0  # room for the mount, and for what the robot drives while a scan is on its way
-_SPARE_M = 4.0
+_SPARE_M = 4.0  # by how much more than needed the grid grows, as each growth copies it
 _MOST_CELLS = 25_000_000  # 250 x 250 m at 5 cm
 
 MARKED = 128
@@ -42,17 +42,16 @@ class ObstacleLayerSettings(Config):
     Attributes:
         obstacle_max_range: Farthest range at which a beam marks [m].
         obstacle_min_range: Nearest range at which a beam marks [m].
-        raytrace_max_range: Up to where a beam clears [m].
-        raytrace_min_range: From where a beam clears [m].
-        observation_persistence: A mark that no scan has hit for so long disappears [s]; none means that only beams
-            clear.
+        raytrace_max_range: Farthest range at which a beam clears [m].
+        raytrace_min_range: Nearest range at which a beam clears [m].
+        observation_persistence: Time after which a mark that no scan has hit disappears [s]. If None, only beams clear.
         source_timeout: Scans that are older than this are ignored [s].
-        hits_to_mark: In how many scans a cell must be hit before it is marked, 1 to 5.
+        hits_to_mark: Number of scans in which a cell must be hit before it is marked, 1 to 5.
         misses_to_clear: How many scans must pass through a marked cell before it is cleared, 1 to 10.
         clear_static: Whether beams also clear obstacles of the static map.
         static_tolerance: Nothing is marked within this distance of an obstacle of the static map [m], between centres
-            of cells, as a robot that is not quite where it believes to be sees walls a little beside their place. None
-            means the eight cells around it; 0 marks everything. Without effect with `clear_static`.
+            of cells, as a robot that is not quite where it believes to be sees walls a little beside their place. If
+            None, this holds for the eight cells around it; 0 marks everything. Without effect with `clear_static`.
         footprint_clearing_enabled: Whether what lies within the robot's footprint is cleared.
 
     Raises:
@@ -139,7 +138,7 @@ class EvidenceGrid:
         return bool(rows) and too_large
 
     def window(self, box: tuple[int, int, int, int]) -> OdomWindow | None:
-        """Where a rectangle of cells (row, row end, col, col end) lies in odom; None for an empty one."""
+        """Return where a rectangle of cells (row, row end, col, col end) lies in odom; None if it is empty."""
         row, row_end, col, col_end = box
         if row == row_end:
             return None
@@ -149,7 +148,7 @@ class EvidenceGrid:
         )
 
     def marks(self) -> FloatArray:
-        """Where marked cells were hit [m], odom frame, shape (N, 2)."""
+        """Return where marked cells were hit [m], odom frame, shape (N, 2)."""
         row, col = np.nonzero(self.cells & MARKED)
         inside = (self.points[row, col].astype(np.float64) + 0.5) / 256.0
         return (inside + np.column_stack([col + self.col, row + self.row])) * self.resolution
@@ -197,9 +196,9 @@ class ObstacleLayer:
 
     Args:
         robot: The robot, with its lidars, footprint and limits.
-        settings: None means the defaults.
+        settings: How scans mark and clear. If None, the defaults.
         resolution: Edge of its cells [m].
-        keep_within: Distance [m] from the robot, along each axis, from which on it forgets; none means that it keeps
+        keep_within: Distance [m] from the robot, along each axis, from which on it forgets. If None, it keeps
             everything within some 100 m.
 
     Raises:
@@ -245,7 +244,7 @@ class ObstacleLayer:
         """Mark and clear by new scans; see `Layer`.
 
         Returns:
-            What changed, in the odom frame; None if nothing did.
+            What changed, in the odom frame, or None if nothing changed.
 
         Raises:
             InputError: If the estimate's time is not after the last one, or these are no scans.
@@ -286,7 +285,7 @@ class ObstacleLayer:
         )
 
     def obstacles(self) -> FloatArray:
-        """Where marked cells were hit [m], odom frame, shape (N, 2)."""
+        """Return where marked cells were hit [m], odom frame, shape (N, 2)."""
         return self._grid.marks()
 
     def _mark(self, scan: Scan, poses: FloatArray) -> tuple[int, int, int, int]:
@@ -310,7 +309,7 @@ class ObstacleLayer:
         )
 
     def _seen_from(self, scan: Scan) -> tuple[FloatArray, FloatArray]:
-        """The robot's outline in the frame of a scan's sensor, and the ranges that mark and clear; kept by sensor."""
+        """Return the robot's outline in the frame of a scan's sensor, and the ranges that mark and clear."""
         sensor = scan.mount, scan.range_min, scan.range_max
         if sensor not in self._sensors:
             if len(self._sensors) >= _MOST_SENSORS:

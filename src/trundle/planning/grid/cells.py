@@ -17,7 +17,7 @@ from trundle.geometry import FloatArray
 from trundle.values import check_count, check_flag, check_number
 
 THREADS_VARIABLE = "TRUNDLE_THREADS"
-"""For programs that use every processor already, as the workers of an evaluation do."""
+"""Environment variable for programs that use every processor already, as the workers of an evaluation do."""
 
 _Distance = TypeVar("_Distance", float, FloatArray)
 
@@ -44,7 +44,7 @@ def as_array(values: npt.ArrayLike, what: str) -> npt.NDArray[Any]:
 
 
 def as_bytes(values: npt.ArrayLike, what: str) -> npt.NDArray[np.uint8]:
-    """Bool or uint8 as uint8, without a copy."""
+    """Return bool or uint8 as uint8, without a copy."""
     array = as_array(values, what)
     if array.dtype == np.bool_:
         return array.view(np.uint8)
@@ -56,7 +56,7 @@ def as_bytes(values: npt.ArrayLike, what: str) -> npt.NDArray[np.uint8]:
 
 
 def check_threads(threads: int | None) -> int:
-    """How many threads to use; none means TRUNDLE_THREADS, or as many as there are processors, up to 8.
+    """Return how many threads to use: by default TRUNDLE_THREADS, or as many as there are processors, up to 8.
 
     Raises:
         InputError: If it is not an integer from 1 to 1024.
@@ -70,7 +70,7 @@ def check_threads(threads: int | None) -> int:
 
 
 def as_pair(cell: CellLike, what: str) -> tuple[int, int]:
-    """A (row, col) of two integers; one of more than 64 bits becomes one that lies outside any map."""
+    """Read a (row, col) of two integers; one of more than 64 bits becomes one that lies outside any map."""
     try:
         row, col = (max(-(2**62), min(2**62, operator.index(number))) for number in cell)
     except (TypeError, ValueError):
@@ -79,7 +79,7 @@ def as_pair(cell: CellLike, what: str) -> tuple[int, int]:
 
 
 def as_cells(cells: npt.ArrayLike, what: str) -> Cells:
-    """Many (row, col) as integers, shape (N, 2)."""
+    """Read many (row, col) as integers, shape (N, 2)."""
     try:
         array = np.asarray(cells)
     except ValueError as error:
@@ -92,7 +92,7 @@ def as_cells(cells: npt.ArrayLike, what: str) -> Cells:
 
 
 def as_span(span: Span, what: str, count: int) -> tuple[int, int]:
-    """First and end of some rows or columns."""
+    """Read some rows or columns as the first of them and the one after the last."""
     if isinstance(span, slice):
         if span.step not in (None, 1):
             raise InputError(f"{what} must be without gaps, got {span}")
@@ -125,7 +125,7 @@ class GridEnds:
     def settle(
         self, start: CellLike, goal: CellLike, start_tolerance: float, goal_tolerance: float, partial: bool
     ) -> tuple[CellLike, CellLike, Moved[float]]:
-        """Where one query begins and ends; without tolerances these are its own ends, unchecked.
+        """Return where one query begins and ends; without tolerances these are its own ends, unchecked.
 
         Raises:
             OutsideMapError: If an end lies outside the map; `error.cell` is that end, as for:
@@ -143,7 +143,7 @@ class GridEnds:
     def settle_many(
         self, starts: npt.ArrayLike, goals: npt.ArrayLike, start_tolerance: float, goal_tolerance: float, partial: bool
     ) -> tuple[Cells, Cells, Moved[FloatArray]]:
-        """The same for many queries; the errors say which."""
+        """Return where many queries begin and end, as `settle` does for one; the errors say which query."""
         first, last = as_cells(starts, "starts"), as_cells(goals, "goals")
         if len(first) != len(last):
             raise InputError(f"there are {len(first)} starts and {len(last)} goals; each query needs both")
@@ -168,7 +168,7 @@ class GridEnds:
     def refusal(
         self, code: int, start: CellLike, goal: CellLike, query: int | None = None
     ) -> InputError | PlanningError:
-        """The error for ends that the kernel refuses with a code; `query` is the index of one of many."""
+        """Make the error for ends that the kernel refuses with a code; `query` is the index of one of many."""
         which = "the " if query is None else f"query {query}: the "
         what, cell = ("start", start) if code % 2 == 0 else ("goal", goal)
         if code in (-6, -5):

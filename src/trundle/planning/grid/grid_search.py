@@ -156,9 +156,9 @@ class GridSearch:
         Args:
             start: (row, col).
             goal: (row, col).
-            start_tolerance: As of `shortest_path`.
-            goal_tolerance: As of `shortest_path`.
-            partial: As of `shortest_path`.
+            start_tolerance: As in `shortest_path`.
+            goal_tolerance: As in `shortest_path`.
+            partial: As in `shortest_path`.
             deadline_s: Give up after this time [s]; `status` is "timeout" then.
             cancel: Give up once this is cancelled; `status` is "cancelled" then.
 
@@ -191,11 +191,11 @@ class GridSearch:
 
         Args:
             starts: (row, col) of each, integers, shape (N, 2).
-            goals: The same.
-            start_tolerance: As of `shortest_path`.
-            goal_tolerance: As of `shortest_path`.
-            partial: As of `shortest_path`.
-            threads: How many to use; none means TRUNDLE_THREADS, or as many as there are processors, up to 8.
+            goals: (row, col) of each, likewise.
+            start_tolerance: As in `shortest_path`.
+            goal_tolerance: As in `shortest_path`.
+            partial: As in `shortest_path`.
+            threads: How many to use. If None, TRUNDLE_THREADS, or as many as there are processors, up to 8.
             deadline_s: Give up after this time for all [s]; those not found have the status "timeout".
             cancel: Give up once this is cancelled; those not found have the status "cancelled".
 
@@ -238,7 +238,7 @@ class GridSearch:
         return _paths_of(PointPaths, codes, length, corners, ends, moved)
 
     def nearest_reachable(self, start: CellLike, goal: CellLike) -> tuple[int, int]:
-        """The (row, col) nearest to `goal`, blocked or free, of the cells that can be reached from `start`.
+        """Return the (row, col) nearest to `goal`, blocked or free, of the cells that can be reached from `start`.
 
         It is where `shortest_path(start, goal, partial=True)` ends. It is found from the labels, without a search.
 
@@ -304,10 +304,10 @@ def any_angle_path(blocked: npt.ArrayLike | GridSearch, start: CellLike, goal: C
 
 
 def check_method(method: str) -> str:
-    """A `method` of `GridSearch`.
+    """Return a `method` of `GridSearch`, checked.
 
     Raises:
-        InputError: If there is none of that name.
+        InputError: If there is no method of that name.
     """
     if method not in METHODS:
         raise InputError(f"method is one of {', '.join(METHODS)}; got {method!r}")
@@ -315,7 +315,7 @@ def check_method(method: str) -> str:
 
 
 def _outcome(code: int, length: float, moved: Moved[float]) -> tuple[Status, float]:
-    """Status and length of one path."""
+    """Return status and length of one path."""
     if code == 0:
         return ("partial" if moved[2] > 0.0 else "found"), length
     return STATUSES[code], math.inf if code == 1 else math.nan

@@ -17,7 +17,7 @@ from trundle.planning.grid_planners.detours import TightPlaces
 from trundle.planning.grid_planners.footprint_planner import FootprintOptions, FootprintPlanner
 
 _SMALL = 8
-"""A search is updated if at most this share of the map changes, and rebuilt otherwise."""
+"""A search is updated where a changed rectangle is at most one in so many parts of the map, and made anew otherwise."""
 
 
 @dataclass(slots=True)
@@ -48,8 +48,8 @@ class KeptSearch:
 
     Args:
         blocked_from: Costs from here on block.
-        method: Of `GridSearch`.
-        connectivity: Of `GridSearch`.
+        method: Method of the `GridSearch`.
+        connectivity: Connectivity of the `GridSearch`.
     """
 
     def __init__(self, blocked_from: int, method: str, connectivity: int = 8) -> None:
@@ -60,7 +60,7 @@ class KeptSearch:
 
     @contextmanager
     def of(self, costmap: Costmap) -> Iterator[GridSearch]:
-        """The search of a costmap, which does not change within the `with` block."""
+        """Lend the search of a costmap, which does not change within the `with` block."""
         kept = self._take(costmap)
         try:
             yield kept.search
@@ -70,7 +70,7 @@ class KeptSearch:
 
     @contextmanager
     def around(self, costmap: Costmap, costs: npt.NDArray[np.uint8]) -> Iterator[GridSearch]:
-        """A search over changed costs of a costmap, for this `with` block alone. The costs must not change later."""
+        """Lend a search over changed costs of a costmap for the `with` block; the costs must not change later."""
         with self._lock:
             detour, self._detour = self._detour, None
         if detour is None or detour.version is not costmap.version or not self._turn(detour, costs):
@@ -81,7 +81,7 @@ class KeptSearch:
             self._detour = detour
 
     def _turn(self, detour: _Detour, costs: npt.NDArray[np.uint8]) -> bool:
-        """Whether a search can be updated to other costs: they differ in a small part of the map."""
+        """Update a search to other costs if they differ in a small part of the map alone; return whether it did."""
         rows, cols = np.divmod(np.flatnonzero(detour.costs != costs), costs.shape[1])
         if len(rows) > 0:
             changed = slice(int(rows.min()), int(rows.max()) + 1), slice(int(cols.min()), int(cols.max()) + 1)
@@ -103,7 +103,7 @@ class KeptSearch:
             return kept
 
     def _bring_up_to_date(self, kept: _Kept, costmap: Costmap) -> bool:
-        """Whether the search is of this costmap, or can be updated to it: a search in use is not changed."""
+        """Update the search to a costmap if it can be, and is not in use; return whether it is of this costmap now."""
         if kept.version is costmap.version:
             return True
         changes = costmap.changes_since(kept.version)
@@ -122,8 +122,8 @@ class BinaryPlanner(FootprintPlanner):
     another one of it, the search is updated as well.
 
     Args:
-        method: Of `GridSearch`.
-        options: Of `FootprintPlanner`.
+        method: Method of the `GridSearch`.
+        options: Options of `FootprintPlanner`.
     """
 
     def __init__(self, method: str, **options: Unpack[FootprintOptions]) -> None:
@@ -138,5 +138,5 @@ class BinaryPlanner(FootprintPlanner):
             return search.nearest_reachable(start, goal)
 
     def _search(self, costmap: Costmap, costs: npt.NDArray[np.uint8]) -> AbstractContextManager[GridSearch]:
-        """The search over cells below 253, of the costmap's own costs or of those of a replan."""
+        """Lend the search over cells below 253, of the costmap's own costs or of those of a replan."""
         return self._kept.of(costmap) if costs is costmap.data else self._kept.around(costmap, costs)

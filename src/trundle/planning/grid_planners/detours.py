@@ -16,7 +16,8 @@ from trundle.planning.cancellation import Patience
 from trundle.planning.motions import Motion
 
 _TRIES = ((2.0, 0.001), (3.0, 0.0025), (4.0, 0.006), (6.0, 0.016))
-"""Length that is replaced on both sides of a collision [circumscribed radii], and the weight of one unit of cost."""
+"""The tries in order: length that is replaced on both sides of a collision [circumscribed radii], and the weight of one
+unit of cost. Each replaces more and keeps farther away than the one before: a path stays short where that fits."""
 
 _STEP_OFF_M = 0.3
 """Where a turn at the start or the goal is blocked, the path is closed this far from it: another exit stays open."""
@@ -59,14 +60,14 @@ class TightPlaces:
         number: int,
         patience: Patience,
     ) -> FloatArray:
-        """Vertices (x, y) [m] of the path with the sections around the collisions replaced.
+        """Return the vertices (x, y) [m] of the path with the sections around the collisions replaced.
 
         Args:
             costmap: Where it is planned.
             costs: What is blocked for this search, shape (rows, cols).
-            vertices: Of the path [m], shape (N, 2).
+            vertices: Vertices of the path [m], shape (N, 2).
             hits: Poses at which the footprint collides, shape (K, 3).
-            number: Of the try, from 0.
+            number: Number of the try, from 0.
             patience: When to stop.
 
         Returns:
@@ -120,7 +121,7 @@ def _cheapest(
 
 
 def _stretches(vertices: FloatArray, along: FloatArray, hits: FloatArray, reach_m: float) -> list[tuple[float, float]]:
-    """From where to where [m] a path is near its collisions; overlapping intervals are merged."""
+    """Return from where to where [m] along a path it is near its collisions; overlapping intervals are merged."""
     starts, change = vertices[:-1], np.diff(vertices, axis=0)
     squared = np.maximum((change**2).sum(axis=1), 1e-18)
     offsets = hits[:, np.newaxis, :2] - starts
@@ -156,7 +157,7 @@ class Detours:
         wide: Whether to close more than the cells around the collisions.
 
     Attributes:
-        costs: For the next search, shape (rows, cols); they are not changed later.
+        costs: Costs for the next search, shape (rows, cols); they are not changed later.
         wide: Whether more than the cells around the collisions is being closed.
     """
 
@@ -166,7 +167,7 @@ class Detours:
         self.costs: Costs = costmap.data
 
     def close(self, motions: list[Motion], hits: FloatArray, owners: list[int]) -> bool:
-        """Close where motions collide, as of `fit_motions`; false where no round is left or nothing to close."""
+        """Close cells where motions collide, as `fit_motions` says; False if no round is left, or nothing to close."""
         if self._round == (min(self._most, _WIDE_ROUNDS) if self.wide else self._most):
             return self.reopen()
         places = places_to_avoid(motions, hits, owners)
@@ -217,7 +218,7 @@ class Detours:
 
 
 def _thinned(rows: list[int], cols: list[int], apart: int) -> list[tuple[int, int]]:
-    """Those cells that are not near one taken before."""
+    """Return those cells that are not near one taken before."""
     kept: list[tuple[int, int]] = []
     for row, col in zip(rows, cols, strict=True):
         if all(max(abs(row - r), abs(col - c)) > apart for r, c in kept):
@@ -226,7 +227,7 @@ def _thinned(rows: list[int], cols: list[int], apart: int) -> list[tuple[int, in
 
 
 def places_to_avoid(motions: list[Motion], hits: FloatArray, owners: list[int]) -> FloatArray:
-    """Places (x, y) [m] that the next path must not go through, shape (K, 2)."""
+    """Return places (x, y) [m] that the next path must not go through, shape (K, 2)."""
     places: dict[tuple[float, float], None] = {}
     last = len(motions) - 1
     for pose, owner in zip(hits.tolist(), owners, strict=True):

@@ -29,7 +29,7 @@ class ManhattanAstarPlanner(QueryPlanner):
 
     Args:
         allow_partial: Where the goal cannot be reached, or is blocked, plan to the reachable cell nearest to it.
-        deadline_s: Give up after this time [s]; none means as long as it takes.
+        deadline_s: Give up after this time [s]. If None, plan as long as it takes.
 
     Raises:
         InputError: If an option is out of range.

@@ -23,7 +23,7 @@ class QueryPlanner(ABC):
     """Checks what it is asked, and plans within the sooner of two deadlines: its caller's and its own.
 
     Args:
-        deadline_s: Give up after this time [s]; none means as long as it takes.
+        deadline_s: Give up after this time [s]. If None, plan as long as it takes.
 
     Raises:
         InputError: If that is no positive number.
@@ -80,7 +80,7 @@ class QueryPlanner(ABC):
 
     @abstractmethod
     def _plan(self, costmap: Costmap, start: Pose2D, goal: Goal, patience: Patience) -> Path:
-        """The path of a query whose arguments are checked."""
+        """Plan a query whose arguments are checked."""
 
 
 class PosePlanner(CopiedAsNew, QueryPlanner):
@@ -90,7 +90,7 @@ class PosePlanner(CopiedAsNew, QueryPlanner):
         start_tolerance: How far a start where the robot does not fit may be moved [m].
         goal_tolerance: How far a goal where the robot does not fit may be moved [m].
         allow_partial: Where the goal cannot be reached, or the robot does not fit there, plan to near it.
-        deadline_s: Give up after this time [s]; none means as long as it takes.
+        deadline_s: Give up after this time [s]. If None, plan as long as it takes.
 
     Raises:
         InputError: If an option is out of range.
@@ -119,15 +119,15 @@ class PosePlanner(CopiedAsNew, QueryPlanner):
 
     @abstractmethod
     def _plan_to(self, query: Query, goal: Pose2D, patience: Patience) -> Path:
-        """The path of a query, or with `allow_partial` one to near the `goal` that was asked for."""
+        """Plan a query, or with `allow_partial` a path to near the `goal` that was asked for."""
 
     @abstractmethod
     def _plan_near(self, costmap: Costmap, start: End, goal: Pose2D, patience: Patience) -> Path:
-        """A partial path, to as near to a goal as can be."""
+        """Plan a partial path, to as near to a goal as can be."""
 
 
 def check_question(costmap: object, start: object, goal: object) -> tuple[Pose2D, Goal]:
-    """The start and the goal of a plan; see `read_ends`.
+    """Check the costmap, and read the start and the goal of a plan; see `read_ends`.
 
     Raises:
         InputError: If they are none, or `costmap` is not a `Costmap`.
@@ -137,7 +137,7 @@ def check_question(costmap: object, start: object, goal: object) -> tuple[Pose2D
 
 
 def read_ends(start: object, goal: object) -> tuple[Pose2D, Goal]:
-    """The start and the goal of a plan, each as it is, or of (x, y) or (x, y, yaw) [m, m, rad], map frame.
+    """Read the start and the goal of a plan, each as it is, or of (x, y) or (x, y, yaw) [m, m, rad], map frame.
 
     A goal (x, y) is one with any yaw. A goal may also be a pose, whose yaw is wanted then.
 
