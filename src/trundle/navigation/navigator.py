@@ -51,7 +51,7 @@ from trundle.navigation.status import FINAL, NavigationStatus
 from trundle.navigation.waypoint import Route
 from trundle.observation import Estimate, Observation, Scan, Track, check_scans
 from trundle.path import Path
-from trundle.planning import Planner, create_planner, create_smoother
+from trundle.planning import create_planner, create_smoother
 from trundle.planning.planner import PlannerLike
 from trundle.planning.smoother import SmootherLike
 from trundle.robots import Robot
@@ -59,9 +59,6 @@ from trundle.tracking import TrackerSettings
 from trundle.values import as_number, check_kind
 
 _STAND = Twist2D(0.0, 0.0)
-_AUTO = "auto"
-_QUICK_EXPANSIONS = 5_000
-"""Of hybrid A* in a plan round what was sensed, a tenth of a second: there may be no path, which takes it seconds."""
 
 
 class Navigator(Drive, Agent):
@@ -164,9 +161,6 @@ class Navigator(Drive, Agent):
             limiter = SpeedLimiter(self.speed_mask, self.robot)
         self.planner_name, planner, options = split_choice(planner)
         self.planner = create_planner(planner, self.robot, self.grid, **options)
-        quick: Planner | None = None
-        if self.planner_name == _AUTO and "max_expansions" not in options:
-            quick = create_planner(_AUTO, **options, max_expansions=_QUICK_EXPANSIONS)
         self.controller_name, controller, options = split_choice(controller)
         self.controller = create_controller(controller, self.robot, self.grid, **options)
         if smoother is not None:
@@ -174,7 +168,7 @@ class Navigator(Drive, Agent):
         self.dt = 1.0 / self.settings.control_frequency
         self._delayed = DelayedCommands(self.robot.limits)
         self._check = CommandCheck(self, self.robot, self._sensed, limiter, self.dt)
-        self._replanner = Replanner(self, self.robot, self._sensed, quick, self._take)
+        self._replanner = Replanner(self, self.robot, self._sensed, self.planner.make_quick(), self._take)
         self._runner = BehaviorRunner(self, self.robot, self._sensed, self._replanner, self._check, self.dt)
         steps = [step.make() for step in self.settings.recovery] if recovery is None else recovery
         self._recovery = Recovery(

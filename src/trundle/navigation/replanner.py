@@ -25,7 +25,7 @@ from trundle.navigation.speed_limiter import BRAKING_SHARE
 from trundle.navigation.status import NavigationStatus
 from trundle.path import Path
 from trundle.planning import Cancellation, PathHit, Planner
-from trundle.planning.effort import nominal_expansions
+from trundle.planning.cancellation import nominal_expansions
 from trundle.robots import Robot
 
 _EXTEND_BEFORE_M, _EXTEND_EVERY_S = 2.5, 1.0

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from trundle._core import ScanTracker
-from trundle.costmap.layers.scan_gate import ScanGate
+from trundle.costmap.layers.scan_filter import ScanFilter
 from trundle.errors import InputError, SensorWarning
 from trundle.geometry import FloatArray, Pose2D
 from trundle.observation import Estimate, Scan, Track, check_scans
@@ -44,7 +44,7 @@ class Tracker:
         self.settings = TrackerSettings() if settings is None else settings
         check_kind(self.settings, TrackerSettings, "a tracker's settings", "TrackerSettings(max_range=10.0) makes them")
         self._body = robot.planar.padded(_BODY_M).outline
-        self._gate = ScanGate(robot, self.settings.source_timeout, warn=warn)
+        self._filter = ScanFilter(robot, self.settings.source_timeout, warn=warn)
         self._warns = warn
         self.reset()
 
@@ -54,7 +54,7 @@ class Tracker:
 
     def reset(self) -> None:
         """Forget all scans and tracks, at the start of a run."""
-        self._gate.reset()
+        self._filter.reset()
         self._time: float | None = None
         self._forget()
 
@@ -86,10 +86,10 @@ class Tracker:
                 message = f"the time went back from {self._time:g} s to {now:g} s: all tracks are forgotten"
                 warnings.warn(message, SensorWarning, stacklevel=2)
             self.reset()
-        if (self._time is None or now > self._time) and self._gate.follow(Estimate(now, pose)):
+        if (self._time is None or now > self._time) and self._filter.follow(Estimate(now, pose)):
             self._forget()
         self._time = now
-        for scan, poses in sorted(self._gate.admit(scans), key=lambda admitted: (admitted[0].time, admitted[0].lidar)):
+        for scan, poses in sorted(self._filter.admit(scans), key=lambda one: (one[0].time, one[0].lidar)):
             self._take(scan, poses)
         self.tracks = self._predict(now)
         return self.tracks

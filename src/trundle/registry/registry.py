@@ -2,90 +2,25 @@
 
 from __future__ import annotations
 
-import difflib
-import hashlib
 import importlib
 import importlib.metadata
-import importlib.util
 import inspect
 import re
-import sys
-import traceback
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
-from pathlib import Path
-from types import ModuleType
-from typing import Any, Generic, Self, SupportsIndex, TypeVar, cast
+from typing import Any, Generic, TypeVar, cast
 
 from trundle.errors import InputError, UnknownNameError
-from trundle.fault import find_fault
+from trundle.fault import find_fault, place_of
+from trundle.registry.contract import Contract, PluginFunction, by_position, name_of, parameters_of
+from trundle.registry.importing import import_named, is_plugin_file
 from trundle.values import check_kind
 
 _Made = TypeVar("_Made")
 
-PYTHON = "python:"
-"""What the name of something in Python begins with that a file cannot name: an object, or a file of Python."""
-
 _NO_ARGUMENTS: Mapping[str, object] = {}
-_MODULE_PREFIX = "trundle_plugin_file_"
 _SAME_AS_MAP = "grid"
 _OFFERED = ("robot", "map", _SAME_AS_MAP)
 """Names of parameters that stand for the robot and its map."""
-
-
-@dataclass(frozen=True, slots=True)
-class PluginFunction:
-    """A plain function that does the work of a plug-in.
-
-    Attributes:
-        name: Its name, for messages and tables.
-        function: The function.
-        keywords: What it gets in every call besides the arguments of its kind: robot, map and options.
-        taken: Which keywords of a call it takes.
-    """
-
-    name: str
-    function: Callable[..., Any]
-    keywords: Mapping[str, object]
-    taken: frozenset[str]
-
-    def __call__(self, *arguments: object, **keywords: object) -> Any:
-        """Call it with the arguments of its kind, and with those keywords of the call that it takes."""
-        given = {name: value for name, value in keywords.items() if name in self.taken}
-        return self.function(*arguments, **self.keywords, **given)
-
-
-@dataclass(frozen=True, slots=True)
-class Contract:
-    """What a plug-in of one kind must have.
-
-    Attributes:
-        methods: The methods that an object needs, each with its arguments: `{"plan": "costmap, start, goal"}`.
-        attributes: The attributes that an object needs besides.
-        function: The arguments by position of a plain function; empty where a function cannot do the work.
-        keywords: More keywords of a call, which a plain function may take.
-        former: Keywords that a call had in earlier versions, each with what to write instead.
-        files: Whether `"file.py:name"` is a name: not for kinds that others name, in a file or over the network.
-    """
-
-    methods: Mapping[str, str]
-    attributes: tuple[str, ...] = ()
-    function: tuple[str, ...] = ()
-    keywords: tuple[str, ...] = ()
-    former: Mapping[str, str] = field(default_factory=dict[str, str])
-    files: bool = True
-
-    def lacks(self, found: object) -> list[str]:
-        """What of it an object or a class does not have; attributes of a class may come with its objects."""
-        missing = [f"{name}({args})" for name, args in self.methods.items() if not callable(getattr(found, name, None))]
-        if not isinstance(found, type):
-            missing += [name for name in self.attributes if not hasattr(found, name)]
-        return missing
-
-    def describe(self) -> str:
-        """What an object needs, in words."""
-        parts = [f"{name}({args})" for name, args in self.methods.items()] + list(self.attributes)
-        return " and ".join(filter(None, [", ".join(parts[:-1]), parts[-1]]))
 
 
 class Registry(Generic[_Made]):
@@ -95,7 +30,6 @@ class Registry(Generic[_Made]):
         kind: What a name stands for, in messages ("planner").
         group: Entry-point group where other packages register theirs ("trundle.planners").
         builtin: The built-in names, each with its `"module:attribute"`.
-        removed: Names from earlier versions, each with its replacement ("was removed; use …").
         contract: What such a plug-in must have; None for kinds that are only made by name.
     """
 
@@ -104,27 +38,20 @@ class Registry(Generic[_Made]):
         kind: str,
         group: str,
         builtin: Mapping[str, str],
-        removed: Mapping[str, str] | None = None,
         *,
         contract: Contract | None = None,
     ) -> None:
         self.kind = kind
         self._group = group
         self._builtin = dict(builtin)
-        self._removed = dict(removed or {})
         self._contract = contract or Contract({})
 
     def names(self) -> list[str]:
-        """Every name, built in or from an installed package, sorted."""
+        """List every name, built in or from an installed package, sorted."""
         return sorted({*self._builtin, *(point.name for point in importlib.metadata.entry_points(group=self._group))})
 
-    def removal(self, name: str) -> str | None:
-        """Hint for a name that was removed ("was removed; use …"); None for any other name."""
-        hint = self._removed.get(name)  # first, as names() asks for the entry points of every installed package
-        return None if hint is None or name in self.names() else hint
-
     def check(self, name: str) -> None:
-        """Refuse a name that is not known. Only what has no name of its own, `"module:name"`, is imported for that.
+        """Refuse a name that is not known; only `"module:name"` and `"file.py:name"` are imported for that.
 
         Raises:
             UnknownNameError: As `load`.
@@ -133,10 +60,10 @@ class Registry(Generic[_Made]):
         if ":" in name and self._contract.methods:
             self.load(name)
         elif name not in self._builtin and name not in self.names():
-            raise UnknownNameError(self.kind, name, self.names(), hint=self._removed.get(name))
+            raise UnknownNameError(self.kind, name, self.names())
 
     def module_of(self, name: str) -> str | None:
-        """The module behind a built-in name or `"module:name"`; None for any other name and for a file."""
+        """Return the module behind a built-in name or `"module:name"`; None for any other name and for a file."""
         module = self._builtin.get(name, name if ":" in name else "").partition(":")[0]
         return None if is_plugin_file(name) else module or None
 
@@ -147,8 +74,7 @@ class Registry(Generic[_Made]):
             name: A built-in name, one of an installed package, `"module:name"`, or `"file.py:name"`.
 
         Raises:
-            UnknownNameError: If there is no such name; it lists the choices and the nearest one, or the replacement
-                of a name that was removed.
+            UnknownNameError: If there is no such name; it lists the choices and the nearest one.
             InputError: If the name is not a string, or it cannot be imported or is nothing of this kind.
         """
         given = cast("object", name)
@@ -164,7 +90,7 @@ class Registry(Generic[_Made]):
                 return point.load()
             except (ImportError, AttributeError) as error:
                 raise InputError(f"{self.kind} {name!r} ({point.value}) cannot be imported: {error}") from error
-        raise UnknownNameError(self.kind, name, self.names(), hint=self._removed.get(name))
+        raise UnknownNameError(self.kind, name, self.names())
 
     def make(self, name: str, /, *arguments: object, **options: Any) -> _Made:
         """Create an object by name.
@@ -236,7 +162,7 @@ class Registry(Generic[_Made]):
         raise self._refuse(label, made, f" ({_title(made)} was made)")
 
     def _refuse(self, label: str, found: object, got: str = "") -> InputError:
-        """The error that says what a plug-in of this kind must be."""
+        """Make the error that says what a plug-in of this kind must be."""
         contract = self._contract
         missing = contract.lacks(found)
         has_some = len(missing) < len(contract.methods) + len(contract.attributes)
@@ -251,7 +177,7 @@ class Registry(Generic[_Made]):
     def _check_keywords(self, label: str, function: Callable[..., object]) -> None:
         """Refuse a function, or a method, that takes a keyword of earlier versions."""
         former = self._contract.former
-        for one in (_parameters(function) or []) if former else []:
+        for one in (parameters_of(function) or []) if former else []:
             if one.name in former:
                 raise InputError(
                     f"{label}{_place_of(function)} takes {one.name!r}, which it does not get any more: "
@@ -264,10 +190,10 @@ class Registry(Generic[_Made]):
         `known` are the names of what else it may need.
         """
         count, known = len(self._contract.function), {*known, *self._contract.keywords, *self._contract.former}
-        parameters = _parameters(function)
+        parameters = parameters_of(function)
         if not count or parameters is None:
             return False
-        places = _by_position(parameters)
+        places = by_position(parameters)
         needed = [one.name for one in places if one.default is one.empty]
         if needed and all(name in known for name in needed):
             return False
@@ -277,10 +203,10 @@ class Registry(Generic[_Made]):
     def _bind(
         self, label: str, function: Callable[..., Any], offered: Mapping[str, object], options: Mapping[str, Any]
     ) -> PluginFunction:
-        """A function with the keywords that it gets in every call."""
+        """Make a plug-in of a function, with the keywords that it gets in every call."""
         self._check_keywords(label, function)
-        parameters = _parameters(function) or []
-        places = _by_position(parameters)[: len(self._contract.function)]
+        parameters = parameters_of(function) or []
+        places = by_position(parameters)[: len(self._contract.function)]
         rest = [one for one in parameters if one not in places]
         takes_all = any(one.kind is one.VAR_KEYWORD for one in rest)
         names = [one.name for one in rest if one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY)]
@@ -298,10 +224,10 @@ class Registry(Generic[_Made]):
         self, label: str, maker: Callable[..., Any], offered: Mapping[str, object], options: Mapping[str, Any]
     ) -> object:
         """Call a class, or a function that makes a plug-in, with what its parameters name."""
-        parameters = _parameters(maker)
+        parameters = parameters_of(maker)
         if parameters is None:
             return self._call(label, maker, (), options)
-        places = _by_position(parameters)
+        places = by_position(parameters)
         names = [one.name for one in (*places, *(one for one in parameters if one.kind is one.KEYWORD_ONLY))]
         if not any(one.kind is one.VAR_KEYWORD for one in parameters):
             self._check_options(label, options, [name for name in names if name not in _OFFERED])
@@ -346,172 +272,28 @@ class Registry(Generic[_Made]):
             what = f" has no option {foreign[1]!r}" if foreign else f": {error}"
             raise InputError(f"{label}{what}") from error
 
-    # Importing ------------------------------------------------------------------------------------------------------
-
-    def _python_only(self, name: str) -> InputError:
-        """The error about a name that a file had, and that only Python or the command line can give."""
-        if is_plugin_file(name):
-            return InputError(
-                f"{self.kind} {name!r} is a file of Python, which another file cannot name: give it as an option of "
-                "the command line, or put its folder on PYTHONPATH and write module:name"
-            )
-        return InputError(
-            f"{self.kind} {name!r} was a Python object, which a file cannot hold: give it again, in Python"
-        )
-
     def _import(self, name: str) -> object:
         """Import `"module:name"` or `"file.py:name"`.
 
         A name may come from somebody's file. So what it stands for must be of this kind: a class or an object with its
         methods, or a function written in Python that takes its arguments by position. Nothing else is called.
         """
-        label = f"{self.kind} {name!r}"
-        if name.startswith(PYTHON):
-            raise self._python_only(name.removeprefix(PYTHON))
-        place, _, attribute = name.rpartition(":")
-        if is_plugin_file(name) and not self._contract.files:
-            raise InputError(f"{label}: a {self.kind} is not named by a file; write module:name, or give the class")
-        if not place or not attribute:
-            raise InputError(f"{label}: write module:name or file.py:name, for example my_plugin.py:MyClass")
-        try:
-            module = _load_file(Path(place)) if is_plugin_file(name) else importlib.import_module(place)
-        except ModuleNotFoundError as error:
-            if error.name is None or not (place == error.name or place.startswith(f"{error.name}.")):
-                raise InputError(f"{label} cannot be imported: {_describe(error)}") from error
-            file = f"{place.replace('.', '/')}.py"
-            hint = f"write {file}:{attribute}" if Path(file).is_file() else "install its package, or give its file"
-            raise InputError(f"{label} cannot be imported: there is no module {error.name!r}; {hint}") from error
-        except Exception as error:
-            raise InputError(f"{label} cannot be imported: {_describe(error)}") from error
-        found = getattr(module, attribute, None)
-        if found is None:
-            own = [key for key, value in vars(module).items() if getattr(value, "__module__", None) == module.__name__]
-            nearest = difflib.get_close_matches(attribute, own, n=1)
-            guess = f" Did you mean {nearest[0]!r}?" if nearest else ""
-            has = ", ".join(own) or "nothing"
-            raise InputError(f"{label} cannot be imported: {place} has no {attribute!r}.{guess} It has: {has}")
+        found = import_named(self.kind, name, files=self._contract.files)
         count = len(self._contract.function)
-        works = count and inspect.isfunction(found) and len(_by_position(_parameters(found) or [])) >= count
+        works = count and inspect.isfunction(found) and len(by_position(parameters_of(found) or [])) >= count
         if self._contract.lacks(found) and not works:
-            raise self._refuse(label, found)
+            raise self._refuse(f"{self.kind} {name!r}", found)
         return found
 
 
-def is_foreign(made: object) -> bool:
-    """Whether it is of another package than trundle, whose plug-ins keep the whole protocol of their kind."""
-    return not type(made).__module__.startswith("trundle.")
-
-
 def offered_arguments(robot: object, grid: object) -> dict[str, object]:
-    """What a class may be made with, by parameter name: robot and map, where they are known."""
+    """Return what a class may be made with, by parameter name: robot and map, where they are known."""
     known = {"robot": robot, "map": grid, _SAME_AS_MAP: grid}
     return {name: value for name, value in known.items() if value is not None}
 
 
-def without_files(value: object) -> object:
-    """Plain values of a file that others may have written, in which no name runs a file of Python.
-
-    What such a name stands for can then only be given again: see `Registry.load`.
-    """
-    if isinstance(value, dict):
-        return {key: without_files(one) for key, one in cast("dict[str, object]", value).items()}
-    if isinstance(value, list):
-        return [without_files(one) for one in cast("list[object]", value)]
-    runs = isinstance(value, str) and is_plugin_file(value) and not value.startswith(PYTHON)
-    return f"{PYTHON}{value}" if runs else value
-
-
-class CopiedAsNew:
-    """Copied and pickled by the arguments that it was made with, as what keeps a kernel of `_core` has to be.
-
-    A class of another package that derives from one of these may keep more, and says itself how it is copied.
-    """
-
-    _made_with: tuple[tuple[Any, ...], dict[str, Any]]
-
-    def __new__(cls, *arguments: Any, **options: Any) -> Self:
-        """Make one, and remember what it was made with."""
-        made = super().__new__(cls)
-        made._made_with = arguments, options
-        return made
-
-    def __reduce_ex__(self, protocol: SupportsIndex) -> str | tuple[Any, ...]:
-        return super().__reduce_ex__(protocol) if is_foreign(self) else (_make_again, (type(self), *self._made_with))
-
-
-def _make_again(kind: type[_Made], arguments: tuple[Any, ...], options: dict[str, Any]) -> _Made:
-    return kind(*arguments, **options)
-
-
-def is_plugin_file(name: str) -> bool:
-    """Whether a name is `"file.py:name"`."""
-    place, _, attribute = name.rpartition(":")
-    return place.endswith(".py") and (not attribute or attribute.isidentifier())
-
-
-def name_of(found: object) -> str:
-    """What a class, a function or an object is called in messages and tables."""
-    inner = getattr(found, "func", found)  # of a functools.partial
-    return str(getattr(inner, "__name__", None) or type(found).__name__)
-
-
-def keywords_taken(function: Callable[..., object], names: Iterable[str]) -> frozenset[str]:
-    """The subset of these keywords that a function accepts; all of them if it accepts `**kwargs`.
-
-    A function whose signature Python cannot read, such as a compiled one, is assumed to take all of them.
-    """
-    wanted = frozenset(names)
-    parameters = _parameters(function)
-    if parameters is None or any(one.kind is one.VAR_KEYWORD for one in parameters):
-        return wanted
-    return wanted & {one.name for one in parameters if one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY)}
-
-
-def _parameters(function: Callable[..., object]) -> list[inspect.Parameter] | None:
-    """The parameters of a function; None where Python cannot read them."""
-    try:
-        return list(inspect.signature(function).parameters.values())
-    except (TypeError, ValueError):
-        return None
-
-
-def _by_position(parameters: list[inspect.Parameter]) -> list[inspect.Parameter]:
-    """Those that can be given by position."""
-    return [one for one in parameters if one.kind in (one.POSITIONAL_ONLY, one.POSITIONAL_OR_KEYWORD)]
-
-
-def _load_file(path: Path) -> ModuleType:
-    """Import a file of Python, once; its folder is searched for what it imports, as if it were run."""
-    file = path.resolve()
-    name = f"{_MODULE_PREFIX}{hashlib.sha256(str(file).encode()).hexdigest()[:12]}_{file.stem}"
-    if name in sys.modules:
-        return sys.modules[name]
-    spec = importlib.util.spec_from_file_location(name, file)
-    if spec is None or spec.loader is None or not file.is_file():
-        raise FileNotFoundError(f"there is no file {path}")
-    module = importlib.util.module_from_spec(spec)
-    if str(file.parent) not in sys.path:
-        sys.path.append(str(file.parent))
-    sys.modules[name] = module
-    try:
-        spec.loader.exec_module(module)
-    except BaseException:
-        del sys.modules[name]
-        raise
-    return module
-
-
-def _describe(error: Exception) -> str:
-    """An error while a plug-in is imported, and where it occurred."""
-    if isinstance(error, FileNotFoundError) and error.errno is None:
-        return str(error)
-    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if "importlib" not in frame.filename]
-    at = f" ({frames[-1].filename}:{frames[-1].lineno})" if frames[2:] and not isinstance(error, SyntaxError) else ""
-    return f"{type(error).__name__}: {error}{at}"
-
-
 def _title(found: object) -> str:
-    """What was given, for a message."""
+    """Describe what was given, for a message."""
     if isinstance(found, type):
         return f"class {found.__qualname__!r}"
     if inspect.isroutine(found):
@@ -520,9 +302,6 @@ def _title(found: object) -> str:
 
 
 def _place_of(found: object) -> str:
-    """The file and line of a class or a function, for a message; empty where Python does not know them."""
-    try:
-        file, (_, line) = inspect.getsourcefile(cast("Any", found)), inspect.getsourcelines(cast("Any", found))
-    except (OSError, TypeError):
-        return ""
-    return f" ({file}:{line})"
+    """Return the file and line of a class or a function, for a message; empty where Python does not know them."""
+    file, line = place_of(found)
+    return f" ({file}:{line})" if line else ""

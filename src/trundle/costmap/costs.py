@@ -1,15 +1,16 @@
-"""Nav2's cost numbers, and how costs fall with the distance from what is occupied."""
+"""Costs of cells: Nav2's numbers, how they fall with the distance from what is occupied, and unknown cells."""
 
 from __future__ import annotations
 
 import functools
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from trundle import _core
-from trundle.errors import InputError
-from trundle.maps.cells import OCCUPIED
+from trundle.errors import InputError, MapError
+from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
 from trundle.values import is_finite_number, show_value
 
 FREE_SPACE = 0
@@ -27,7 +28,17 @@ DEFAULT_MARGIN_M = 0.3
 DEFAULT_COST_SCALING_FACTOR = 3.0
 """Decay of the cost with distance [1/m], as in Nav2's bring-up parameters."""
 
-_MAX_INFLATION_CELLS = 4096
+UnknownPolicy = Literal["blocked", "free", "costly"]
+"""How unknown cells are treated."""
+UNKNOWN_POLICIES: tuple[UnknownPolicy, ...] = get_args(UnknownPolicy)
+"""Every `UnknownPolicy`."""
+
+DEFAULT_UNKNOWN_COST = 200
+"""What an unknown cell costs at least where unknown space is costly: by NavFn's weights 4.2 times a free one."""
+
+_MOST_UNKNOWN_COST = INSCRIBED - 1  # that of an inscribed cell blocks
+
+_MAX_INFLATION_CELLS = 4096  # a table of costs by squared distance then has 16 million entries
 
 
 def check_inflation(inflation_radius: float, cost_scaling_factor: float, resolution: float) -> None:
@@ -44,7 +55,7 @@ def check_inflation(inflation_radius: float, cost_scaling_factor: float, resolut
 def cost_table(
     inscribed: float, inflation_radius: float, cost_scaling_factor: float, resolution: float
 ) -> npt.NDArray[np.uint8]:
-    """Costs of free cells by squared distance, in cells, to the nearest blocked cell; see `Costmap.from_grid`.
+    """Return the costs of free cells by squared distance [cells²] to the nearest blocked cell; see `Costmap.from_grid`.
 
     Raises:
         InputError: If a number is out of range.
@@ -60,6 +71,7 @@ def _costs_by_distance(
 ) -> npt.NDArray[np.uint8]:
     reach = (max(inflation_radius, inscribed) + 1e-9) / resolution
     distances = np.sqrt(np.arange(int(reach * reach) + 1)) * resolution
+    # Nav2's inflation layer: computeCost in nav2_costmap_2d/inflation_layer.hpp.
     costs = (252.0 * np.exp(-cost_scaling_factor * np.maximum(0.0, distances - inscribed))).astype(np.uint8)
     costs[distances <= inscribed + 1e-9] = INSCRIBED
     costs[0] = LETHAL
@@ -70,8 +82,37 @@ def _costs_by_distance(
 def inflate(
     cells: npt.NDArray[np.int8], table: npt.NDArray[np.uint8], floor: npt.NDArray[np.uint8] | None
 ) -> npt.NDArray[np.uint8]:
-    """Costs of occupancy and of what a keep-out mask asks for at least."""
+    """Inflate occupancy, and raise the costs to those that a keep-out mask asks for at least."""
     if floor is None:
         return _core.inflate(np.ascontiguousarray(cells), table)
     costs = _core.inflate(np.where(floor == LETHAL, np.int8(OCCUPIED), cells), table)
     return np.maximum(costs, floor)
+
+
+def check_unknown(policy: str, cost: int) -> None:
+    """Raise `InputError` unless these are a policy and a cost that can be used."""
+    if policy not in UNKNOWN_POLICIES:
+        raise InputError(f"unknown is one of {', '.join(UNKNOWN_POLICIES)}; got {policy!r}")
+    if isinstance(cost, bool) or not isinstance(cost, int | np.integer) or not 0 <= cost <= _MOST_UNKNOWN_COST:
+        raise InputError(f"unknown_cost must be an integer from 0 to {_MOST_UNKNOWN_COST}, got {cost!r}")
+
+
+def check_unseen(policy: UnknownPolicy, unseen: npt.NDArray[np.bool_] | None, shape: tuple[int, ...]) -> None:
+    """Raise `MapError` unless `unseen` names the unknown cells where the costs do not show them."""
+    if policy == "blocked":
+        if unseen is not None:
+            raise MapError("where unknown cells block, their cost of 255 tells which they are; unseen is for others")
+    elif unseen is None or unseen.shape != shape or unseen.dtype != np.bool_:
+        got = "none" if unseen is None else f"{unseen.dtype} {unseen.shape}"
+        raise MapError(f"where unknown cells are {policy}, unseen tells which: bool of shape {shape}, got {got}")
+
+
+def open_unknown(cells: npt.NDArray[np.int8]) -> tuple[npt.NDArray[np.int8], npt.NDArray[np.bool_]]:
+    """Return occupancy with unknown cells free, and which they are."""
+    unseen = cells == UNKNOWN
+    return np.where(unseen, np.int8(FREE), cells), unseen
+
+
+def raise_unknown(costs: npt.NDArray[np.uint8], unseen: npt.NDArray[np.bool_], cost: int) -> npt.NDArray[np.uint8]:
+    """Raise the costs of unknown cells to a least one."""
+    return np.maximum(costs, unseen.view(np.uint8) * np.uint8(cost))

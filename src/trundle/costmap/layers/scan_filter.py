@@ -1,4 +1,4 @@
-"""`ScanGate`: which scans a layer may use, and where their sensor was."""
+"""`ScanFilter`: which scans a layer may use, and where their sensor was."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from trundle.robots import Robot
 from trundle.values import check_kind
 
 _AHEAD_S = 0.1  # as far as PoseBuffer continues a motion
-_JUMP_M, _JUMP_RAD = 1.0, 1.0
+_JUMP_M, _JUMP_RAD = 1.0, 1.0  # beyond what the robot can move in the time: no slip of wheels, but another frame
 
 
-class ScanGate:
+class ScanFilter:
     """Places scans in the odom frame at their own times, and leaves out those that cannot be used.
 
     Scans that are stale, out of order, from the future, or from a lidar that the robot lacks are counted, with one
@@ -73,7 +73,7 @@ class ScanGate:
         return True
 
     def admit(self, scans: Sequence[Scan]) -> Iterator[tuple[Scan, FloatArray]]:
-        """Scans that can be used, each with its sensor's poses in the odom frame.
+        """Yield the scans that can be used, each with its sensor's poses in the odom frame.
 
         The poses have shape (1, 3), or (beams, 3) where the beams are measured one after the other.
 
@@ -126,7 +126,7 @@ class ScanGate:
 
 
 def _sensor_poses(first: Pose2D, last: Pose2D, scan: Scan) -> FloatArray:
-    """Poses of the sensor while the robot moves evenly from the first to the last pose."""
+    """Return poses of the sensor while the robot moves evenly from the first to the last pose."""
     start = first @ scan.mount
     if scan.time_increment == 0.0:
         return np.array([start.as_tuple()])

@@ -8,8 +8,7 @@ import numpy.typing as npt
 from pydantic import Field
 
 from trundle.costmap.costmap import Costmap
-from trundle.costmap.inflation import DEFAULT_COST_SCALING_FACTOR
-from trundle.costmap.unknown import DEFAULT_UNKNOWN_COST, UnknownPolicy
+from trundle.costmap.costs import DEFAULT_COST_SCALING_FACTOR, DEFAULT_UNKNOWN_COST, UnknownPolicy
 from trundle.errors import InputError
 from trundle.files.config_fields import NotNegative
 from trundle.files.yaml_config import Config
@@ -24,11 +23,11 @@ class CostmapSettings(Config):
     A scenario has these fields at its top level, and `trundle run` and `trundle plan` have an option for each.
 
     Attributes:
-        inflation_radius: Distance from an obstacle up to which costs are raised [m]; none means the robot's
+        inflation_radius: Distance from an obstacle up to which costs are raised [m]. If None, the robot's
             circumscribed radius + 0.3 m.
         cost_scaling_factor: Exponential decay of the cost with the distance from an obstacle [1/m].
         unknown: How unknown cells of the map are treated: blocked, free, or costly.
-        unknown_cost: Lowest cost of an unknown cell where they are costly, 0 to 252; none means 200.
+        unknown_cost: Lowest cost of an unknown cell where they are costly, 0 to 252. If None, 200.
 
     Raises:
         InputError: If a value is out of range.
