@@ -11,7 +11,7 @@ from trundle.files.yaml_config import Config
 from trundle.geometry import Pose3D
 from trundle.geometry.solids import Box, Cylinder, Solid
 from trundle.worlds.movers import AlongPath, Crowd, Motion, Mover, Waypoints
-from trundle.worlds.movers.bodies import body_named
+from trundle.worlds.movers.mover import body_named
 
 _COLOR = (0.55, 0.36, 0.70, 1.0)
 _PLURALS = {"person": "people", "forklift": "forklifts"}

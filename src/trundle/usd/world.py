@@ -23,7 +23,7 @@ from trundle.usd.stage import (
 )
 from trundle.worlds import World
 from trundle.worlds.tessellate import box_mesh
-from trundle.worlds.usd.words import NAME, SEEDS
+from trundle.worlds.usd.options import NAME, SEEDS
 from trundle.worlds.walls import merge_cells
 
 _ROOT = "World"

@@ -14,7 +14,7 @@ from trundle.files.uris import describe_search, find_uri
 from trundle.files.xml_elements import XmlElement
 from trundle.geometry import Pose3D
 from trundle.geometry.solids import Box, Color, Cylinder, Shape, Sphere
-from trundle.worlds.gazebo.values import Place, child, children, read_flag, read_numbers, read_sizes, read_text
+from trundle.worlds.gazebo.elements import Place, child, children, read_flag, read_numbers, read_sizes, read_text
 from trundle.worlds.shapes import Part, capsule_parts, ellipsoid_mesh
 from trundle.worlds.tessellate import cone_mesh, rectangle_mesh
 

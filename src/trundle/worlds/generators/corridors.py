@@ -8,8 +8,8 @@ import numpy as np
 
 from trundle.errors import WorldError
 from trundle.geometry.solids import Color, Solid
-from trundle.worlds.generators.checks import check_number, check_numbers, check_seed
 from trundle.worlds.generators.props import Part, box, place
+from trundle.worlds.options import check_number, check_numbers, check_seed
 from trundle.worlds.world import World
 
 DOOR_WIDTHS = (2.0, 1.6, 1.4, 1.2, 1.1, 1.0, 0.9, 0.8)

@@ -17,8 +17,8 @@ import numpy.typing as npt
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose3D
 from trundle.geometry.solids import Color, Cylinder, Solid
-from trundle.worlds.generators.checks import check_number, check_seed, check_whole
 from trundle.worlds.generators.props import Part, box, place
+from trundle.worlds.options import check_number, check_seed, check_whole
 from trundle.worlds.world import World
 
 RADIUS = 0.075  # of a post, as in the BARN worlds [m]

@@ -14,8 +14,8 @@ import numpy as np
 
 from trundle.geometry.solids import Color, Solid
 from trundle.worlds.generators import yard
-from trundle.worlds.generators.checks import check_flag, check_number, check_seed, check_size, check_whole
 from trundle.worlds.generators.props import SEEN_TO, Part, box, place
+from trundle.worlds.options import check_flag, check_number, check_seed, check_size, check_whole
 from trundle.worlds.world import World
 
 DRIVE = 5.0

@@ -9,8 +9,8 @@ import numpy.typing as npt
 
 from trundle.errors import WorldError
 from trundle.geometry.solids import Color, Solid
-from trundle.worlds.generators.checks import check_number, check_seed, check_whole
 from trundle.worlds.generators.props import Part, box, place
+from trundle.worlds.options import check_number, check_seed, check_whole
 from trundle.worlds.world import World
 
 NARROWEST = 0.3

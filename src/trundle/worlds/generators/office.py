@@ -16,8 +16,8 @@ import numpy as np
 from trundle.errors import WorldError
 from trundle.geometry.solids import Color, Solid
 from trundle.worlds.generators import furniture
-from trundle.worlds.generators.checks import check_flag, check_number, check_seed, check_size
 from trundle.worlds.generators.props import SEEN_TO, Part, box, place
+from trundle.worlds.options import check_flag, check_number, check_seed, check_size
 from trundle.worlds.world import World
 
 ROOM_DEPTH = (3.4, 4.6)

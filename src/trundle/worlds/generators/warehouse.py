@@ -18,7 +18,6 @@ import numpy as np
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray
 from trundle.geometry.solids import Color, Solid
-from trundle.worlds.generators.checks import check_flag, check_number, check_seed, check_size, check_whole
 from trundle.worlds.generators.props import (
     CARTONS,
     SAFETY_YELLOW,
@@ -33,6 +32,7 @@ from trundle.worlds.generators.props import (
     place,
 )
 from trundle.worlds.movers import Crowd, forklift_body
+from trundle.worlds.options import check_flag, check_number, check_seed, check_size, check_whole
 from trundle.worlds.world import World
 
 CROSS_AISLE = 2.4  # [m]: room to turn for Nova Carter, whose tail swings on a radius of 0.656 m

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from trundle.errors import WorldError
 from trundle.geometry.solids import Solid
 from trundle.values import is_finite_number, show_value
-from trundle.worlds.movers.bodies import body_named
-from trundle.worlds.movers.mover import Mover, check_parts
+from trundle.worlds.movers.mover import Mover, body_named, check_parts
 
 MODELS = ("social_force",)
 """Models that a crowd can follow."""

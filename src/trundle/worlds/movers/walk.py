@@ -14,10 +14,17 @@ from trundle.errors import WorldError
 from trundle.geometry import FloatArray, wrap_angles
 from trundle.geometry.solids import Solid, solids_bounds
 from trundle.worlds.movers.crowd import Crowd
+from trundle.worlds.movers.interaction import (
+    border_force,
+    driving,
+    enters_way,
+    give_way,
+    keep_apart,
+    repulsion,
+    swings_into,
+)
 from trundle.worlds.movers.mover import Mover, outline_of, radius_of, top_of
-from trundle.worlds.movers.social_force import border_force, driving, repulsion
 from trundle.worlds.movers.walkable import IndexArray, WalkableFloor
-from trundle.worlds.movers.yielding import enters_way, give_way, keep_apart, swings_into
 
 PERIOD_S = 0.05
 """Crowds are stepped at this period; between two steps they move straight at constant speed."""

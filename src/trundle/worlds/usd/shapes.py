@@ -1,4 +1,4 @@
-"""USD's geometric prims as shapes, each in its prim's own frame or already scaled to the map frame."""
+"""USD's geometric prims as shapes, each in its prim's own frame or already scaled to the map frame, and their colours."""
 
 from __future__ import annotations
 
@@ -7,16 +7,15 @@ from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-from pxr import UsdGeom
+from pxr import UsdGeom, UsdShade
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose3D
-from trundle.geometry.solids import Box, Cylinder, Mesh, Sphere
+from trundle.geometry.solids import Box, Color, Cylinder, Mesh, Sphere
 from trundle.worlds import tessellate
 from trundle.worlds.affine import FlattenedError, place, pose_of, scale_mesh, split
 from trundle.worlds.ground import ENDLESS, LevelPlane, is_level
-from trundle.worlds.hull import convex_hull
-from trundle.worlds.polygons import triangulate
+from trundle.worlds.tessellate import convex_hull, triangulate
 from trundle.worlds.usd.walk import TIME, Place
 
 Placeable: TypeAlias = Box | Cylinder | Sphere | Mesh
@@ -27,6 +26,11 @@ _TO_AXIS = {
     "Z": np.eye(4),
 }
 """Rotations from a shape along z to the same shape along one of USD's axes; act on columns."""
+
+GREY: Color = (0.6, 0.6, 0.62, 1.0)
+
+# Of UsdPreviewSurface and of Omniverse's materials.
+_INPUTS = ("diffuseColor", "diffuse_color_constant", "diffuse_tint", "base_color", "baseColor")
 
 
 @dataclass(slots=True)
@@ -224,3 +228,43 @@ def _shift(offset: FloatArray) -> FloatArray:
 
 def _key(prim: Any) -> str:
     return str((prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim).GetPath())
+
+
+@dataclass(slots=True)
+class Colors:
+    """Finds colours; caches those of materials."""
+
+    _materials: dict[str, Color | None] = field(default_factory=dict)
+
+    def of(self, prim: Any) -> Color:
+        """A prim's colour; the mean if it has one per vertex."""
+        primvars = UsdGeom.PrimvarsAPI(prim)
+        values = primvars.FindPrimvarWithInheritance("displayColor").ComputeFlattened(TIME)
+        if values and np.ndim(values) == 2:
+            opacities = primvars.FindPrimvarWithInheritance("displayOpacity").ComputeFlattened(TIME)
+            return _color(np.mean(values, axis=0), float(np.mean(opacities)) if np.ndim(opacities) == 1 else 1.0)
+        material = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+        if not material:
+            return GREY
+        path = str(material.GetPath())
+        if path not in self._materials:
+            self._materials[path] = _material_color(material)
+        return self._materials[path] or GREY
+
+
+def _material_color(material: Any) -> Color | None:
+    for context in (UsdShade.Tokens.universalRenderContext, "mdl"):
+        shader = material.ComputeSurfaceSource(context)[0]
+        for name in _INPUTS if shader else ():
+            entry = shader.GetInput(name)
+            value = entry.Get(TIME) if entry else None
+            if value is not None and np.shape(value) == (3,):
+                return _color(np.array(value), 1.0)
+    return None
+
+
+def _color(rgb: Any, opacity: float) -> Color:
+    if not (np.isfinite(rgb).all() and np.isfinite(opacity)):
+        return GREY
+    red, green, blue, alpha = (float(value) for value in np.clip([*rgb, opacity], 0.0, 1.0))
+    return red, green, blue, alpha

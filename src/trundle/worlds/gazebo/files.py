@@ -9,7 +9,7 @@ from urllib.parse import unquote
 from trundle.errors import WorldError
 from trundle.files.opening import is_file
 from trundle.files.xml_elements import XmlElement, parse_xml, read_xml
-from trundle.worlds.gazebo.values import VERSIONS
+from trundle.worlds.gazebo.elements import VERSIONS
 
 _PLAIN_FLOOR = b"""
 <sdf version='1.6'><model name='ground_plane'><static>true</static><link name='link'><collision name='collision'>
