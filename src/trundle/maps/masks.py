@@ -17,12 +17,11 @@ import numpy.typing as npt
 
 from trundle.errors import MapError
 from trundle.geometry import FloatArray, Pose2D
-from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
+from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN, VALUES, count_values
 from trundle.maps.frame import GridFrame
 from trundle.maps.grid import OccupancyGrid
 from trundle.maps.occupancy import Compat
 from trundle.maps.resample import CellLayout, resample
-from trundle.maps.values import VALUES, count_values
 
 SpeedUnit: TypeAlias = Literal["percent", "absolute"]
 

@@ -11,11 +11,10 @@ import numpy.typing as npt
 from trundle.errors import MapError
 from trundle.geometry import FloatArray, Pose2D, Pose3D
 from trundle.geometry.solids import OccupancyCells, Solid
-from trundle.maps.cells import MAX_CELLS, OCCUPIED, UNKNOWN
+from trundle.maps.cells import MAX_CELLS, OCCUPIED, UNKNOWN, UNKNOWN_RANK, Ranks, count_values, from_ranks, to_ranks
 from trundle.maps.frame import GridFrame
 from trundle.maps.grid import OccupancyGrid
 from trundle.maps.rasterise import HeightBand, SolidRaster
-from trundle.maps.values import UNKNOWN_RANK, Ranks, count_values, from_ranks, to_ranks
 
 SLACK = 0.02
 """Tolerance [cells] within which cell edges coincide everywhere, so a yaw of 1.5708 is a quarter turn."""

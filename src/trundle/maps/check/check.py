@@ -17,17 +17,13 @@ from trundle.files.yaml_nodes import read_text
 from trundle.geometry import Pose2D
 from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.maps.check.areas import Chart
-from trundle.maps.check.description import check_description
-from trundle.maps.check.doors import check_doors
 from trundle.maps.check.finding import PLACEMENT_KINDS, Finding, Kind, MapReport, by_severity
+from trundle.maps.check.map_file import check_description, read_map
 from trundle.maps.check.obstacles import compare_obstacles, list_obstacles
-from trundle.maps.check.openings import check_openings
 from trundle.maps.check.placement import PlacementCheck, check_placement
-from trundle.maps.check.reach import check_reach
-from trundle.maps.check.reading import read_map
-from trundle.maps.check.specks import check_islands, check_speckles
-from trundle.maps.check.unknown import check_unknown
-from trundle.maps.check.wording import apply_match
+from trundle.maps.check.placement_findings import apply_match
+from trundle.maps.check.reach import check_doors, check_reach
+from trundle.maps.check.space import check_islands, check_openings, check_speckles, check_unknown
 from trundle.maps.from_world import SolidWorld
 from trundle.maps.grid import OccupancyGrid
 from trundle.maps.occupancy import Compat

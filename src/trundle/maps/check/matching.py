@@ -12,8 +12,7 @@ import numpy.typing as npt
 
 from trundle.geometry import FloatArray
 from trundle.maps.cells import OCCUPIED, UNKNOWN
-from trundle.maps.check.lattice import Lattice, Phase, WorldCells
-from trundle.maps.check.orientation import ORIENTATIONS, UPRIGHT, Orientation
+from trundle.maps.check.lattice import ORIENTATIONS, UPRIGHT, Lattice, Orientation, Phase, WorldCells
 
 _COARSE_SIDE = 512  # blocks of cells along the longest side where the search begins
 _PEAKS = 3  # places per orientation that are refined

@@ -14,9 +14,8 @@ from trundle._core import inflate
 from trundle.geometry import FloatArray
 from trundle.maps.cells import OCCUPIED
 from trundle.maps.check.areas import Cells
-from trundle.maps.check.lattice import Lattice
+from trundle.maps.check.lattice import Lattice, Orientation
 from trundle.maps.check.matching import pad, pyramid
-from trundle.maps.check.orientation import Orientation
 
 _COARSE_SIDE = 256  # blocks of cells along the side of the images that are correlated
 _BLUR_CELLS = 1.5  # standard deviation around walls: noise of a scan or of a rotated lattice

@@ -8,12 +8,17 @@ from trundle.errors import MapError
 from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.maps.check.areas import Cells
 from trundle.maps.check.finding import PLACEMENT_KINDS, Finding, Kind
-from trundle.maps.check.lattice import Lattice, WorldCells
+from trundle.maps.check.lattice import UPRIGHT, Lattice, WorldCells
 from trundle.maps.check.matching import Match, Matching, as_good, find_matches
-from trundle.maps.check.orientation import UPRIGHT
+from trundle.maps.check.placement_findings import (
+    LEAST_OFFSET,
+    Explanation,
+    describe_findings,
+    explain_placements,
+    list_hidden,
+)
 from trundle.maps.check.stretching import Stretch, find_stretch
 from trundle.maps.check.turning import Turning, find_turn
-from trundle.maps.check.wording import LEAST_OFFSET, Explanation, describe_findings, explain_placements, list_hidden
 from trundle.maps.from_world import SolidWorld
 from trundle.maps.grid import OccupancyGrid
 

@@ -10,10 +10,9 @@ import numpy.typing as npt
 
 from trundle.errors import MapError
 from trundle.geometry import FloatArray
-from trundle.maps.check.lattice import Lattice, WorldCells
+from trundle.maps.check.lattice import ORIENTATIONS, UPRIGHT, Lattice, Orientation, WorldCells
 from trundle.maps.check.matching import Match, as_good, find_matches
 from trundle.maps.check.nearness import LAST_STEP, Level, Points, choose_points, climb, look_up, make_levels, orient
-from trundle.maps.check.orientation import ORIENTATIONS, UPRIGHT, Orientation
 from trundle.maps.from_world import SolidWorld
 from trundle.maps.grid import OccupancyGrid
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from trundle.geometry import FloatArray, Pose2D
-from trundle.maps.check.lattice import Lattice, WorldCells
+from trundle.maps.check.lattice import ORIENTATIONS, Lattice, Orientation, WorldCells
 from trundle.maps.check.matching import Match, as_good
 from trundle.maps.check.nearness import (
     LAST_STEP,
@@ -23,7 +23,6 @@ from trundle.maps.check.nearness import (
     orient,
     rotation,
 )
-from trundle.maps.check.orientation import ORIENTATIONS, Orientation
 
 WELL_MATCHED = 0.75
 """A map that agrees at least this well with its world as it is stated is not tried at other angles."""

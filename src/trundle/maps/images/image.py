@@ -7,7 +7,7 @@ from pathlib import Path
 from trundle.errors import MapError
 from trundle.files.opening import open_file, read_up_to
 from trundle.maps.cells import cell_limit
-from trundle.maps.images import bmp, png_chunks, pnm
+from trundle.maps.images import bmp, png, pnm
 from trundle.maps.images.pixels import Pixels
 
 _HEAD_BYTES = 1 << 16
@@ -43,8 +43,6 @@ def read_image(path: Path, *, max_cells: int | None = None) -> Pixels:
         return pnm.decode_pnm(content, str(path))
     if head.startswith(bmp.SIGNATURE):
         return bmp.decode_bmp(content, str(path))
-    from trundle.maps.images import png
-
     return png.decode_png(content, str(path))
 
 
@@ -63,9 +61,9 @@ def _check_size(head: bytes, name: str, max_cells: int) -> int:
     else:
         if not head:
             raise MapError(f"{name}: the image file is empty")
-        if not head.startswith(png_chunks.SIGNATURE):
+        if not head.startswith(png.SIGNATURE):
             raise MapError(f"{name}: not a PNG, PNM (PGM) or BMP image; convert it to PNG")
-        header = png_chunks.parse_header(head, name)
+        header = png.parse_header(head, name)
         limit = header.decoded_bytes + header.decoded_bytes // 100 + _PNG_EXTRA_BYTES
     cells = header.width * header.height
     if cells > max_cells or header.decoded_bytes > _DECODED_BYTES * max_cells:

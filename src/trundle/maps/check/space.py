@@ -1,4 +1,4 @@
-"""Where the inside of a map is open: gaps in the outer wall, and places beyond which nothing was seen."""
+"""The space of a map: unknown parts that it should know, gaps in its outer wall, and areas apart from the rest."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from trundle._core import mark_gaps
-from trundle.maps.cells import OCCUPIED
-from trundle.maps.check.areas import NEIGHBOURS, SPECK_CELLS, Area, Areas, Chart, Mask, shorten
+from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
+from trundle.maps.check.areas import NEIGHBOURS, SPECK_CELLS, Area, Areas, Cells, Chart, Mask, shorten
 from trundle.maps.check.finding import MOST_A_KIND, Finding
 
 WIDEST_LEAK_M = 3.0
@@ -17,6 +17,77 @@ WIDEST_LEAK_M = 3.0
 _LEAST_INSIDE_SHARE = 0.05  # of the free space: an area that counts as the inside of a building
 _NEAR_CELLS = 3  # around a leak, where the world's wall is drawn
 _DRAW = "draw the wall there, unless it is a door that the robot may use"
+
+UNSEEN_SHARE = 0.10
+"""Unknown space of at least this share of the free space is a large part that was never seen."""
+
+_LEAST_FREE_RIM = 0.5  # free share of a hole's rim; a walled-in hole is the inside of a thing
+_LEAST_FRONT_M = 0.5  # along which a part that was not seen meets free space [m]
+
+_BY_HAND = "drive past it once more, or paint it by hand"
+_FROM_WORLD = "take it from the world's map"
+
+_SPECK_EDGE = 2  # cells: a wider one is a thin thing
+
+
+def check_unknown(chart: Chart) -> list[Finding]:
+    """Find holes and unseen parts within the walls; with a world, all floor that the map lacks."""
+    unknown = Areas(chart.unknown, diagonal=True)
+    free, walled = unknown.beside(chart.free), unknown.beside(chart.occupied)
+    inside = ~unknown.on_edge()
+    hole = inside & (free > 0) & (free >= _LEAST_FREE_RIM * (free + walled))
+    chart.holes = unknown.select(hole)
+    if chart.truth is None:
+        large = unknown.sizes >= max(1.0, UNSEEN_SHARE * chart.free_count)
+        in_sight = free * chart.grid.resolution >= _LEAST_FRONT_M
+        unseen = chart.list_areas(
+            unknown,
+            inside & large & in_sight,
+            "unseen",
+            "warning",
+            ("{area} within the walls were never seen", "parts that were never seen"),
+            "drive there and map it",
+        )
+    else:
+        unseen = _compare_with_world(chart, chart.truth)
+    return [*_list_holes(chart, unknown, hole), *unseen]
+
+
+def _list_holes(chart: Chart, unknown: Areas, hole: Mask) -> list[Finding]:
+    helped = chart.take_from_world("unknown_hole", chart.holes) if hole.any() else False
+    large = unknown.sizes > SPECK_CELLS
+    return [
+        *chart.list_areas(
+            unknown,
+            hole & large,
+            "unknown_hole",
+            "warning",
+            ("unknown hole of {area} in free space", "unknown holes"),
+            _FROM_WORLD if helped else _BY_HAND,
+        ),
+        *chart.list_areas(
+            unknown,
+            hole & ~large,
+            "speckle",
+            "warning",
+            ("unknown speck in free space (cells: {cells})", "specks of unknown cells"),
+            _FROM_WORLD if helped else "paint it free, if nothing stands there",
+        ),
+    ]
+
+
+def _compare_with_world(chart: Chart, truth: Cells) -> list[Finding]:
+    reachable = truth == FREE
+    missed = Areas(reachable & chart.unknown, diagonal=True)
+    large = missed.sizes >= max(1.0, UNSEEN_SHARE * np.count_nonzero(reachable))
+    if large.any():
+        # With the walls and things that stand there.
+        known = Areas(chart.unknown & (truth != UNKNOWN), diagonal=True)
+        there = np.zeros(len(known), dtype=np.bool_)
+        there[known.labels[missed.select(large)] - 1] = True
+        chart.take_from_world("unseen", known.select(there))
+    words = ("{area} of the world's reachable floor are unknown in the map", "parts that were never seen")
+    return chart.list_areas(missed, large, "unseen", "warning", words, f"{_FROM_WORLD}, or drive there and map it")
 
 
 def check_openings(chart: Chart) -> list[Finding]:
@@ -124,3 +195,55 @@ def _find_separated(free: Mask, gaps: Mask, least: float) -> tuple[int, tuple[in
         return None
     smallest = int(np.argmin(np.where(both, doors.sizes, np.iinfo(np.int64).max)))
     return int(areas.sizes[inner].sum()), doors.middle(doors.area(smallest))
+
+
+def check_islands(chart: Chart) -> list[Finding]:
+    """Find free areas that are not connected with the largest one."""
+    free = Areas(chart.free, diagonal=False)
+    apart = np.ones(len(free), dtype=np.bool_)
+    if len(free):
+        apart[np.argmax(free.sizes)] = False
+    large = free.sizes > SPECK_CELLS
+    if (apart & ~large).any():
+        # Nothing that a robot could use is lost.
+        chart.cells[free.select(apart & ~large)] = UNKNOWN
+        chart.corrected.add("speckle")
+    return [
+        *chart.list_areas(
+            free,
+            apart & large,
+            "island",
+            "warning",
+            ("free area of {area} that cannot be reached from the largest one", "islands"),
+            "make it unknown, or open the wall where there is a door",
+        ),
+        *chart.list_areas(
+            free,
+            apart & ~large,
+            "speckle",
+            "info",
+            ("free speck that cannot be reached (cells: {cells})", "specks of free cells"),
+            "make it unknown",
+        ),
+    ]
+
+
+def check_speckles(chart: Chart) -> list[Finding]:
+    """Find lone occupied cells in free space that the world, if given, does not have."""
+    occupied = Areas(chart.occupied, diagonal=True)
+    small = (occupied.sizes <= SPECK_CELLS) & (occupied.lengths <= _SPECK_EDGE) & ~occupied.on_edge()
+    for index in np.flatnonzero(small).tolist():
+        area = occupied.area(index)
+        ring = np.s_[area.row - 1 : area.row_end + 1, area.col - 1 : area.col_end + 1]
+        alone = np.count_nonzero(~chart.free[ring]) == area.cells
+        in_world = chart.truth is not None and bool((chart.truth[ring] != FREE).any())
+        small[index] = alone and not in_world
+    helped = chart.take_from_world("speckle", occupied.select(small)) if small.any() else False
+    return chart.list_areas(
+        occupied,
+        small,
+        "speckle",
+        "warning",
+        ("occupied speck in free space (cells: {cells})", "specks of occupied cells"),
+        "take it out: the world has nothing there" if helped else "take it out, if nothing thin stands there",
+    )

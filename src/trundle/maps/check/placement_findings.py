@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from trundle.geometry import Pose2D
 from trundle.maps.check.areas import Cells
 from trundle.maps.check.finding import PLACEMENT_KINDS, Finding, Kind
+from trundle.maps.check.lattice import UPRIGHT
 from trundle.maps.check.matching import Match
-from trundle.maps.check.orientation import UPRIGHT
 from trundle.maps.check.turning import Turn
 from trundle.maps.grid import OccupancyGrid
 
