@@ -20,8 +20,7 @@ from trundle.files.yaml_nodes import compose
 from trundle.geometry import FloatArray, Footprint, Twist2D
 from trundle.guard import ReadCall, ReadLimits, read_guarded, read_limits
 from trundle.registry import Registry
-from trundle.robots.drive import DifferentialDrive, WheelSpeeds
-from trundle.robots.limits import Limits
+from trundle.robots.drive import DifferentialDrive, Limits, WheelSpeeds
 from trundle.robots.merging import merge_settings
 from trundle.robots.parts import Body, Caster, Lidar
 from trundle.robots.sizes import Coordinate

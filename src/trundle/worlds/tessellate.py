@@ -1,8 +1,8 @@
 """Triangle meshes of primitive shapes, of polygons and of points.
 
-Primitive shapes come out as closed meshes that enclose them. Round ones are at most 0.5 % larger, never smaller, so that a
-map made from them misses nothing. All loaders and exporters tessellate here; `viewer.triangles` uses inscribed meshes,
-`maps.over_floor` finer circumscribed ones.
+Primitive shapes come out as closed meshes that enclose them. Round ones are at most 0.5 % larger, never smaller, so
+that a map made from them misses nothing. All loaders and exporters tessellate here; `viewer.triangles` uses inscribed
+meshes, `maps.over_floor` finer circumscribed ones.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """How the members of a crowd react to others: the forces of the social force model, and the rules that override them.
 
-The model is that of Helbing and Molnár, Social Force Model for Pedestrian Dynamics, Phys. Rev. E 51 (1995). Whatever its
-forces push them to, members do not run into each other, or into a robot that they see.
+The model is that of Helbing and Molnár, Social Force Model for Pedestrian Dynamics, Phys. Rev. E 51 (1995). Whatever
+its forces push them to, members do not run into each other, or into a robot that they see.
 """
 
 from __future__ import annotations

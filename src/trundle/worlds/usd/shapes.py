@@ -1,4 +1,4 @@
-"""USD's geometric prims as shapes, each in its prim's own frame or already scaled to the map frame, and their colours."""
+"""Shapes and colours of USD's geometric prims. A shape is in its prim's own frame, or scaled to the map frame."""
 
 from __future__ import annotations
 
