@@ -1,13 +1,16 @@
-"""Models that an SDF world includes: finding their files, and the built-in models that need none."""
+"""Files that an SDF world refers to, meshes and included models, and the built-in models that need none."""
 
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import unquote
 
 from trundle.errors import WorldError
+from trundle.files.mesh import MeshPart, read_mesh
 from trundle.files.opening import is_file
+from trundle.files.uris import describe_search, find_uri
 from trundle.files.xml_elements import XmlElement, parse_xml, read_xml
 from trundle.worlds.gazebo.elements import VERSIONS
 
@@ -16,6 +19,40 @@ _PLAIN_FLOOR = b"""
 <geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry></collision></link></model></sdf>
 """
 """Definition of Gazebo's `Ground Plane`."""
+
+
+class MissingFileError(WorldError):
+    """A mesh or a model that a world refers to is missing."""
+
+
+@dataclass(slots=True)
+class Files:
+    """Resolves URIs, and caches the meshes that were read.
+
+    Attributes:
+        folders: Folders to search for models and packages.
+    """
+
+    folders: tuple[Path, ...]
+    _meshes: dict[Path, list[MeshPart]] = field(default_factory=dict[Path, list[MeshPart]])
+
+    def find(self, uri: str, base: Path) -> Path | None:
+        """The file or folder that a URI refers to, relative to the folder `base`; see `find_uri`."""
+        return find_uri(uri, base, self.folders)
+
+    def mesh(self, path: Path) -> list[MeshPart]:
+        """The meshes of a file."""
+        key = path.resolve()
+        if key not in self._meshes:
+            self._meshes[key] = read_mesh(path)
+        return self._meshes[key]
+
+    def advise(self) -> str:
+        """The searched folders and what to do about a missing file, for messages."""
+        return (
+            f"searched: {describe_search(self.folders)}. Give its folder with --paths FOLDER (paths=…), or skip "
+            "missing files with --set missing=skip"
+        )
 
 
 def find_model_file(path: Path | None) -> Path | None:

@@ -30,8 +30,15 @@ from trundle.worlds.gazebo.elements import (
     read_version,
     refuse_macros,
 )
-from trundle.worlds.gazebo.files import find_model_file, is_plain_floor, is_sun, read_plain_floor
-from trundle.worlds.gazebo.shapes import Files, MissingFileError, read_color, read_geometry
+from trundle.worlds.gazebo.files import (
+    Files,
+    MissingFileError,
+    find_model_file,
+    is_plain_floor,
+    is_sun,
+    read_plain_floor,
+)
+from trundle.worlds.gazebo.shapes import read_color, read_geometry
 from trundle.worlds.ground import ENDLESS, LevelPlanes
 from trundle.worlds.leave_out import Filter, warn_of_unmet
 from trundle.worlds.movers import Mover, Waypoints, person_body

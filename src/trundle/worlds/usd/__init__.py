@@ -12,11 +12,12 @@ from contextlib import contextmanager
 from types import FrameType
 
 from trundle.errors import MissingExtraError
-from trundle.worlds.usd.options import Geometry, Missing, Purpose, UpAxis
+from trundle.worlds.leave_out import split_words
+from trundle.worlds.usd.options import Geometry, Missing, Options, Purpose, UpAxis
 from trundle.worlds.world import World
 
 _MODULES = ("Usd", "Gf", "Sdf", "Tf", "UsdGeom", "UsdPhysics", "UsdShade", "UsdUtils", "Vt")
-"""The USD modules used here and in the exporter."""
+"""The USD modules that the readers and the exporters use."""
 
 
 @contextmanager
@@ -99,14 +100,14 @@ def load_usd(
         WorldWarning: About parts that are left out, and about probable mistakes.
     """
     need_usd("reading USD")
-    from trundle.worlds.usd.load import Options, load
+    from trundle.worlds.usd.load import load
 
-    options = Options.of(
+    options = Options(
         geometry=geometry,
-        exclude=exclude,
+        exclude=split_words(exclude),
         missing=missing,
-        purposes=purposes,
-        variants=variants,
+        purposes=split_words(purposes),
+        variants=split_words(variants),
         meters_per_unit=meters_per_unit,
         up_axis=up_axis,
     )

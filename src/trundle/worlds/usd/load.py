@@ -4,78 +4,32 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self, get_args
+from typing import Any
 
 import numpy as np
 from pxr import Tf, UsdGeom, UsdPhysics
 
-from trundle.errors import InputError, WorldError
+from trundle.errors import WorldError
 from trundle.geometry import FloatArray
 from trundle.geometry.solids import Solid, solids_bounds
 from trundle.worlds.affine import FlattenedError
 from trundle.worlds.ground import find_ground, is_ground
-from trundle.worlds.leave_out import Filter, split_words, warn_of_unmet
-from trundle.worlds.usd.options import NAME, SEEDS, Geometry, Missing, Purpose, UpAxis
+from trundle.worlds.leave_out import Filter, warn_of_unmet
+from trundle.worlds.usd.options import NAME, SEEDS, Options
 from trundle.worlds.usd.shapes import Colors, Shapes, level_plane
 from trundle.worlds.usd.stage import opened, report_missing, select_variants, to_metres, warn
 from trundle.worlds.usd.walk import SHAPES, TIME, Place, walk
 from trundle.worlds.world import World
 
 MAX_SOLIDS = 1_000_000
+"""A stage with more shapes than this is refused: reading it would take gigabytes and minutes."""
 
 LOW, HIGH = 0.01, 2.0
 """Shapes that end below or start above these heights over the ground [m] are floor or ceiling, and ignored."""
 
-_NEAR = 0.01
-_AT_ONCE = 1 << 22
-
-
-@dataclass(frozen=True, slots=True)
-class Options:
-    """The options of `load_usd`, checked."""
-
-    geometry: str
-    exclude: tuple[str, ...]
-    refuse_missing: bool
-    purposes: frozenset[str]
-    variants: tuple[str, ...]
-    meters_per_unit: float | None
-    up_axis: str | None
-
-    @classmethod
-    def of(
-        cls,
-        *,
-        geometry: str,
-        exclude: str | Sequence[str],
-        missing: str,
-        purposes: str | Sequence[str],
-        variants: str | Sequence[str],
-        meters_per_unit: float | None,
-        up_axis: str | None,
-    ) -> Self:
-        """Check the options as given.
-
-        Raises:
-            InputError: If a value is not an allowed choice.
-        """
-        _check("geometry", geometry, get_args(Geometry))
-        _check("missing", missing, get_args(Missing))
-        if up_axis is not None:
-            _check("up_axis", up_axis, get_args(UpAxis))
-        for purpose in split_words(purposes):
-            _check("a purpose", purpose, get_args(Purpose))
-        return cls(
-            geometry=geometry,
-            exclude=split_words(exclude),
-            refuse_missing=missing == "error",
-            purposes=frozenset(split_words(purposes)),
-            variants=split_words(variants),
-            meters_per_unit=meters_per_unit,
-            up_axis=up_axis,
-        )
+_NEAR = 0.01  # a collider whose bounds are this close [m] belongs to the shape
+_AT_ONCE = 1 << 22  # pairs of bounds compared at once, which bounds the memory
 
 
 def load(path: str, options: Options) -> World:
@@ -83,7 +37,7 @@ def load(path: str, options: Options) -> World:
     leave_out = Filter.of(options.exclude)
     with opened(path) as stage:
         select_variants(path, stage, options.variants)
-        report_missing(path, stage, refuse=options.refuse_missing, is_excluded=leave_out.takes_name)
+        report_missing(path, stage, refuse=options.missing == "error", is_excluded=leave_out.takes_name)
         root = to_metres(path, stage, options.meters_per_unit, options.up_axis)
         places = []
         for place in walk(path, stage, root, leave_out):
@@ -105,11 +59,6 @@ def load(path: str, options: Options) -> World:
     _warn_of_emptiness(path, places, chosen + decks, options)
     warn_of_unmet(leave_out, path)
     return world
-
-
-def _check(what: str, word: str, choices: Sequence[str]) -> None:
-    if word not in choices:
-        raise InputError(f"{what} is {word!r}; it must be one of: {', '.join(choices)}")
 
 
 def _takes_colliders(places: Sequence[Place], geometry: str) -> bool:
@@ -189,7 +138,7 @@ def _warn_of_emptiness(path: str, places: Sequence[Place], chosen: Sequence[Plac
     if options.geometry == "collision":
         reason = f'none of its {len(places)} shapes except the floor is a collider; use geometry="visual"'
     else:
-        purposes = ", ".join(sorted(options.purposes))
+        purposes = ", ".join(sorted(set(options.purposes)))
         reason = f"none of its {len(places)} shapes except the floor is visible and has one of the purposes {purposes}"
     warn(f"{path}: the world is empty: {reason}")
 
