@@ -9,7 +9,7 @@ import numpy as np
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose3D
 from trundle.geometry.solids import Box, Cylinder, Mesh, Sphere
-from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
+from trundle.worlds.tessellate import as_mesh
 
 ALIKE = 1e-6
 """Relative tolerance for equal scales and orthogonal columns: the accuracy of single precision."""
@@ -101,19 +101,6 @@ def scale_mesh(mesh: Mesh, scales: FloatArray) -> Mesh:
         return mesh
     faces = mesh.faces[:, ::-1] if scales.prod() < 0.0 else mesh.faces
     return Mesh(mesh.vertices * scales, faces)
-
-
-def as_mesh(shape: Box | Cylinder | Sphere | Mesh) -> Mesh:
-    """A shape's surface as triangles; round ones as circumscribed polyhedra."""
-    match shape:
-        case Box(size):
-            return box_mesh(size)
-        case Cylinder(radius, length):
-            return cylinder_mesh(radius, length)
-        case Sphere(radius):
-            return sphere_mesh(radius)
-        case Mesh():
-            return shape
 
 
 def _place_sheared(

@@ -19,10 +19,10 @@ import numpy.typing as npt
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose2D, Pose3D
-from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
+from trundle.geometry.solids import OccupancyCells, Solid, solids_bounds
 from trundle.robots import Robot
 from trundle.worlds.ground import LARGE
-from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
+from trundle.worlds.tessellate import box_mesh, solid_triangles
 from trundle.worlds.world_like import WorldLike, WorldT
 
 STOREY = 2.0
@@ -84,7 +84,7 @@ class _Surfaces:
         if isinstance(solid.shape, OccupancyCells):
             return _cell_triangles(solid.pose, solid.shape, low, high)
         if index not in self._made:
-            self._made[index] = _triangles(solid)
+            self._made[index] = solid_triangles(solid)
         corners = self._made[index]
         flat = corners[:, :, :2]
         return corners[((flat.min(axis=1) <= high) & (flat.max(axis=1) >= low)).all(axis=1)]
@@ -203,22 +203,6 @@ def _column(
     heights = corners[hit, 0, 2] - (normals[hit, :2] * offset).sum(axis=1) / normals[hit, 2]
     order = np.argsort(heights, kind="stable")
     return _Column(heights[order], rising[hit][order], owner[hit][order])
-
-
-def _triangles(solid: Solid) -> FloatArray:
-    """A solid's surface as triangles [m], map frame, shape (N, 3, 3)."""
-    match solid.shape:
-        case Box(size):
-            mesh = box_mesh(size)
-        case Cylinder(radius, length):
-            mesh = cylinder_mesh(radius, length)
-        case Sphere(radius):
-            mesh = sphere_mesh(radius)
-        case Mesh() as mesh:
-            pass
-        case OccupancyCells():
-            raise WorldError(f"blocked cells {solid.name!r} cannot be converted to triangles")
-    return solid.pose.transform_points(mesh.vertices)[mesh.faces]
 
 
 def _cell_triangles(pose: Pose3D, cells: OccupancyCells, low: FloatArray, high: FloatArray) -> FloatArray:

@@ -10,15 +10,16 @@ from PIL import Image
 
 from trundle._core import draw_triangles
 from trundle.geometry import FloatArray, Pose2D
-from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
+from trundle.geometry.solids import OccupancyCells, Solid, solids_bounds
 from trundle.pictures.cells import merge_cells
 from trundle.pictures.colors import START, WARNING
 from trundle.pictures.figure import make_figure
 from trundle.pictures.plan import Plan
 from trundle.worlds.movers.crowd import Crowd
+from trundle.worlds.movers.interaction import RobotMotion
 from trundle.worlds.movers.mover import Mover, outline_of
-from trundle.worlds.movers.walk import CrowdWalk, RobotMotion
-from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
+from trundle.worlds.movers.walk import CrowdWalk
+from trundle.worlds.tessellate import solid_triangles
 
 _CEILING_M = 2.0
 """Solids that start above this height are left out: they would hide everything below."""
@@ -79,7 +80,7 @@ def _draw_movers(plan: Plan, movers: Sequence[Mover | Crowd], solids: Sequence[S
 def _render(solids: Sequence[Solid], plan: Plan, top: float) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.bool_]]:
     """Colours seen from above, and a mask of pixels with a solid, over the plan's inner pixels."""
     meshes = [solid for solid in solids if not isinstance(solid.shape, OccupancyCells)]
-    parts = [_triangles(solid) for solid in meshes]
+    parts = [solid_triangles(solid) for solid in meshes]
     corners = np.concatenate([np.zeros((0, 3, 3)), *parts])
     colors = np.array([solid.color[:3] for solid in meshes]).reshape(-1, 3)
     colors = np.repeat(colors, [len(part) for part in parts], axis=0)
@@ -99,22 +100,6 @@ def _render(solids: Sequence[Solid], plan: Plan, top: float) -> tuple[npt.NDArra
             _lay_cells(solid, solid.shape, (x, y), heights, picture)
     picture *= np.where(_outlines(heights), 0.55, 1.0)[..., None]
     return (picture.clip(0.0, 1.0) * 255.0).round().astype(np.uint8), np.isfinite(heights)
-
-
-def _triangles(solid: Solid) -> FloatArray:
-    """Corners in the map frame [m], shape (N, 3, 3)."""
-    match solid.shape:
-        case Box(size):
-            mesh = box_mesh(size)
-        case Cylinder(radius, length):
-            mesh = cylinder_mesh(radius, length)
-        case Sphere(radius):
-            mesh = sphere_mesh(radius)
-        case Mesh():
-            mesh = solid.shape
-        case _:
-            return np.zeros((0, 3, 3))
-    return solid.pose.transform_points(mesh.vertices)[mesh.faces]
 
 
 def _lay_cells(

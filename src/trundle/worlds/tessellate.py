@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from trundle.errors import MissingExtraError
 from trundle.geometry import FloatArray
-from trundle.geometry.solids import Mesh
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 
 AROUND = 64
 """Sides of a circle."""
@@ -121,6 +121,27 @@ def _unit_ball() -> tuple[FloatArray, npt.NDArray[np.int32]]:
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     # Scaled up until the nearest face touches the sphere from outside.
     return vertices / float((normals * corners[:, 0]).sum(axis=1).min()), faces
+
+
+def as_mesh(shape: Box | Cylinder | Sphere | Mesh) -> Mesh:
+    """Return a shape's surface as triangles; round ones as circumscribed polyhedra."""
+    match shape:
+        case Box(size):
+            return box_mesh(size)
+        case Cylinder(radius, length):
+            return cylinder_mesh(radius, length)
+        case Sphere(radius):
+            return sphere_mesh(radius)
+        case Mesh():
+            return shape
+
+
+def solid_triangles(solid: Solid) -> FloatArray:
+    """Return the surface of a solid as triangles [m], map frame, shape (N, 3, 3); blocked cells have none."""
+    if isinstance(solid.shape, OccupancyCells):
+        return np.zeros((0, 3, 3))
+    mesh = as_mesh(solid.shape)
+    return solid.pose.transform_points(mesh.vertices)[mesh.faces]
 
 
 def _closed(vertices: FloatArray, faces: npt.NDArray[np.int64]) -> Mesh:

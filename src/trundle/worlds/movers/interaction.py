@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Protocol
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +27,22 @@ _SEEN = math.cos(math.radians(100.0))  # half of the angle of sight of 200°
 _UNSEEN = 0.5  # c: share of a force from behind
 _PEDESTRIAN_M = 0.3
 """Radius of the model's pedestrians; distances to what is wider are shortened by how much it is."""
+
+
+class RobotMotion(NamedTuple):
+    """Where the robot is, for those who see it.
+
+    Attributes:
+        x, y: [m], map frame.
+        vx, vy: [m/s], map frame.
+        radius: Of its circumscribed circle [m].
+    """
+
+    x: float
+    y: float
+    vx: float
+    vy: float
+    radius: float
 
 
 def driving(velocities: FloatArray, directions: FloatArray, speeds: FloatArray) -> FloatArray:
@@ -85,41 +101,12 @@ def border_force(distances: FloatArray, away: FloatArray, radii: FloatArray) -> 
     return (_BORDER / _BORDER_M * np.exp(-gap / _BORDER_M))[:, None] * away
 
 
-class MovingDisc(Protocol):
-    """A disc that moves: position [m], velocity [m/s] and radius [m]."""
-
-    @property
-    def x(self) -> float:
-        """[m]."""
-        ...
-
-    @property
-    def y(self) -> float:
-        """[m]."""
-        ...
-
-    @property
-    def vx(self) -> float:
-        """[m/s]."""
-        ...
-
-    @property
-    def vy(self) -> float:
-        """[m/s]."""
-        ...
-
-    @property
-    def radius(self) -> float:
-        """[m]."""
-        ...
-
-
 def give_way(
     points: FloatArray,
     velocities: FloatArray,
     radii: FloatArray,
     sees: npt.NDArray[np.bool_],
-    robot: MovingDisc,
+    robot: RobotMotion,
     dt: float,
 ) -> FloatArray:
     """Velocities without what leads into the robot, or into where it is about to be [m/s], shape (N, 2).
@@ -134,7 +121,7 @@ def give_way(
     return np.where(stops[:, None], velocities - inward[:, None] * away, velocities)
 
 
-def enters_way(points: FloatArray, reached: FloatArray, radii: FloatArray, robot: MovingDisc) -> npt.NDArray[np.bool_]:
+def enters_way(points: FloatArray, reached: FloatArray, radii: FloatArray, robot: RobotMotion) -> npt.NDArray[np.bool_]:
     """Who would come nearer to the robot, or to where it is about to be, than allowed; shape (N,)."""
     start, along = np.array([robot.x, robot.y]), np.array([robot.vx, robot.vy]) * _LOOK_S
     _, gap = _from_line(points, start, along)
@@ -143,7 +130,7 @@ def enters_way(points: FloatArray, reached: FloatArray, radii: FloatArray, robot
 
 
 def swings_into(
-    points: FloatArray, yaws: FloatArray, turned: FloatArray, outlines: Sequence[FloatArray], robot: MovingDisc
+    points: FloatArray, yaws: FloatArray, turned: FloatArray, outlines: Sequence[FloatArray], robot: RobotMotion
 ) -> npt.NDArray[np.bool_]:
     """Whose body would come too near to the robot by turning; shape (N,).
 
@@ -166,7 +153,7 @@ def swings_into(
     )
 
 
-def _from_outline(outline: FloatArray, point: FloatArray, yaw: float, robot: MovingDisc) -> float:
+def _from_outline(outline: FloatArray, point: FloatArray, yaw: float, robot: RobotMotion) -> float:
     """Distance of the robot's centre from an outline at a place [m], 0 inside."""
     cos, sin = math.cos(yaw), math.sin(yaw)
     x, y = np.array([[cos, sin], [-sin, cos]]) @ (np.array([robot.x, robot.y]) - point)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import zlib
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +14,7 @@ from trundle.geometry import FloatArray, wrap_angles
 from trundle.geometry.solids import Solid, solids_bounds
 from trundle.worlds.movers.crowd import Crowd
 from trundle.worlds.movers.interaction import (
+    RobotMotion,
     border_force,
     driving,
     enters_way,
@@ -42,22 +42,6 @@ _STUCK_S = 2.0  # one that gets nowhere for so long goes elsewhere
 _SLOW = 0.1  # [m/s]
 _SWING_M = 0.2  # bodies that are farther from the robot's circle do not swing into it [m]
 _TURN, _STEER = 4.0, 1.2  # how fast those who step aside, and those who steer, turn [rad/s]
-
-
-class RobotMotion(NamedTuple):
-    """Where the robot is, for those who see it.
-
-    Attributes:
-        x, y: [m], map frame.
-        vx, vy: [m/s], map frame.
-        radius: Of its circumscribed circle [m].
-    """
-
-    x: float
-    y: float
-    vx: float
-    vy: float
-    radius: float
 
 
 class CrowdWalk:
