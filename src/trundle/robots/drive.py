@@ -1,4 +1,4 @@
-"""Differential drive: kinematics both ways, wheel commands clipped as in Isaac Sim's controller, and the limits of the base."""
+"""Differential drive: kinematics both ways, wheel commands clipped as in Isaac Sim, and the limits of the base."""
 
 from __future__ import annotations
 

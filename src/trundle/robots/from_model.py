@@ -29,7 +29,6 @@ from trundle.files.xacro import expand_xacro
 from trundle.files.xml_elements import read_xml
 from trundle.files.yaml_config import Plain
 from trundle.geometry import FloatArray, convex_hull
-from trundle.robots.merging import merge_settings
 from trundle.robots.model_shape import body_points, simplify_outline
 from trundle.robots.model_wheels import Frame, read_layout, root_of
 
@@ -51,11 +50,11 @@ _ASSUMED_LIMITS: dict[str, Plain] = {
 
 
 def read_robot(path: Path, given: dict[str, Plain], folders: tuple[Path, ...]) -> dict[str, Plain]:
-    """Derive the settings of a `Robot` from a model; `given` settings override derived ones.
+    """Derive the settings of a `Robot` from a model.
 
     Args:
         path: A URDF or MJCF file.
-        given: Settings of a `Robot`, all optional; `drive` should name the joints.
+        given: The settings that will override derived ones, all optional; `drive` should name the joints.
         folders: Folders to search for package:// names, after those above the file.
 
     Raises:
@@ -116,7 +115,7 @@ def read_robot(path: Path, given: dict[str, Plain], folders: tuple[Path, ...]) -
     }
     if "limits" not in given:
         read["limits"] = _read_limits(path, joints, radius, layout.track)
-    return merge_settings(read, given)
+    return read
 
 
 def _compile(path: Path, folders: tuple[Path, ...]) -> tuple[Any, Any, str]:

@@ -21,7 +21,6 @@ from trundle.geometry import FloatArray, Footprint, Twist2D
 from trundle.guard import ReadCall, ReadLimits, read_guarded, read_limits
 from trundle.registry import Registry
 from trundle.robots.drive import DifferentialDrive, Limits, WheelSpeeds
-from trundle.robots.merging import merge_settings
 from trundle.robots.parts import Body, Caster, Lidar
 from trundle.robots.sizes import Coordinate
 from trundle.values import check_kind
@@ -167,11 +166,11 @@ class Robot(Config):
     def _repr_png_(self) -> bytes:
         """Show a picture from above in notebooks: footprint, wheels, casters and lidars; the robot faces right."""
         from trundle.pictures.figure import to_png
-        from trundle.robots.picture import Wheel, draw_robot
+        from trundle.robots.picture import DrawnWheel, draw_robot
 
         drive, body = self.drive, self.body
         wheels = [
-            Wheel(wheel.x, wheel.side * drive.track_width / 2.0, 2.0 * drive.wheel_radius, drive.wheel_width)
+            DrawnWheel(wheel.x, wheel.side * drive.track_width / 2.0, 2.0 * drive.wheel_radius, drive.wheel_width)
             for wheel in drive.wheels
         ]
         casters = [(caster.x, caster.y, caster.radius) for caster in self.casters]
@@ -273,7 +272,7 @@ def _load_file(path: Path, limits: ReadLimits, paths: tuple[Path, ...] = (), der
             raise RobotError(f"{path}: give either model or base")
         base = _load_base(settings.pop("base"), path, limits, paths, derived)
         given: dict[str, Plain] = {"name": path.stem, **settings}
-        return _make(merge_settings(base.model_dump(mode="json"), given), str(path), node)
+        return _make(_merge(base.model_dump(mode="json"), given), str(path), node)
     model, folders = settings.pop("model"), settings.pop("paths", [])
     if not isinstance(model, str) or Path(model).suffix.lower() not in MODEL_SUFFIXES:
         raise RobotError(f"{path}: model must be the path of a {', '.join(MODEL_SUFFIXES)} file, got {model!r}")
@@ -310,7 +309,16 @@ def _read_model(path: Path, given: dict[str, Plain], folders: tuple[Path, ...], 
         limits=limits,
         imports=("mujoco",),
     )
-    return read_guarded(call, stacklevel=4)
+    return _merge(read_guarded(call, stacklevel=4), given)
+
+
+def _merge(below: dict[str, Plain], given: dict[str, Plain]) -> dict[str, Plain]:
+    """Merge given settings over others, key by key, also within mappings; lists are replaced as a whole."""
+    merged = dict(below)
+    for key, value in given.items():
+        old = merged.get(key)
+        merged[key] = _merge(old, value) if isinstance(old, dict) and isinstance(value, dict) else value
+    return merged
 
 
 def _make(settings: dict[str, Plain], where: str, node: yaml.Node | None = None) -> Robot:

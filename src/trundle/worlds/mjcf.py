@@ -80,7 +80,8 @@ def load_mjcf(path: Path, *, geometry: GeometryChoice = "collision", paths: Fold
             moving.append(model.body(int(model.body_rootid[body])).name or "unnamed")
             continue
         name = _name(model, geom, body)
-        matrix = _matrix(data.geom_xpos[geom], data.geom_xmat[geom])
+        matrix = np.eye(4)
+        matrix[:3, 3], matrix[:3, :3] = data.geom_xpos[geom], data.geom_xmat[geom].reshape(3, 3)
         if not np.isfinite(matrix).all():
             raise WorldError(f"{path}: geom {name!r}: its pose is not finite")
         parts, pose, color = _parts(model, geom), Pose3D.from_matrix(matrix), _color(model, geom)
@@ -134,12 +135,6 @@ def _pieces(model: mujoco.MjModel) -> dict[int, str]:
     named = {geom: model.geom(geom).name.rpartition(PIECE)[0] for geom in hidden}
     wholes = {model.geom(geom).name for geom in range(model.ngeom)} - {""}
     return {geom: name for geom, name in named.items() if name in wholes}
-
-
-def _matrix(position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-    matrix = np.eye(4)
-    matrix[:3, 3], matrix[:3, :3] = position, rotation.reshape(3, 3)
-    return matrix
 
 
 def _name(model: mujoco.MjModel, geom: int, body: int) -> str:

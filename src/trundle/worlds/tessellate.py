@@ -15,27 +15,20 @@ import numpy.typing as npt
 from trundle.errors import MissingExtraError
 from trundle.geometry import FloatArray
 from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
+from trundle.maps.rasterise import BOX_FACES, CORNERS
 
 AROUND = 64
 """Sides of a circle."""
 
 _RINGS = 32
 
-_BOX_FACES = np.array(
-    [
-        [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4],
-        [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5],
-    ],
-    dtype=np.int32,
-)  # fmt: skip
 
 IntArray = npt.NDArray[np.int64]
 
 
 def box_mesh(size: tuple[float, float, float]) -> Mesh:
     """A box about the origin of full extent `size` [m]."""
-    corners = np.array([[x, y, z] for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)])
-    return Mesh(corners * size, _BOX_FACES)
+    return Mesh(CORNERS * 0.5 * size, BOX_FACES)
 
 
 def rectangle_mesh(width: float, length: float) -> Mesh:

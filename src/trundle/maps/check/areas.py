@@ -147,16 +147,22 @@ class Chart:
     ) -> list[Finding]:
         """One finding for each of the chosen areas, the largest first, and one for the rest if there are too many.
 
-        `words` are the message for one area, with {area} and {cells} to fill in, and the plural for the rest.
+        `words` are the message for one area, with {area}, {cells} and {size} (along x and y) to fill in, and the
+        plural for the rest.
         """
         indices = np.flatnonzero(chosen)
         indices = indices[np.argsort(-areas.sizes[indices], kind="stable")]
         findings: list[Finding] = []
         for index in indices[: MOST_A_KIND + 1].tolist():
             area = areas.area(index)
-            message = words[0].format(area=self.square_metres(area.cells), cells=area.cells)
-            where, size = self.place(*areas.middle(area)), self.area(area.cells)
-            findings.append(Finding(kind, severity, message, where, fix, size))
+            width, height = (
+                count * self.grid.resolution for count in (area.col_end - area.col, area.row_end - area.row)
+            )
+            square_metres = self.square_metres(area.cells)
+            size = f"{width:.2g} x {height:.2g} m ({square_metres})"
+            message = words[0].format(area=square_metres, cells=area.cells, size=size)
+            where = self.place(*areas.middle(area))
+            findings.append(Finding(kind, severity, message, where, fix, self.area(area.cells)))
         return shorten(findings, len(indices), words[1])
 
 

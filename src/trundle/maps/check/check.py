@@ -81,7 +81,10 @@ def check_map(
         except MapError as error:
             return _unreadable([Finding("yaml", "error", str(error), None, "correct the file")])
     else:
-        _check_text(source)
+        try:
+            read_text(source, MAX_YAML_BYTES)
+        except InputError as error:
+            raise MapError(f"{error}. Give the YAML file of a map, and not its image") from error
         described = check_description(source)
         findings += described.findings
         if described.description is None:
@@ -97,24 +100,12 @@ def check_map(
             exchanged = dataclasses.replace(described.description, rule=rule)
             negated = read(source, exchanged).grid
     report = _check(grid, negated, world=world, robot=robot, start=start, goals=goals, z_range=z_range)
-    kinds = tuple(sorted(corrected | set(report.corrected_kinds)))
-    return MapReport(
+    return dataclasses.replace(
+        report,
         findings=by_severity([*findings, *report.findings]),
-        unverified=report.unverified,
-        ambiguous=report.ambiguous,
-        remarks=report.remarks,
-        grid=report.grid,
         corrected=report.corrected if report.corrected is not None else (grid if corrected else None),
-        corrected_kinds=kinds,
+        corrected_kinds=tuple(sorted(corrected | set(report.corrected_kinds))),
     )
-
-
-def _check_text(source: Path) -> None:
-    """Refuse a YAML file that is not text."""
-    try:
-        read_text(source, MAX_YAML_BYTES)
-    except InputError as error:
-        raise MapError(f"{error}. Give the YAML file of a map, and not its image") from error
 
 
 def check_grid(

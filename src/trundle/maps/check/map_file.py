@@ -91,7 +91,8 @@ def check_description(path: str | os.PathLike[str]) -> DescriptionCheck:
     occupied = read("occupied_thresh", lambda: fields.number("occupied_thresh", low=0.0, high=1.0))
     free = read("free_thresh", lambda: fields.number("free_thresh", low=0.0, high=1.0))
     if origin is not None:
-        findings += _check_degrees(fields)
+        degrees = describe_degrees(fields)
+        findings += [] if degrees is None else [Finding("yaml", "warning", degrees[0], None, degrees[1])]
     resolution = _read_resolution(fields, findings)
     corrected: tuple[Kind, ...] = ()
     if occupied is not None and free is not None and free > occupied:
@@ -118,11 +119,6 @@ def _advise(message: str) -> str:
     if "not a map's YAML file" in message:
         return f"write one `key: value` a line, with a space after the colon: {', '.join(_USUAL)}"
     return "correct the line; quotes, brackets and colons must come in pairs with what they belong to"
-
-
-def _check_degrees(fields: Fields) -> list[Finding]:
-    found = describe_degrees(fields)
-    return [] if found is None else [Finding("yaml", "warning", found[0], None, found[1])]
 
 
 def _check_keys(fields: Fields) -> list[Finding]:

@@ -15,7 +15,7 @@ from trundle.geometry import FloatArray
 from trundle.maps.cells import OCCUPIED
 from trundle.maps.check.areas import Cells
 from trundle.maps.check.lattice import Lattice, Orientation
-from trundle.maps.check.matching import pad, pyramid
+from trundle.maps.check.matching import Match, pad, pyramid
 
 _COARSE_SIDE = 256  # blocks of cells along the side of the images that are correlated
 _BLUR_CELLS = 1.5  # standard deviation around walls: noise of a scan or of a rotated lattice
@@ -100,6 +100,20 @@ def orient(orientation: Orientation) -> Matrix:
     """What an orientation does to points, shape (2, 2)."""
     flip = np.diag([1.0, -1.0]) if orientation.flipped else np.eye(2)
     return np.rint(rotation(orientation.turns * math.pi / 2.0)) @ flip
+
+
+def start_of(match: Match, shape: tuple[int, int], middle: FloatArray) -> tuple[float, float]:
+    """Return how far (x, y) [cells] a match moves the middle of a map's occupied cells, for a search to start from.
+
+    Args:
+        match: Where the map fits, flipped or turned by quarters about its image's middle.
+        shape: (rows, cols) of the map.
+        middle: Middle (x, y) of its occupied cells [cells].
+    """
+    half = np.array(shape[::-1]) / 2.0
+    turned_half = half if match.orientation.turns % 2 == 0 else half[::-1]
+    x, y = match.offset + turned_half + orient(match.orientation) @ (middle - half) - middle
+    return float(x), float(y)
 
 
 def _blur(cells: Cells) -> npt.NDArray[np.float32]:

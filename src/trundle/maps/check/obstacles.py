@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from trundle.maps.cells import FREE, OCCUPIED
-from trundle.maps.check.areas import Areas, Cells, Chart, Mask, grow, shorten
-from trundle.maps.check.finding import MOST_A_KIND, Finding, Kind
+from trundle.maps.check.areas import Areas, Cells, Chart, Mask, grow
+from trundle.maps.check.finding import Finding
 
 LEAST_AREA = 0.09
 """A smaller area [m²] is no finding: 0.1 m² less what rounding to cells takes off."""
@@ -51,20 +51,23 @@ def list_obstacles(chart: Chart, found: Contradictions) -> list[Finding]:
         chart.cells[lacking] = OCCUPIED
         chart.corrected.add("missing_obstacle")
     return [
-        *_list_areas(
-            chart,
+        *chart.list_areas(
             missing,
+            _is_large(chart, missing),
             "missing_obstacle",
-            "the world has an obstacle of {size} here, and the map is free",
-            "obstacles of the world that the map lacks",
+            "error",
+            (
+                "the world has an obstacle of {size} here, and the map is free",
+                "obstacles of the world that the map lacks",
+            ),
             "take it from the world's map",
         ),
-        *_list_areas(
-            chart,
+        *chart.list_areas(
             phantom,
+            _is_large(chart, phantom),
             "phantom_obstacle",
-            "the map has an obstacle of {size} here, and the world is free",
-            "obstacles that the world lacks",
+            "error",
+            ("the map has an obstacle of {size} here, and the world is free", "obstacles that the world lacks"),
             "take it out, or put it into the world if it does stand there",
         ),
     ]
@@ -82,17 +85,3 @@ def _find_areas(differs: Mask, obstacles: Mask) -> Areas:
 
 def _is_large(chart: Chart, areas: Areas) -> Mask:
     return areas.sizes * chart.grid.resolution**2 >= LEAST_AREA
-
-
-def _list_areas(chart: Chart, areas: Areas, kind: Kind, words: str, several: str, fix: str) -> list[Finding]:
-    indices = np.flatnonzero(_is_large(chart, areas))
-    indices = indices[np.argsort(-areas.sizes[indices], kind="stable")]
-    findings: list[Finding] = []
-    for index in indices[: MOST_A_KIND + 1].tolist():
-        area = areas.area(index)
-        width, height = area.col_end - area.col, area.row_end - area.row
-        edge = chart.grid.resolution
-        size = f"{width * edge:.2g} x {height * edge:.2g} m ({chart.square_metres(area.cells)})"
-        where = chart.place(*areas.middle(area))
-        findings.append(Finding(kind, "error", words.format(size=size), where, fix, chart.area(area.cells)))
-    return shorten(findings, len(indices), several)

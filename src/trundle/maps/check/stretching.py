@@ -12,7 +12,17 @@ from trundle.errors import MapError
 from trundle.geometry import FloatArray
 from trundle.maps.check.lattice import ORIENTATIONS, UPRIGHT, Lattice, Orientation, WorldCells
 from trundle.maps.check.matching import Match, as_good, find_matches
-from trundle.maps.check.nearness import LAST_STEP, Level, Points, choose_points, climb, look_up, make_levels, orient
+from trundle.maps.check.nearness import (
+    LAST_STEP,
+    Level,
+    Points,
+    choose_points,
+    climb,
+    look_up,
+    make_levels,
+    orient,
+    start_of,
+)
 from trundle.maps.from_world import SolidWorld
 from trundle.maps.grid import OccupancyGrid
 
@@ -152,7 +162,7 @@ class _Search:
 
     def find(self, match: Match, *, nowhere: bool) -> _Size | None:
         """The best size, if it is clearly better than that of the match."""
-        base = self._settle(self._start(match))
+        base = self._settle_on(self._levels[0], self._start(match), LAST_STEP, scale=False)
         orientations = ORIENTATIONS if nowhere else tuple(dict.fromkeys((match.orientation, UPRIGHT)))
         coarse = [self._correlate(size) for one in orientations for size in self._list_sizes(one, nowhere=nowhere)]
         coarse.sort(key=lambda one: -one.score)
@@ -185,10 +195,7 @@ class _Search:
 
     def _start(self, match: Match) -> _Size:
         """A match as a place of cells of the size that they have."""
-        half = np.array(self._shape[::-1]) / 2.0
-        turned_half = half if match.orientation.turns % 2 == 0 else half[::-1]
-        x, y = match.offset + turned_half + orient(match.orientation) @ (self._middle - half) - self._middle
-        return _Size(match.orientation, 1.0, 1.0, float(x), float(y))
+        return _Size(match.orientation, 1.0, 1.0, *start_of(match, self._shape, self._middle))
 
     def _correlate(self, size: _Size) -> _Size:
         """The best place of a size on the coarsest level."""
@@ -215,10 +222,6 @@ class _Search:
             last = LAST_STEP if level.block == 1 else level.block / 4.0
             size = self._settle_on(level, size, last, scale=True)
         return size
-
-    def _settle(self, size: _Size) -> _Size:
-        """The best place near one, for a size that stays."""
-        return self._settle_on(self._levels[0], size, LAST_STEP, scale=False)
 
     def _settle_on(self, level: Level, size: _Size, last: float, *, scale: bool) -> _Size:
         def around(best: _Size, step: float) -> list[_Size]:

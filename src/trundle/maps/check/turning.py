@@ -22,6 +22,7 @@ from trundle.maps.check.nearness import (
     make_levels,
     orient,
     rotation,
+    start_of,
 )
 
 WELL_MATCHED = 0.75
@@ -129,10 +130,7 @@ class _Search:
 
     def start(self, match: Match) -> Turn:
         """A match as a place without a turn."""
-        half = np.array(self._shape[::-1]) / 2.0
-        turned_half = half if match.orientation.turns % 2 == 0 else half[::-1]
-        x, y = match.offset + turned_half + orient(match.orientation) @ (self._middle - half) - self._middle
-        return Turn(match.orientation, 0.0, float(x), float(y), -math.inf)
+        return Turn(match.orientation, 0.0, *start_of(match, self._shape, self._middle), -math.inf)
 
     def conclude(self, place: Turn, rivals: tuple[Turn, ...]) -> Turning:
         """The map's origin at a place, its angle a whole quarter where that is as likely."""

@@ -221,10 +221,6 @@ class Scope:
         if name in self.frames or name in self.aliases:
             self.place.fail(element, f"<{element.tag}>: there are two frames named {name!r}")
 
-    def locate(self, given: PoseIn, default: str = "") -> Pose3D:
-        """The given pose in this scope's own frame; `default` names its frame if the pose names none."""
-        return self.find(given.frame or default, given.element) @ given.pose
-
     def find(self, name: str, element: XmlElement | None, trail: tuple[str, ...] = ()) -> Pose3D:
         """The pose of a frame in this scope's own frame."""
         if name in ("", self.own):

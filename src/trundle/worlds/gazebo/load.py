@@ -231,7 +231,9 @@ class _Reader:
             _add_frame(place, frame, scope)
         for joint in children(element, "joint"):
             pose = read_pose(place, joint)
-            scope.add(read_name(place, joint), pose if pose.frame else replace(pose, frame=_child_of(joint)), joint)
+            # Where a joint's pose names no frame, it is in that of the joint's child.
+            link = (joint.findtext("child") or "").strip()
+            scope.add(read_name(place, joint), pose if pose.frame else replace(pose, frame=link), joint)
         return model
 
     def _include(
@@ -320,7 +322,7 @@ class _Reader:
             self.skipped.append(f"{found} of {name!r}")
             return []
         given = read_pose(scope.place, shape)
-        placed = pose @ scope.locate(given) if given.frame else at @ given.pose
+        placed = pose @ scope.find(given.frame, given.element) @ given.pose if given.frame else at @ given.pose
         color = _color(link, shape)
         if child(element, "plane") is not None and self._keep_plane(name, found, placed, color):
             return []
@@ -348,11 +350,6 @@ def _add_frame(place: Place, element: XmlElement, scope: Scope) -> None:
     pose = read_pose(place, element)
     attached = element.get("attached_to", "").strip()
     scope.add(read_name(place, element), pose if pose.frame else replace(pose, frame=attached), element)
-
-
-def _child_of(joint: XmlElement) -> str:
-    element = child(joint, "child")
-    return "" if element is None else (element.text or "").strip()
 
 
 def read_actor(place: Place, element: XmlElement) -> Mover | None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -147,15 +148,10 @@ def _containers(rng: np.random.Generator, length: float, width: float, share: fl
         solids += place(yard.container(rng), f"container_{index + 1}", x, y, turn)
         if rng.random() < 0.3:
             for solid in place(yard.container(rng), f"container_{index + 1}_upper", x, y, turn):
-                solids.append(_lifted(solid, tall))
+                at_x, at_y, at_z = solid.pose.position
+                solids.append(replace(solid, pose=replace(solid.pose, position=(at_x, at_y, at_z + tall))))
         taken.append((x - long / 2.0, y - wide / 2.0, x + long / 2.0, y + wide / 2.0))
     return solids, taken
-
-
-def _lifted(solid: Solid, height: float) -> Solid:
-    x, y, z = solid.pose.position
-    pose = type(solid.pose)((x, y, z + height), solid.pose.quaternion)
-    return Solid(solid.name, solid.shape, pose, solid.color, solid.kind)
 
 
 def _island_rows(width: float) -> list[float]:

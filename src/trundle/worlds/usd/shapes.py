@@ -67,7 +67,9 @@ class Shapes:
 
     def _mesh(self, item: Place) -> tuple[Placeable, Pose3D]:
         kind = item.approximation if self.colliders and item.approximation else "none"
-        key = (_key(item.prim), "convexHull" if kind == "convexHull" else "none")
+        # Instances share their prototype's prim, and so its mesh.
+        shared = item.prim.GetPrimInPrototype() if item.prim.IsInstanceProxy() else item.prim
+        key = (str(shared.GetPath()), "convexHull" if kind == "convexHull" else "none")
         if key not in self._meshes:
             mesh = _read_mesh(item.prim)
             if key[1] == "convexHull":
@@ -75,9 +77,12 @@ class Shapes:
             self._meshes[key] = mesh
         mesh = self._meshes[key]
         if kind == "boundingCube":
-            low, high = _extent(mesh)
+            corners = mesh.vertices[np.unique(mesh.faces)]
+            low, high = corners.min(axis=0), corners.max(axis=0)
             edges = np.maximum(high - low, 1e-6 * (high - low).max())
-            return place(Box((edges[0], edges[1], edges[2])), item.matrix @ _shift((low + high) / 2.0))
+            centred = np.eye(4)
+            centred[:3, 3] = (low + high) / 2.0
+            return place(Box((edges[0], edges[1], edges[2])), item.matrix @ centred)
         if kind == "boundingSphere":
             return _bounding_sphere(mesh, item.matrix)
         parts = split(item.matrix[:3, :3])
@@ -213,21 +218,6 @@ def _bounding_sphere(mesh: Mesh, matrix: FloatArray) -> tuple[Placeable, Pose3D]
     if radius == 0.0:
         raise FlattenedError("its scale of 0 flattens it")
     return Sphere(radius), pose_of(centre, np.eye(3))
-
-
-def _extent(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
-    corners = mesh.vertices[np.unique(mesh.faces)]
-    return corners.min(axis=0), corners.max(axis=0)
-
-
-def _shift(offset: FloatArray) -> FloatArray:
-    matrix = np.eye(4)
-    matrix[:3, 3] = offset
-    return matrix
-
-
-def _key(prim: Any) -> str:
-    return str((prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim).GetPath())
 
 
 @dataclass(slots=True)
