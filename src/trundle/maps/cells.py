@@ -53,7 +53,7 @@ _BLOCK_CELLS = 1 << 20
 
 
 def cell_limit(given: int | None) -> int:
-    """The most cells of a map that is loaded.
+    """Return the most cells of a map that is loaded.
 
     Raises:
         InputError: If the limit that is given is none.
@@ -95,7 +95,7 @@ class CellGrid(Protocol):
 
 
 def count_values(cells: Cells) -> npt.NDArray[np.int64]:
-    """How often each value of `VALUES` occurs, shape (102,)."""
+    """Return how often each value of `VALUES` occurs, shape (102,)."""
     counts = np.zeros(len(VALUES), dtype=np.int64)
     step = max(1, _BLOCK_CELLS // cells.shape[1])
     for first in range(0, cells.shape[0], step):
@@ -105,7 +105,7 @@ def count_values(cells: Cells) -> npt.NDArray[np.int64]:
 
 
 def to_ranks(cells: Cells) -> Ranks:
-    """Ranks of cells, in ascending order of caution: free, 1 to 64, unknown, 65 to 99, occupied."""
+    """Return ranks of cells, in ascending order of caution: free, 1 to 64, unknown, 65 to 99, occupied."""
     ranks = cells.astype(np.uint8)
     ranks += cells >= OCCUPIED_FROM
     ranks[cells == UNKNOWN] = UNKNOWN_RANK
@@ -113,7 +113,7 @@ def to_ranks(cells: Cells) -> Ranks:
 
 
 def from_ranks(ranks: Ranks) -> Cells:
-    """Cells from their ranks; the inverse of the ranking."""
+    """Return cells from their ranks; the inverse of the ranking."""
     cells = ranks.astype(np.int8)
     cells -= ranks > UNKNOWN_RANK
     cells[ranks == UNKNOWN_RANK] = UNKNOWN
@@ -121,7 +121,7 @@ def from_ranks(ranks: Ranks) -> Cells:
 
 
 def round_trinary(cells: Cells) -> Cells:
-    """Cells as occupied, free or unknown, by the thresholds that map files are written with."""
+    """Return cells as occupied, free or unknown, by the thresholds that map files are written with."""
     rounded = np.full_like(cells, UNKNOWN)
     rounded[cells >= OCCUPIED_FROM] = OCCUPIED
     rounded[(cells >= FREE) & (cells <= FREE_UP_TO)] = FREE

@@ -71,7 +71,7 @@ class Loss:
 
 
 def find_file_losses(grid: OccupancyGrid, form: Format, mode: Mode = "trinary") -> tuple[Loss, ...]:
-    """The information that a map loses when it is written to a file.
+    """Return the information that a map loses when it is written to a file.
 
     Args:
         grid: The map.
@@ -177,14 +177,14 @@ def convert_grid(
 
 
 def _express(grid: OccupancyGrid, frame: Pose2D) -> OccupancyGrid:
-    """A map in another frame."""
+    """Return a map in another frame."""
     if frame == grid.origin:
         return replace(grid, origin=Pose2D(0.0, 0.0, 0.0))
     return replace(grid, origin=frame.inverse() @ grid.origin)
 
 
 def _lay_out(grids: Sequence[OccupancyGrid], edge: float) -> CellLayout:
-    """A cell layout over all maps, with the corner of the first map on the corner of a cell."""
+    """Return a cell layout over all maps, with the corner of the first map on the corner of a cell."""
     corner, _ = find_bounds(grids[0])
     first, end = np.zeros(2), np.zeros(2)
     for grid in grids:
@@ -230,7 +230,7 @@ def _crop_layout(whole: CellLayout, crop: Bounds, frame: Pose2D, max_cells: int)
 
 
 def _crop_to_content(cells: Cells) -> tuple[Cells, int, int]:
-    """The smallest rectangle with all known cells, and its first row and column."""
+    """Return the smallest rectangle with all known cells, and its first row and column."""
     known = cells != UNKNOWN
     rows, cols = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
     if len(rows) == 0:
@@ -274,7 +274,7 @@ def _describe_resampling(name: str, grid: OccupancyGrid, layout: CellLayout, mad
 
 
 def _describe_cut(name: str, grid: OccupancyGrid, layout: CellLayout) -> list[Loss]:
-    """Known cells whose centre was cut away."""
+    """Return the loss of known cells whose centre was cut away, if there are any."""
     rows, cols = grid.shape
     free = occupied = 0
     step = max(1, _BLOCK_CELLS // cols)

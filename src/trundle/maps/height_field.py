@@ -142,7 +142,7 @@ class HeightField:
         return (x, y), (x + (cols - 1) * step, y + (rows - 1) * step)
 
     def height_at(self, x: FloatArray | float, y: FloatArray | float) -> FloatArray:
-        """The floor's height [m] at points (x, y) [m]; NaN outside, and where it is unknown."""
+        """Return the floor's height [m] at points (x, y) [m]; NaN outside, and where it is unknown."""
         rows, cols = self.heights.shape
         u = (np.asarray(x, dtype=np.float64) - self.origin[0]) / self.resolution
         v = (np.asarray(y, dtype=np.float64) - self.origin[1]) / self.resolution

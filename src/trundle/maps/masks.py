@@ -70,7 +70,7 @@ class KeepoutMask:
         return cls(OccupancyGrid.load(path, compat=compat, max_cells=max_cells), os.fspath(path))
 
     def costs_on(self, frame: GridFrame) -> npt.NDArray[np.uint8]:
-        """Lower bounds of the costs of another grid's cells: 254 where they touch a keep-out cell at all.
+        """Return lower bounds of the costs of another grid's cells: 254 where they touch a keep-out cell at all.
 
         Returns:
             uint8, shape `frame.shape`, read-only.
@@ -173,14 +173,14 @@ class SpeedMask:
         )
 
     def limits(self, top_speed: float) -> FloatArray:
-        """Limits [m/s] of the values 0 to 100 for a robot's top speed [m/s]; infinite for 0. Shape (101,)."""
+        """Return limits [m/s] of the values 0 to 100 for a robot's top speed [m/s]; infinite for 0. Shape (101,)."""
         values = self.base + self.multiplier * np.arange(OCCUPIED + 1)
         limits = values * (top_speed / 100.0) if self.unit == "percent" else values
         limits[FREE] = np.inf
         return cast("FloatArray", limits)
 
     def limit_at(self, x: npt.ArrayLike, y: npt.ArrayLike, top_speed: float) -> FloatArray:
-        """Limits [m/s] at points x, y [m] in the map frame, of any one shape; infinite where there is no limit."""
+        """Return limits [m/s] at points x, y [m] in the map frame, of one shape; infinite where there are none."""
         row, col = self.grid.world_to_cell(x, y)
         inside = self.grid.contains(row, col)
         values = np.where(inside, self.grid.data[np.where(inside, row, 0), np.where(inside, col, 0)], FREE)
@@ -220,7 +220,7 @@ def _extent(frame: GridFrame) -> str:
 
 
 def _read_info(path: str | os.PathLike[str]) -> tuple[int | None, dict[str, float]]:
-    """Nav2's keys in a mask's YAML: its `type`, and `base` and `multiplier` if present."""
+    """Read Nav2's keys in a mask's YAML: its `type`, and `base` and `multiplier` if present."""
     from trundle.maps.ros_yaml import read_fields
 
     if not isinstance(path, str | os.PathLike):

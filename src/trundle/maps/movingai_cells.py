@@ -81,7 +81,7 @@ def read_content(source: Path, max_bytes: int) -> bytes:
 
 
 def _parse_header(lines: list[bytes], source: Path) -> tuple[int, int, int]:
-    """Height, width and the index of the first row of cells."""
+    """Return the height, width and the index of the first row of cells."""
     sizes: dict[bytes, int] = {}
     for index, line in enumerate(lines[:16]):
         words = line.split()

@@ -33,7 +33,7 @@ class _Part:
     name: str = ""
 
     def transform(self, corner: tuple[float, float]) -> FloatArray:
-        """From its own frame to that of a block of cells, shape (3, 4)."""
+        """Return the transform from its own frame to that of a block of cells, shape (3, 4)."""
         place = np.asarray(self.pose.position) - (*corner, 0.0)
         return np.ascontiguousarray(np.column_stack([self.pose.rotation(), place]))
 
@@ -134,7 +134,7 @@ def _mark_block(
 
 
 def _triangulate(solids: Sequence[Solid]) -> list[_Part]:
-    """The meshes, and all other solids as one."""
+    """Return the meshes, and all other solids as one."""
     parts: list[_Part] = []
     plain: list[tuple[FloatArray, npt.NDArray[np.int32]]] = []
     for solid in solids:
@@ -156,7 +156,7 @@ def _triangulate(solids: Sequence[Solid]) -> list[_Part]:
 
 
 def _surface(shape: Box | Cylinder | Sphere | OccupancyCells) -> tuple[FloatArray, npt.NDArray[np.int32]]:
-    """Vertices [m] and faces that enclose a shape."""
+    """Return vertices [m] and faces that enclose a shape."""
     match shape:
         case Box(size):
             return CORNERS * (np.asarray(size) / 2.0), BOX_FACES
@@ -188,12 +188,12 @@ def _sphere(radius: float) -> tuple[FloatArray, npt.NDArray[np.int32]]:
 
 
 def _sides(radius: float, share: float) -> int:
-    """Number of sides, even, of a polygon around a circle that exceeds it by at most `share` of `ROUND`."""
+    """Return the number of sides, even, of a polygon around a circle that exceeds it by at most `share` of `ROUND`."""
     return 2 * math.ceil(math.pi / 2.0 / math.acos(1.0 / (1.0 + share * ROUND * max(1.0, 1.0 / radius))))
 
 
 def _revolve(profile: FloatArray, sides: int) -> tuple[FloatArray, npt.NDArray[np.int32]]:
-    """A surface of revolution: a profile (distance from the z axis, z), upwards, with both ends on the axis."""
+    """Return a surface of revolution: a profile (distance from the z axis, z), upwards, with both ends on the axis."""
     angles = np.arange(sides) * (2.0 * math.pi / sides)
     rings = profile[1:-1]
     vertices = np.column_stack(

@@ -182,7 +182,7 @@ def mark_pending(cells: npt.NDArray[np.int8]) -> None:
 
 
 def run_corners(shape: OccupancyCells) -> Iterator[FloatArray]:
-    """Corners of a box for each unbroken run of blocked cells in a row [m], shape (N, 8, 3), as in `CORNERS`."""
+    """Return corners of a box for each unbroken run of blocked cells in a row [m], shape (N, 8, 3), as in `CORNERS`."""
     rows, firsts, ends = _find_runs(shape.blocked)
     for start in range(0, len(rows), _RUNS_AT_ONCE):
         part = slice(start, start + _RUNS_AT_ONCE)
@@ -195,7 +195,7 @@ def run_corners(shape: OccupancyCells) -> Iterator[FloatArray]:
 def _find_runs(
     blocked: npt.NDArray[np.bool_],
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Row, first column and end column of each unbroken run of blocked cells."""
+    """Return row, first column and end column of each unbroken run of blocked cells."""
     edges = np.diff(np.pad(blocked, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     rows, firsts = np.nonzero(edges == 1)
     _, ends = np.nonzero(edges == -1)

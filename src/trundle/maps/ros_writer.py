@@ -73,7 +73,7 @@ def save_map(
 
 
 def compute_samples(grid: CellGrid, mode: Mode) -> npt.NDArray[np.uint8]:
-    """8-bit samples of a map's image, top row first: greys (rows, cols), or (rows, cols, 4) in mode scale.
+    """Return 8-bit samples of a map's image, top row first: greys (rows, cols), or (rows, cols, 4) in mode scale.
 
     As Nav2's map saver: trinary applies its thresholds; scale writes free as bright and unknown as transparent; raw
     writes the values, with unknown as 255.
@@ -87,12 +87,12 @@ def compute_samples(grid: CellGrid, mode: Mode) -> npt.NDArray[np.uint8]:
 
 
 def choose_mode(grid: CellGrid) -> Mode:
-    """The mode that keeps every cell of a map: trinary if there are no values between free and occupied, else raw."""
+    """Return the mode that keeps every cell of a map: trinary without values between free and occupied, else raw."""
     return "trinary" if count_values(grid.data)[~np.isin(VALUES, (UNKNOWN, FREE, OCCUPIED))].sum() == 0 else "raw"
 
 
 def read_back(mode: Mode) -> Cells:
-    """Each of `VALUES` after it was written in a mode and read back, shape (102,)."""
+    """Return each of `VALUES` after it was written in a mode and read back, shape (102,)."""
     values = compute_table(PixelRule(mode, False, OCCUPIED_THRESH, FREE_THRESH))[_compute_greys(mode)]
     if mode == "scale":
         values[0] = UNKNOWN  # Transparent.
@@ -100,7 +100,7 @@ def read_back(mode: Mode) -> Cells:
 
 
 def _compute_greys(mode: Mode) -> npt.NDArray[np.uint8]:
-    """The grey of each of `VALUES`, shape (102,)."""
+    """Return the grey of each of `VALUES`, shape (102,)."""
     if mode == "trinary":
         trinary = round_trinary(VALUES)
         table = np.where(trinary == OCCUPIED, _OCCUPIED_GREY, np.where(trinary == FREE, _FREE_GREY, UNKNOWN_GREY))
@@ -176,7 +176,7 @@ def _image_names(stem: str, suffix: str, content: bytes) -> Iterator[str]:
 
 
 def _image_of(yaml_file: Path) -> Path | None:
-    """The image that a YAML refers to, if it lies beside the YAML and is named after it."""
+    """Return the image that a YAML refers to, if it lies beside the YAML and is named after it."""
     name: object = None
     with suppress(yaml.YAMLError, RecursionError, ValueError):
         content: object = yaml.safe_load(_read_text(yaml_file))
@@ -186,7 +186,7 @@ def _image_of(yaml_file: Path) -> Path | None:
 
 
 def _is_named_elsewhere(image: Path, yaml_file: Path) -> bool:
-    """Whether the text of another YAML in the folder contains the image's name."""
+    """Return whether the text of another YAML in the folder contains the image's name."""
     others = (path for path in image.parent.iterdir() if path.suffix.lower() in (".yaml", ".yml"))
     names = (image.name, json.dumps(image.name)[1:-1])
     return any(any(name in _read_text(path) for name in names) for path in others if path.name != yaml_file.name)

@@ -65,8 +65,8 @@ class DifferentialDrive(Config):
         right_joint: Name of the right wheel's joint.
         wheel_width: Width of a wheel [m], for pictures and masses.
         wheel_mass: Mass of one wheel [kg].
-        axles: The axles of a robot with several; none means one axle at x = 0.
-        max_wheel_speed: Maximum speed of one wheel [rad/s]; none means that only the robot's limits apply.
+        axles: The axles of a robot with several. By default there is one axle at x = 0.
+        max_wheel_speed: Maximum speed of one wheel [rad/s]. If None, only the robot's limits apply.
     """
 
     type: Literal["differential"] = "differential"
@@ -99,7 +99,7 @@ class DifferentialDrive(Config):
         )
 
     def wheel_speeds(self, twist: Twist2D) -> WheelSpeeds:
-        """Wheel speeds [rad/s] that drive `twist` without slip: (2v ∓ w·track) / (2·radius)."""
+        """Return the wheel speeds [rad/s] that drive `twist` without slip: (2v ∓ w·track) / (2·radius)."""
         across = twist.w * self.track_width
         return WheelSpeeds(
             (2.0 * twist.v - across) / (2.0 * self.wheel_radius),
@@ -107,7 +107,7 @@ class DifferentialDrive(Config):
         )
 
     def twist(self, wheels: WheelSpeeds) -> Twist2D:
-        """Twist that wheel speeds [rad/s] drive without slip; the inverse of `wheel_speeds`."""
+        """Return the twist that wheel speeds [rad/s] drive without slip; the inverse of `wheel_speeds`."""
         left, right = wheels
         return Twist2D(
             self.wheel_radius * (left + right) / 2.0,
@@ -117,7 +117,7 @@ class DifferentialDrive(Config):
     def wheel_command(
         self, twist: Twist2D, *, max_linear_speed: float | None = None, max_angular_speed: float | None = None
     ) -> WheelSpeeds:
-        """Wheel speeds [rad/s] with the clipping of Isaac Sim's DifferentialController.
+        """Return the wheel speeds [rad/s] with the clipping of Isaac Sim's DifferentialController.
 
         v and w are clipped independently, then each wheel at `max_wheel_speed`: the curvature is not preserved.
         """
@@ -135,7 +135,7 @@ class Limits(Config):
 
     Attributes:
         linear_speed: Maximum forward speed [m/s].
-        reverse_speed: Maximum reverse speed [m/s], as a positive number; none means the same as forward.
+        reverse_speed: Maximum reverse speed [m/s], as a positive number. If None, it is the same as forward.
         angular_speed: Maximum turning speed in both directions [rad/s].
         linear_acceleration: Maximum acceleration and deceleration [m/s²].
         angular_acceleration: Maximum angular acceleration and deceleration [rad/s²].

@@ -18,7 +18,7 @@ _HEAD = """\
 
 
 def plain_robot(name: str) -> Robot:
-    """A robot of 0.5 by 0.4 m with two wheels, a ball caster at the back and a lidar at the front."""
+    """Return a robot of 0.5 by 0.4 m with two wheels, a ball caster at the back and a lidar at the front."""
     return Robot(
         name=name,
         drive=DifferentialDrive(
@@ -33,7 +33,7 @@ def plain_robot(name: str) -> Robot:
 
 
 def describe_robot(robot: Robot, model: Path | None = None) -> str:
-    """YAML that `Robot.load` reads back as this robot, with a comment on every field.
+    """Return YAML that `Robot.load` reads back as this robot, with a comment on every field.
 
     Args:
         robot: The robot to describe.
@@ -56,7 +56,7 @@ def check_name(name: str) -> str:
 
 
 def robot_schema() -> dict[str, Any]:
-    """The schema of a robot's YAML: the fields of `Robot`, all optional if `model` or `base` is given."""
+    """Return the schema of a robot's YAML: the fields of `Robot`, all optional if `model` or `base` is given."""
     schema = json_schema(Robot, "trundle robot")
     schema["properties"]["model"] = {
         "type": "string",

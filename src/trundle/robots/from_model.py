@@ -119,7 +119,7 @@ def read_robot(path: Path, given: dict[str, Plain], folders: tuple[Path, ...]) -
 
 
 def _compile(path: Path, folders: tuple[Path, ...]) -> tuple[Any, Any, str]:
-    """The compiled model with its collision geometry, or its visual geometry if it has none."""
+    """Return the compiled model with its collision geometry, or its visual geometry if it has none."""
     spec = read_spec(path, folders=folders, error=RobotError, geometry="collision")
     if not any(geom.contype or geom.conaffinity for geom in spec.geoms):
         spec = read_spec(path, folders=folders, error=RobotError, geometry="visual")
@@ -132,7 +132,7 @@ def _compile(path: Path, folders: tuple[Path, ...]) -> tuple[Any, Any, str]:
 
 
 def _read_underside(parts: list[FloatArray], radius: float) -> tuple[list[Plain], float]:
-    """Parts that touch the floor besides the drive wheels, as balls, and the clearance of the rest [m]."""
+    """Return parts that touch the floor besides the drive wheels, as balls, and the clearance of the rest [m]."""
     spots: list[FloatArray] = []
     lowest: list[float] = []
     for points in parts:
@@ -156,7 +156,7 @@ def _ball(x: float, y: float, radius: float) -> dict[str, Plain]:
 def _read_inertia(
     path: Path, model: Any, data: Any, frame: Frame, bodies: list[int]
 ) -> tuple[float, FloatArray, FloatArray]:
-    """Mass, centre of mass in base_link, and moments of inertia about it along base_link's axes, of some bodies."""
+    """Read the mass of some bodies, their centre of mass in base_link, and moments of inertia about it."""
     masses = np.array([model.body_mass[body] for body in bodies])
     mass = float(masses.sum())
     if mass < 1e-2:
@@ -197,7 +197,7 @@ def _keep_upright(
 
 
 def _read_limits(path: Path, joints: tuple[str, str], radius: float, track: float) -> dict[str, Plain]:
-    """Speeds from the velocity limits of a URDF's wheel joints, if both have one; accelerations are assumed."""
+    """Return speeds from the velocity limits of a URDF's wheel joints, if both have one; accelerations are assumed."""
     speeds: list[float] = []
     root = read_xml(path, error=RobotError)
     expand_xacro(path, root, error=RobotError)

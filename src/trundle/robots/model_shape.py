@@ -51,7 +51,7 @@ def _without_flat_corners(outline: FloatArray, tolerance: float = 1e-4) -> Float
 
 
 def body_points(model: Any, data: Any, body: int) -> list[FloatArray]:
-    """Points [m] whose hulls are a body's collision geometry, one array of shape (N, 3) per geom, world frame."""
+    """Return points [m] whose hulls are a body's collision geometry, an array of shape (N, 3) per geom, world frame."""
     found: list[FloatArray] = []
     first, count = int(model.body_geomadr[body]), int(model.body_geomnum[body])
     for geom in range(first, first + count):

@@ -51,7 +51,7 @@ class Frame:
     rotation: FloatArray
 
     def local(self, points: FloatArray) -> FloatArray:
-        """Points [m] in base_link."""
+        """Return points [m] in base_link."""
         return (points - self.origin) @ self.rotation
 
 
@@ -105,7 +105,7 @@ def read_layout(path: Path, model: Any, data: Any, drive: dict[str, Plain]) -> L
 
 
 def hinge_names(model: Any) -> list[str]:
-    """Names of the revolute joints."""
+    """Return the names of the revolute joints."""
     import mujoco
 
     return [
@@ -116,12 +116,12 @@ def hinge_names(model: Any) -> list[str]:
 
 
 def root_of(model: Any, joint: str) -> int:
-    """The root body of the robot that a joint belongs to."""
+    """Return the root body of the robot that a joint belongs to."""
     return int(model.body_rootid[int(model.jnt_bodyid[model.joint(joint).id])])
 
 
 def wheels_named(joints: Sequence[str], side: str) -> list[str]:
-    """The joints whose names clearly say that they are wheels of a side, "left" or "right"."""
+    """Return the joints whose names clearly say that they are wheels of a side, "left" or "right"."""
     return [
         joint
         for joint in joints
@@ -130,7 +130,7 @@ def wheels_named(joints: Sequence[str], side: str) -> list[str]:
 
 
 def _name_joints(path: Path, model: Any, drive: dict[str, Plain]) -> tuple[list[str], list[str]]:
-    """Joints of the left and right wheels: as given, or found by their names."""
+    """Return joints of the left and right wheels: as given, or found by their names."""
     hinges = hinge_names(model)
     found: list[list[str]] = []
     for side in ("left", "right"):
@@ -163,7 +163,7 @@ def _which_joints(path: Path, hinges: list[str]) -> str:
 def _behind(
     path: Path, model: Any, data: Any, wheel: ModelWheel, chosen: set[str], given_radius: Plain
 ) -> list[ModelWheel]:
-    """Wheels similar to one, in front of it and behind it on the same side."""
+    """Return wheels similar to one, in front of it and behind it on the same side."""
     found: list[ModelWheel] = []
     for joint in hinge_names(model):
         index = int(model.joint(joint).id)
@@ -206,7 +206,7 @@ def _refuse_rollers(path: Path, model: Any, wheel: ModelWheel) -> None:
 def _pair(
     path: Path, left: Sequence[ModelWheel], right: Sequence[ModelWheel]
 ) -> tuple[tuple[ModelWheel, ModelWheel], ...]:
-    """Each left wheel with the one opposite, the foremost first."""
+    """Return each left wheel with the one opposite, the foremost first."""
     across = np.mean([wheel.center for wheel in left], axis=0) - np.mean([wheel.center for wheel in right], axis=0)
     axis = left[0].axis * (1.0 if float(left[0].axis @ across) >= 0.0 else -1.0)
     forward = np.array([axis[1], -axis[0], 0.0])

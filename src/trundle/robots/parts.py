@@ -35,9 +35,9 @@ class Body(Config):
         mass: Mass of the chassis alone, without wheels and casters [kg].
         height: Top of the robot above the floor [m].
         clearance: Underside of the chassis above the floor [m].
-        center_of_mass: Centre of mass in base_link [m]; none means the middle of the footprint at 40 % of the height.
-        inertia: Principal moments about the centre of mass along base_link's axes [kg·m²]; none means those of a
-            solid box of the footprint's extent.
+        center_of_mass: Centre of mass in base_link [m]. If None, the middle of the footprint at 40 % of the height.
+        inertia: Principal moments about the centre of mass along base_link's axes [kg·m²]. If None, they are those of
+            a solid box of the footprint's extent.
         color: Red, green and blue, each 0 to 1.
     """
 
@@ -65,8 +65,8 @@ class Caster(Config):
         trail: Distance of the wheel's axle behind the swivel axis [m].
         width: Width of the wheel [m].
         mass: Mass of wheel and fork together [kg].
-        swivel_joint: Name of the swivel joint (about z), or none for a ball.
-        wheel_joint: Name of the wheel joint, or none for a ball.
+        swivel_joint: Name of the swivel joint (about z). If None, the caster is a ball.
+        wheel_joint: Name of the wheel joint. If None, the caster is a ball.
     """
 
     x: Coordinate

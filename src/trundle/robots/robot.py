@@ -44,8 +44,8 @@ class Robot(Config):
         body: The chassis.
         casters: Passive wheels.
         lidars: Planar lidars by name.
-        map_height_band: Range of heights above the floor in which solids are obstacles to this robot [m, m]; none means
-            from 0.05 m to the robot's height.
+        map_height_band: Range of heights above the floor in which solids are obstacles to this robot [m, m]. If None,
+            it goes from 0.05 m to the robot's height.
     """
 
     file_keys: ClassVar[tuple[str, ...]] = ("model", "paths", "base")
@@ -121,12 +121,12 @@ class Robot(Config):
 
         Args:
             path: The file.
-            left_joint: Name of the left drive wheel's joint; none finds it by its name.
+            left_joint: Name of the left drive wheel's joint. If None, it is found by its name.
             right_joint: As `left_joint`.
-            wheel_radius: [m]; none takes it from the wheels' geometry.
-            track_width: Distance between the wheels' centres [m]; none takes it from their geometry.
-            limits: Maximum speeds and accelerations; none takes them from the joints, or assumes them with a warning.
-            name: Name of the robot; none means the model's.
+            wheel_radius: Radius of the wheels [m]. If None, it is read from their geometry.
+            track_width: Distance between the wheels' centres [m]. If None, it is read from their geometry.
+            limits: Maximum speeds and accelerations. If None, they are the joints', or assumed with a warning.
+            name: Name of the robot. If None, it is the model's.
             paths: Folders to search for package:// names, after those above the file.
             trusted: As in `World.load`.
             time_limit_s: As in `World.load`.
@@ -227,27 +227,27 @@ class Robot(Config):
         )
 
     def wheel_speeds(self, twist: Twist2D) -> WheelSpeeds:
-        """Wheel speeds [rad/s] that drive a twist without slip."""
+        """Return the wheel speeds [rad/s] that drive a twist without slip."""
         return self.drive.wheel_speeds(twist)
 
     def twist(self, wheels: WheelSpeeds) -> Twist2D:
-        """Twist that wheel speeds [rad/s] drive without slip."""
+        """Return the twist that wheel speeds [rad/s] drive without slip."""
         return self.drive.twist(wheels)
 
     def wheel_command(self, twist: Twist2D) -> WheelSpeeds:
-        """Wheel speeds [rad/s] for a command, clipped as Isaac Sim's DifferentialController clips."""
+        """Return the wheel speeds [rad/s] for a command, clipped as Isaac Sim's DifferentialController clips."""
         return self.drive.wheel_command(
             twist, max_linear_speed=self.limits.linear_speed, max_angular_speed=self.limits.angular_speed
         )
 
 
 def robot_names() -> list[str]:
-    """Names of the robots that can be loaded without a file, sorted."""
+    """Return the names of the robots that can be loaded without a file, sorted."""
     return sorted({*_catalogue(), *_PLUGINS.names()})
 
 
 def is_robot_file(text: str) -> bool:
-    """Whether a text names a robot file rather than a robot of the catalogue; the file need not exist."""
+    """Return whether a text names a robot file rather than a robot of the catalogue; the file need not exist."""
     return Path(text).suffix.lower() in (".yaml", ".yml", *MODEL_SUFFIXES) or os.sep in text
 
 
@@ -285,7 +285,7 @@ def _load_file(path: Path, limits: ReadLimits, paths: tuple[Path, ...] = (), der
 def _load_base(
     base: Plain, path: Path, limits: ReadLimits, paths: tuple[Path, ...], derived: tuple[Path, ...]
 ) -> Robot:
-    """The robot that a file is based on."""
+    """Return the robot that a file is based on."""
     if not isinstance(base, str):
         raise RobotError(f"{path}: base must be the name of a robot or the path of its file, got {base!r}")
     if not is_robot_file(base):

@@ -65,7 +65,7 @@ class Tracker:
 
     Args:
         robot: The robot; points inside its footprint are its own body.
-        settings: The settings; none means the defaults.
+        settings: The settings. If None, the defaults apply.
         warn: Whether to warn of scans that are left out; a navigator's layers do that already.
 
     Attributes:
@@ -138,7 +138,7 @@ class Tracker:
         self._kernel.see(lidar, scan.time, ranges, angles, np.ascontiguousarray(poses), sensor)
 
     def _predict(self, now: float) -> tuple[Track, ...]:
-        """All that is followed, as it is at a time [s]."""
+        """Return all that is followed, as it is at a time [s]."""
         ids, flags, states, covariances = self._kernel.tracks(now)
         covariances.flags.writeable = False
         return tuple(
@@ -150,7 +150,7 @@ class Tracker:
 
 
 def _as_numbers(settings: TrackerSettings) -> FloatArray:
-    """The settings in the kernel's order."""
+    """Return the settings in the kernel's order."""
     return np.array(
         [
             *(settings.max_range, settings.max_size, settings.min_points, settings.same_surface),

@@ -42,7 +42,7 @@ def split(matrix: FloatArray) -> tuple[FloatArray, FloatArray] | None:
 
 
 def pose_of(position: FloatArray, rotation: FloatArray) -> Pose3D:
-    """Pose from a position [m], shape (3,), and a rotation matrix, shape (3, 3)."""
+    """Return the pose with a position [m], shape (3,), and a rotation matrix, shape (3, 3)."""
     # The largest of the four components is taken from the diagonal, so that nothing cancels.
     diagonal = np.array([np.trace(rotation), *np.diag(rotation)])
     largest = int(diagonal.argmax())

@@ -34,12 +34,12 @@ class LevelPlane(NamedTuple):
 
 
 def is_level(normal_z: float) -> bool:
-    """Whether a plane whose unit normal has this third component is level and faces up."""
+    """Return whether a plane whose unit normal has this third component is level and faces up."""
     return normal_z > 1.0 - 1e-9
 
 
 def find_ground(planes: Iterable[LevelPlane], solids: Sequence[Solid]) -> float | None:
-    """Height [m] of the ground that a file declares, or None.
+    """Return the height [m] of the ground that a file declares, or None.
 
     It is the highest plane at or below z = 0, which hides the others. Without one it is the lowest large plane above
     z = 0, unless a solid ends below that: then the plane is a deck or a roof.
@@ -55,7 +55,7 @@ def find_ground(planes: Iterable[LevelPlane], solids: Sequence[Solid]) -> float 
 
 
 def is_ground(plane: LevelPlane, ground: float | None) -> bool:
-    """Whether a plane is the ground or hidden by it, and so makes no rectangle."""
+    """Return whether a plane is the ground or hidden by it, and so makes no rectangle."""
     return ground is not None and plane.height <= ground + NEAR_ZERO
 
 
@@ -83,7 +83,7 @@ class LevelPlanes:
         return True
 
     def settle(self, solids: Sequence[Solid], names: Names) -> tuple[float | None, list[Solid], list[str]]:
-        """The ground's height [m] or None, rectangles of the other planes, and names of those without a size."""
+        """Return the ground's height [m] or None, rectangles of the other planes, and names of those without a size."""
         ground = find_ground((plane for plane, *_ in self._put_aside), solids)
         rectangles: list[Solid] = []
         endless: list[str] = []

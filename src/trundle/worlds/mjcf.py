@@ -130,7 +130,7 @@ def _simplify(spec: mujoco.MjSpec) -> None:
 
 
 def _pieces(model: mujoco.MjModel) -> dict[int, str]:
-    """Geoms that are convex pieces of others, mapped to the names of those."""
+    """Return geoms that are convex pieces of others, mapped to the names of those."""
     hidden = [geom for geom in range(model.ngeom) if not int(model.geom_group[geom]) & _SHOWN]
     named = {geom: model.geom(geom).name.rpartition(PIECE)[0] for geom in hidden}
     wholes = {model.geom(geom).name for geom in range(model.ngeom)} - {""}
@@ -138,7 +138,7 @@ def _pieces(model: mujoco.MjModel) -> dict[int, str]:
 
 
 def _name(model: mujoco.MjModel, geom: int, body: int) -> str:
-    """The geom's name; else its body's, else its mesh's, else its type."""
+    """Return the geom's name; else its body's, else its mesh's, else its type."""
     import mujoco
 
     own = model.geom(geom).name
@@ -156,7 +156,7 @@ def _color(model: mujoco.MjModel, geom: int) -> Color:
 
 
 def _plane_area(model: mujoco.MjModel, geom: int) -> float:
-    """[m²]; a plane that collides or has no size is infinite."""
+    """Return the area of a plane [m²]; one that collides or has no size is infinite."""
     x, y, _ = model.geom_size[geom].tolist()
     drawn = not int(model.geom_group[geom]) & _COLLIDES and x > 0.0 and y > 0.0
     return 4.0 * x * y if drawn else ENDLESS

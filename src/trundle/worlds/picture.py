@@ -78,7 +78,7 @@ def _draw_movers(plan: Plan, movers: Sequence[Mover | Crowd], solids: Sequence[S
 
 
 def _render(solids: Sequence[Solid], plan: Plan, top: float) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.bool_]]:
-    """Colours seen from above, and a mask of pixels with a solid, over the plan's inner pixels."""
+    """Return colours seen from above, and a mask of pixels with a solid, over the plan's inner pixels."""
     meshes = [solid for solid in solids if not isinstance(solid.shape, OccupancyCells)]
     parts = [solid_triangles(solid) for solid in meshes]
     corners = np.concatenate([np.zeros((0, 3, 3)), *parts])
@@ -120,7 +120,7 @@ def _lay_cells(
 
 
 def _outlines(heights: FloatArray) -> npt.NDArray[np.bool_]:
-    """Pixels of a solid next to a drop in height."""
+    """Return pixels of a solid next to a drop in height."""
     ground = np.where(np.isfinite(heights), heights, -1e9)
     edges = np.zeros(heights.shape, dtype=np.bool_)
     for axis in (0, 1):

@@ -27,28 +27,28 @@ IntArray = npt.NDArray[np.int64]
 
 
 def box_mesh(size: tuple[float, float, float]) -> Mesh:
-    """A box about the origin of full extent `size` [m]."""
+    """Return a box about the origin of full extent `size` [m]."""
     return Mesh(CORNERS * 0.5 * size, BOX_FACES)
 
 
 def rectangle_mesh(width: float, length: float) -> Mesh:
-    """A rectangle of `width` along x and `length` along y [m] about the origin, without thickness, facing along z."""
+    """Return a rectangle of `width` along x and `length` along y [m] about the origin, facing along z."""
     corners = np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]])
     return Mesh(corners * (width / 2.0, length / 2.0, 1.0), np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32))
 
 
 def cylinder_mesh(radius: float, length: float) -> Mesh:
-    """A cylinder along z about the origin, of full `length` [m]."""
+    """Return a cylinder along z about the origin, of full `length` [m]."""
     return frustum_mesh(radius, radius, length)
 
 
 def cone_mesh(radius: float, length: float) -> Mesh:
-    """A cone along z about the origin, with its point at z = length / 2 [m]."""
+    """Return a cone along z about the origin, with its point at z = length / 2 [m]."""
     return frustum_mesh(radius, 0.0, length)
 
 
 def frustum_mesh(bottom: float, top: float, length: float) -> Mesh:
-    """A truncated cone along z about the origin: radii at the bottom and the top, full `length` [m]."""
+    """Return a truncated cone along z about the origin: radii at the bottom and the top, full `length` [m]."""
     angles = np.arange(AROUND) * (2.0 * np.pi / AROUND)
     circle = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(AROUND)]) / np.cos(np.pi / AROUND)
     half = np.array([0.0, 0.0, length / 2.0])
@@ -68,13 +68,13 @@ def frustum_mesh(bottom: float, top: float, length: float) -> Mesh:
 
 
 def sphere_mesh(radius: float) -> Mesh:
-    """A sphere about the origin."""
+    """Return a sphere about the origin."""
     vertices, faces = _unit_ball()
     return Mesh(vertices * radius, faces)
 
 
 def capsule_mesh(radius: float, length: float) -> Mesh:
-    """A capsule along z about the origin; `length` [m] is that of its middle part, between the two hemispheres."""
+    """Return a capsule along z about the origin; `length` [m] is that of the part between the two hemispheres."""
     vertices, faces = _unit_ball()
     upper = vertices[:, 2] > 0.0
     vertices = vertices * radius
@@ -84,7 +84,7 @@ def capsule_mesh(radius: float, length: float) -> Mesh:
 
 @cache
 def _unit_ball() -> tuple[FloatArray, npt.NDArray[np.int32]]:
-    """Triangles of a unit sphere with no vertex on the equator, so that a capsule is a sphere stretched there."""
+    """Return a unit sphere without vertices on the equator: a capsule is a sphere stretched there."""
     heights = np.linspace(-np.pi / 2.0, np.pi / 2.0, _RINGS + 2)[1:-1]
     angles = np.arange(AROUND) * (2.0 * np.pi / AROUND)
     rings = np.stack(
@@ -138,7 +138,7 @@ def solid_triangles(solid: Solid) -> FloatArray:
 
 
 def _closed(vertices: FloatArray, faces: npt.NDArray[np.int64]) -> Mesh:
-    """A mesh with equal vertices merged, and without the triangles that a radius of 0 leaves without area."""
+    """Return a mesh with equal vertices merged, and without the triangles that a radius of 0 leaves without area."""
     places, index = np.unique(vertices, axis=0, return_inverse=True)
     faces = index.reshape(-1)[faces]
     whole = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
@@ -176,7 +176,7 @@ def triangulate(points: FloatArray, counts: IntArray, indices: IntArray) -> tupl
 
 
 def _fans(polygons: IntArray) -> IntArray:
-    """Triangles from each polygon's first corner, shape (P, corners − 2, 3).
+    """Return triangles from each polygon's first corner, shape (P, corners − 2, 3).
 
     Vectorized: fifty times as fast as a call of earcut for each polygon.
     """
@@ -185,7 +185,7 @@ def _fans(polygons: IntArray) -> IntArray:
 
 
 def _folded(points: FloatArray, polygons: IntArray, fans: IntArray) -> npt.NDArray[np.bool_]:
-    """Which fans have a triangle that faces against its polygon."""
+    """Return which fans have a triangle that faces against its polygon."""
     if polygons.shape[1] == 3:
         return np.zeros(len(polygons), dtype=np.bool_)
     corners = points[fans]
@@ -195,7 +195,7 @@ def _folded(points: FloatArray, polygons: IntArray, fans: IntArray) -> npt.NDArr
 
 
 def _cut_by_earcut(points: FloatArray, polygon: IntArray) -> IntArray:
-    """Triangles of one polygon, shape (T, 3), cut in the projection along its normal."""
+    """Return triangles of one polygon, shape (T, 3), cut in the projection along its normal."""
     from mapbox_earcut import triangulate_float64
 
     corners = points[polygon] - points[polygon[0]]
@@ -212,7 +212,7 @@ def _cut_by_earcut(points: FloatArray, polygon: IntArray) -> IntArray:
 
 
 def convex_hull(points: FloatArray) -> Mesh | None:
-    """The convex hull of points [m], shape (N, 3), as a closed mesh with its faces outwards.
+    """Return the convex hull of points [m], shape (N, 3), as a closed mesh with its faces outwards.
 
     Coplanar points give a flat mesh without thickness; collinear points give None.
 

@@ -128,7 +128,7 @@ def merge_cells(classes: npt.NDArray[np.uint8], *, most: int) -> Rectangles | No
 
 
 def _classify(grid: OccupancyGrid, unknown: Unknown) -> npt.NDArray[np.uint8]:
-    """Classes of the cells; as in a costmap, only 100 is occupied and 1 to 99 are free."""
+    """Return classes of the cells; as in a costmap, only 100 is occupied and 1 to 99 are free."""
     classes = np.full(grid.shape, _FREE, dtype=np.uint8)
     classes[grid.data == OCCUPIED] = _OCCUPIED
     if unknown == "solid":
@@ -151,7 +151,7 @@ def _boxes(grid: OccupancyGrid, cells: Rectangles, height: float) -> tuple[Solid
 
 
 def _seed(grid: OccupancyGrid, classes: npt.NDArray[np.uint8]) -> tuple[float, float]:
-    """The middle of the longest row of cells in the largest free area."""
+    """Return the middle of the longest row of cells in the largest free area."""
     area = np.where(classes == _FREE, np.int8(-1), np.int8(100))
     flood_largest(area)
     rows, cols = area.shape

@@ -169,7 +169,7 @@ def _check(
 
 
 def _exchange(grid: OccupancyGrid) -> OccupancyGrid:
-    """A grid with free and occupied cells exchanged."""
+    """Return a grid with free and occupied cells exchanged."""
     cells = np.where(grid.data == UNKNOWN, UNKNOWN, OCCUPIED - grid.data).astype(np.int8)
     return OccupancyGrid(cells, grid.resolution, grid.origin)
 
@@ -231,7 +231,7 @@ def _correct(chart: Chart, placed: PlacementCheck) -> tuple[OccupancyGrid | None
 
 
 def _free_of_specks(grid: OccupancyGrid) -> OccupancyGrid:
-    """A rotated map without the specks of free cells that remain between thickened obstacles."""
+    """Return a rotated map without the specks of free cells that remain between thickened obstacles."""
     chart = Chart(grid)
     check_islands(chart)
     return OccupancyGrid(chart.cells, grid.resolution, grid.origin) if chart.corrected else grid

@@ -98,7 +98,7 @@ class MapReport:
         return any(finding.severity == "error" for finding in self.findings)
 
     def kinds(self) -> set[Kind]:
-        """The kinds that were found."""
+        """Return the kinds that were found."""
         return {finding.kind for finding in self.findings}
 
 
@@ -128,7 +128,7 @@ def group_findings(findings: tuple[Finding, ...], robot_area: float | None = Non
 
     Args:
         findings: As a report has them.
-        robot_area: Area of the robot's footprint [m²]; none means the smallest robot's.
+        robot_area: Area of the robot's footprint [m²]. If None, it is the smallest robot's.
     """
     least = LEAST_ROBOT_AREA if robot_area is None else robot_area
     groups: dict[tuple[str, str, str], Group] = {}
@@ -142,12 +142,12 @@ def group_findings(findings: tuple[Finding, ...], robot_area: float | None = Non
 
 
 def _is_floor(finding: Finding) -> bool:
-    """Whether a finding is about a free area: specks of free cells are remarks, and of other cells warnings."""
+    """Return whether a finding is about a free area: specks of free cells are remarks, and of other cells warnings."""
     return finding.kind == "island" or (finding.kind == "speckle" and finding.severity == "info")
 
 
 def tell_small(small: Group) -> str:
-    """One line for the areas that are too small for the robot to notice."""
+    """Return one line for the areas that are too small for the robot to notice."""
     largest = max(finding.area_m2 or 0.0 for finding in small)
     what = "free area" if len(small) == 1 else "free areas"
     return f"too small for the robot to notice: {len(small)} {what} that cannot be reached, of up to {largest:.2g} m²"

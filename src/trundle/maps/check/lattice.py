@@ -54,7 +54,7 @@ class Orientation:
     def move(
         self, rows: npt.NDArray[np.int64], cols: npt.NDArray[np.int64], shape: tuple[int, int]
     ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-        """Where cells of a grid of a shape come to lie."""
+        """Return where cells of a grid of a shape come to lie."""
         if self.flipped:
             rows = shape[0] - 1 - rows
         height, width = shape
@@ -76,7 +76,7 @@ class Orientation:
         return math.remainder(self.turns * math.pi / 2.0, 2.0 * math.pi)
 
     def describe(self) -> str:
-        """What is wrong with an image that needs this."""
+        """Describe what is wrong with an image that needs this correction."""
         if self.flipped:
             return {
                 0: "flipped: top and bottom are exchanged",
@@ -113,7 +113,7 @@ class WorldCells:
         return self.cells == OCCUPIED
 
     def crop(self, row: int, col: int, shape: tuple[int, int]) -> Cells:
-        """The cells from a row and column of the lattice on; unknown outside."""
+        """Return the cells from a row and column of the lattice on; unknown outside."""
         part = np.full(shape, UNKNOWN, dtype=np.int8)
         rows, cols = self.cells.shape
         first_row, first_col = row - self.row, col - self.col
@@ -165,7 +165,7 @@ class Lattice:
         self.free, self.free_count = _sample(known & ~occupied, random)
 
     def rasterise(self, phase: Phase = (0.0, 0.0)) -> WorldCells:
-        """The world's map on the lattice, moved by a part of a cell up and to the right."""
+        """Return the world's map on the lattice, moved by a part of a cell up and to the right."""
         edge = self.grid.resolution
         corner = (self._first + np.array([phase[1], phase[0]])) * edge
         # From the middle of the last cell, so that rounding makes no other.
@@ -177,7 +177,7 @@ class Lattice:
         return WorldCells(made.data, int(self._first[1]), int(self._first[0]), phase)
 
     def agreement(self, world: WorldCells, orientation: Orientation, row: int, col: int) -> float:
-        """Share of the cells occupied in map or world that are occupied in both; unknown cells are left out.
+        """Return the share of the cells occupied in map or world that are occupied in both; unknown cells are left out.
 
         Args:
             world: The world's cells.
@@ -208,7 +208,7 @@ def _sample(mask: Mask, random: np.random.Generator) -> tuple[Samples, int]:
 
 
 def _express(world: SolidWorld, origin: Pose2D) -> SolidWorld:
-    """A world in the frame of a map's lower-left corner."""
+    """Return a world in the frame of a map's lower-left corner."""
     inverse = origin.inverse()
     half = inverse.yaw / 2.0
     cos, sin = math.cos(half), math.sin(half)

@@ -111,7 +111,7 @@ def _yaml_error(error: MapError, fix: str) -> Finding:
 
 
 def _advise(message: str) -> str:
-    """Advice for a text that is not YAML, or not a map's YAML."""
+    """Return advice for a text that is not YAML, or not a map's YAML."""
     if "'\\t'" in message:
         return "write spaces for the tab"
     if "another document" in message:
@@ -178,7 +178,7 @@ def _read_resolution(fields: Fields, findings: list[Finding]) -> float | None:
 
 
 def _is_number(text: str) -> bool:
-    """Whether a text is a number of any kind, infinity and NaN included, as YAML writes them (.inf, .nan) or Python."""
+    """Return whether a text is a number, infinity and NaN included, as YAML writes them (.inf, .nan) or Python does."""
     try:
         float(text.strip().lower().replace(".nan", "nan").replace(".inf", "inf"))
     except ValueError:
@@ -247,7 +247,7 @@ def read_map(
 
 
 def _advise_image(source: Path, image: str) -> str:
-    """Which image beside the YAML file is probably meant."""
+    """Return which image beside the YAML file is probably meant."""
     beside = sorted(file.name for file in source.parent.iterdir() if file.suffix.lower() in _SUFFIXES)
     near = [name for name in beside if name != image and Path(name).stem in (Path(image).stem, source.stem)]
     near += difflib.get_close_matches(image, [name for name in beside if name != image], n=1)
@@ -257,7 +257,7 @@ def _advise_image(source: Path, image: str) -> str:
 
 
 def _find_trapped(pixels: Pixels, rule: PixelRule) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]] | None:
-    """Cells, row 0 at the bottom, of the grey of unknown that load as free; None where there is none."""
+    """Return the cells, row 0 at the bottom, of the grey of unknown that load as free; None if there are none."""
     if rule.mode == "raw" or rule.negate or compute_table(rule)[UNKNOWN_GREY] != FREE:
         return None
     trapped = compute_greys(pixels)[::-1] == UNKNOWN_GREY

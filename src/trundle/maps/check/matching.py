@@ -72,7 +72,7 @@ class Matching:
 
 
 def as_good(agreement: float, best: float) -> bool:
-    """Whether an agreement is no clear loss against the best; a third of what disagrees is noise."""
+    """Return whether an agreement is no clear loss against the best; a third of what disagrees is noise."""
     return 1.0 - agreement <= 1.15 * (1.0 - best) + 0.004
 
 
@@ -160,7 +160,7 @@ def _centre(lattice: Lattice, match: Match, worlds: dict[Phase, WorldCells]) -> 
 
 
 def _at(lattice: Lattice, match: Match, offset: tuple[float, float], worlds: dict[Phase, WorldCells]) -> Match:
-    """The match moved to another offset."""
+    """Return the match moved to another offset."""
     col, row = (math.floor(number) for number in offset)
     phase = (offset[1] - row, offset[0] - col)
     if phase not in worlds:
@@ -173,7 +173,7 @@ def _at(lattice: Lattice, match: Match, offset: tuple[float, float], worlds: dic
 
 
 def _search(lattice: Lattice, world: WorldCells) -> list[tuple[Orientation, int, int]]:
-    """Places (orientation, row, col) to refine."""
+    """Find the places (orientation, row, col) that are worth refining."""
     longest = max(a + b for a, b in itertools.product(lattice.grid.shape, world.cells.shape))
     levels = max(0, math.ceil(math.log2(max(1.0, longest / (2 * _COARSE_SIDE)))))
     block = 2**levels
@@ -198,7 +198,7 @@ def _search(lattice: Lattice, world: WorldCells) -> list[tuple[Orientation, int,
 
 
 def _signal(lattice: Lattice, block: int) -> npt.NDArray[np.float32]:
-    """The map as numbers whose sum is 0: occupied above, free below, unknown and beyond 0."""
+    """Return the map as numbers whose sum is 0: occupied above, free below, unknown and beyond 0."""
     data = lattice.grid.data
     weight = max(1.0, lattice.free_count / lattice.occupied_count)
     signal = np.where(data == UNKNOWN, np.float32(0.0), np.float32(-1.0))
@@ -207,13 +207,13 @@ def _signal(lattice: Lattice, block: int) -> npt.NDArray[np.float32]:
 
 
 def pad(values: npt.NDArray[np.float32], block: int) -> npt.NDArray[np.float32]:
-    """The values, padded with zeros to whole blocks of a number of cells."""
+    """Return the values, padded with zeros to whole blocks of a number of cells."""
     rows, cols = (-side % block for side in values.shape)
     return np.pad(values, ((0, rows), (0, cols)), constant_values=0.0)
 
 
 def pyramid(values: npt.NDArray[np.float32], levels: int) -> Iterator[npt.NDArray[np.float32]]:
-    """The values, then their means over blocks of 2, 4, … cells."""
+    """Return the values, then their means over blocks of 2, 4, … cells."""
     yield values
     for _ in range(levels):
         values = (values[::2, ::2] + values[1::2, ::2] + values[::2, 1::2] + values[1::2, 1::2]) / np.float32(4.0)
@@ -223,7 +223,7 @@ def pyramid(values: npt.NDArray[np.float32], levels: int) -> Iterator[npt.NDArra
 def _correlate(
     signal: npt.NDArray[np.float32], walls: npt.NDArray[np.float32]
 ) -> list[tuple[float, Orientation, int, int]]:
-    """The highest peaks (score, orientation, row, col) of the correlation in each orientation."""
+    """Return the highest peaks (score, orientation, row, col) of the correlation in each orientation."""
     peaks: list[tuple[float, Orientation, int, int]] = []
     side = -(-(max(signal.shape) + max(walls.shape)) // 32) * 32
     spectrum = np.fft.rfft2(walls, (side, side))
@@ -270,7 +270,7 @@ def _sample(signal: npt.NDArray[np.float32]) -> _Points:
 def _climb(
     points: _Points, walls: npt.NDArray[np.float32], orientation: Orientation, row: int, col: int
 ) -> tuple[int, int]:
-    """The best place within `_REACH` cells of one; `walls` have a rim of so many cells."""
+    """Return the best place within `_REACH` cells of one; `walls` have a rim of so many cells."""
     rows, cols = orientation.move(points.rows, points.cols, points.shape)
     rows, cols = rows + (row + _REACH), cols + (col + _REACH)
     height, width = walls.shape

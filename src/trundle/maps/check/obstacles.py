@@ -32,7 +32,7 @@ class Contradictions:
     phantom: Areas
 
     def count(self, chart: Chart) -> int:
-        """How many cells of the map are in areas that are large enough for a finding."""
+        """Count the map's cells in areas that are large enough for a finding."""
         return sum(int(areas.sizes[_is_large(chart, areas)].sum()) for areas in (self.missing, self.phantom))
 
 
@@ -44,7 +44,7 @@ def compare_obstacles(chart: Chart, truth: Cells) -> Contradictions:
 
 
 def list_obstacles(chart: Chart, found: Contradictions) -> list[Finding]:
-    """The findings; missing obstacles are corrected from the world, phantom ones only the map's maker can judge."""
+    """List the findings. Missing obstacles are corrected from the world; phantom ones only the maker can judge."""
     missing, phantom = found.missing, found.phantom
     lacking = missing.select(_is_large(chart, missing))
     if lacking.any():
@@ -74,7 +74,7 @@ def list_obstacles(chart: Chart, found: Contradictions) -> list[Finding]:
 
 
 def _find_areas(differs: Mask, obstacles: Mask) -> Areas:
-    """Connected areas of cells that differ, each with a part beyond the tolerance from an obstacle of the other."""
+    """Find connected areas of cells that differ, each partly beyond the tolerance from an obstacle of the other map."""
     core = differs & ~grow(obstacles, TOLERANCE)
     # With what is within the tolerance, but not all of a wall that is a cell off.
     near = differs & grow(core, TOLERANCE + 1)

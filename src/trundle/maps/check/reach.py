@@ -167,11 +167,11 @@ class _Search:
         self._width = width
 
     def near_rooms(self) -> list[int]:
-        """Clusters that touch a room at two cells at least."""
+        """Return clusters that touch a room at two cells at least."""
         return np.flatnonzero(self._gaps.beside(self._rooms > 0) >= 2).tolist()
 
     def examine(self, index: int) -> _Door | None:
-        """The door at a cluster, or None."""
+        """Return the door at a cluster, or None."""
         gap = self._gaps.area(index)
         ring = self._window(gap, 1)
         own = self._gaps.labels[ring] == gap.label
@@ -228,7 +228,7 @@ class _HalfCells:
         self._levels = np.where(costs == 254, -1, 252 - costs.astype(np.int16))
 
     def narrowest(self, gap: Mask, start: Mask, end: Mask) -> tuple[float, tuple[float, float]] | None:
-        """Width in cells, and the (row, col) where, of the widest path from start to end; None where there is none."""
+        """Return the width [cells] of the widest path from start to end and its narrowest cell; None without one."""
         start_nodes, end_nodes = _nodes(start, closed=False), _nodes(end, closed=False)
         values = np.flatnonzero(np.bincount(self._levels[self._levels > 0]))
         low, high, best = 0, len(values) - 1, None
@@ -261,7 +261,7 @@ class _HalfCells:
 
 
 def _nodes(cells: Mask, *, closed: bool) -> Mask:
-    """Nodes of the half-cell lattice, shape (2·rows + 1, 2·cols + 1): middles of cells, with their rims if closed."""
+    """Return nodes of the half-cell lattice, shape (2·rows + 1, 2·cols + 1): middles of cells, and rims if closed."""
     rows, cols = cells.shape
     nodes = np.zeros((2 * rows + 1, 2 * cols + 1), dtype=np.bool_)
     nodes[1::2, 1::2] = cells

@@ -153,7 +153,7 @@ def _close_leaks(chart: Chart, front: Mask) -> bool:
 
 
 def _find_way_out(chart: Chart, front: Area, fronts: Areas) -> Finding:
-    """The finding for a gap between a large free area and the edge of the map, or for the lack of a wall."""
+    """Return the finding for a gap between a large free area and the edge of the map, or for the lack of a wall."""
     widest = WIDEST_LEAK_M / chart.grid.resolution
     # Beyond the edge the map goes on: the edge makes no gap.
     free = np.pad(chart.free, margin := math.ceil(widest), constant_values=True)
@@ -183,7 +183,7 @@ def _find_way_out(chart: Chart, front: Area, fronts: Areas) -> Finding:
 
 
 def _find_separated(free: Mask, gaps: Mask, least: float) -> tuple[int, tuple[int, int]] | None:
-    """Number of cells of the large areas that gaps part from the edge, and the middle of the smallest such gap."""
+    """Return the size [cells] of large areas that gaps part from the edge, and the middle of the smallest such gap."""
     areas = Areas(free & ~gaps, diagonal=False)
     on_edge = areas.on_edge()
     inner = ~on_edge & (areas.sizes >= least)

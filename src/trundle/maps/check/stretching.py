@@ -118,7 +118,7 @@ class _Rescaled:
 
 
 def _rescale(grid: OccupancyGrid, size: _Size, extent: FloatArray) -> _Rescaled:
-    """The map with square cells of its new height, and the size of its old cells in the world."""
+    """Return the map with square cells of its new height, and the size of its old cells in the world."""
     width, height = size.across * grid.resolution, size.up * grid.resolution
     if abs(size.across / size.up - 1.0) * float(extent.max()) < _SQUARE_CELLS:
         width = height = _round(math.sqrt(width * height), float(extent.max()))
@@ -130,7 +130,7 @@ def _rescale(grid: OccupancyGrid, size: _Size, extent: FloatArray) -> _Rescaled:
 
 
 def _round(length: float, cells: float) -> float:
-    """The length with as few digits as make no difference at a map's ends."""
+    """Return the length with as few digits as make no difference at a map's ends."""
     for digits in range(1, 5):
         rounded = float(f"{length:.{digits}g}")
         if abs(rounded / length - 1.0) * cells < _SQUARE_CELLS:
@@ -161,7 +161,7 @@ class _Search:
         self._spectra: dict[int, npt.NDArray[np.complex128]] = {}
 
     def find(self, match: Match, *, nowhere: bool) -> _Size | None:
-        """The best size, if it is clearly better than that of the match."""
+        """Return the best size, if it is clearly better than that of the match."""
         base = self._settle_on(self._levels[0], self._start(match), LAST_STEP, scale=False)
         orientations = ORIENTATIONS if nowhere else tuple(dict.fromkeys((match.orientation, UPRIGHT)))
         coarse = [self._correlate(size) for one in orientations for size in self._list_sizes(one, nowhere=nowhere)]
@@ -174,11 +174,11 @@ class _Search:
         return best
 
     def refine(self, match: Match) -> _Size:
-        """The best size near that of a match."""
+        """Return the best size near that of a match."""
         return self._settle_on(self._levels[0], self._start(match), LAST_STEP, scale=True)
 
     def _list_sizes(self, orientation: Orientation, *, nowhere: bool) -> list[_Size]:
-        """Sizes to try: of one axis, of both, and those that make the map as large as the world."""
+        """Return sizes to try: of one axis, of both, and those that make the map as large as the world."""
         step = self._levels[-1].block / float(self.extent.max())
         count = max(1, math.ceil(_MOST / step))
         sizes: list[_Size] = []
@@ -194,11 +194,11 @@ class _Search:
         return sizes
 
     def _start(self, match: Match) -> _Size:
-        """A match as a place of cells of the size that they have."""
+        """Return a match as a place for cells of the size that they have now."""
         return _Size(match.orientation, 1.0, 1.0, *start_of(match, self._shape, self._middle))
 
     def _correlate(self, size: _Size) -> _Size:
-        """The best place of a size on the coarsest level."""
+        """Return the best place of a size on the coarsest level."""
         level = self._levels[-1]
         moved = self._points.places @ size.matrix().T / level.block
         reach = math.ceil(float(np.abs(moved).max())) + 1
@@ -217,7 +217,7 @@ class _Search:
         return replace(size, x=float(x), y=float(y), score=float(scores[row, col]))
 
     def _climb(self, size: _Size) -> _Size:
-        """The best size and place near one, from the coarsest level to single cells."""
+        """Return the best size and place near one, from the coarsest level to single cells."""
         for level in self._levels[::-1]:
             last = LAST_STEP if level.block == 1 else level.block / 4.0
             size = self._settle_on(level, size, last, scale=True)

@@ -58,7 +58,7 @@ class Turn:
     score: float
 
     def matrix(self) -> Matrix:
-        """What is done to points about the middle, shape (2, 2)."""
+        """Return the matrix that moves points about the middle, shape (2, 2)."""
         return rotation(self.angle) @ orient(self.orientation)
 
 
@@ -129,11 +129,11 @@ class _Search:
         self._levels = make_levels(world.cells, self._reach)
 
     def start(self, match: Match) -> Turn:
-        """A match as a place without a turn."""
+        """Return a match as a place without a turn."""
         return Turn(match.orientation, 0.0, *start_of(match, self._shape, self._middle), -math.inf)
 
     def conclude(self, place: Turn, rivals: tuple[Turn, ...]) -> Turning:
-        """The map's origin at a place, its angle a whole quarter where that is as likely."""
+        """Return the map's origin at a place, its angle a whole quarter where that is as likely."""
         old = self._origin.yaw + place.angle
         quarter = round(old / (math.pi / 2.0)) * math.pi / 2.0
         yaw = quarter if abs(old - quarter) * self.radius < _SNAP_CELLS else old
@@ -144,7 +144,7 @@ class _Search:
         return Turning(Pose2D(moved.x, moved.y, math.remainder(yaw, 2.0 * math.pi)), angle, rivals)
 
     def settle(self, place: Turn, *, turn: bool) -> Turn:
-        """The best place near one, with or without turning."""
+        """Return the best place near one, with or without turning."""
         points, level = self._many, self._levels[0]
 
         def around(best: Turn, step: float) -> list[Turn]:
@@ -161,7 +161,7 @@ class _Search:
         return climb(replace(place, score=self._score(points, level, place)), 1.0, LAST_STEP, around)
 
     def polish(self, place: Turn) -> Turn:
-        """The top of a parabola through the scores around a place, in each direction."""
+        """Return the top of a parabola through the scores around a place, in each direction."""
         steps = np.linspace(-_PEAK_CELLS, _PEAK_CELLS, 13)
         for axis in ("angle", "x", "y") * 2:
             unit = 1.0 / self.radius if axis == "angle" else 1.0
@@ -177,11 +177,11 @@ class _Search:
         return float((points.weights * look_up(level, self._move(points, place))).sum())
 
     def _move(self, points: Points, place: Turn) -> FloatArray:
-        """Points [cells] from the world's corner when the map is put in a place."""
+        """Return points [cells] from the world's corner when the map is put in a place."""
         return points.places @ place.matrix().T + (self._middle - self._corner + np.array([place.x, place.y]))
 
     def look_everywhere(self) -> list[Turn]:
-        """The best few places at any angle."""
+        """Return the best few places at any angle."""
         places = self._correlate()
         step = self._angle_step() / 2.0
         for depth, level in enumerate(self._levels[-2::-1], start=1):
@@ -192,7 +192,7 @@ class _Search:
         return places[: _KEPT[-1]]
 
     def _climb(self, level: Level, place: Turn, step: float) -> Turn:
-        """The best of the places a block and a step of the angle away."""
+        """Climb to the best of the places that are a block and a step of the angle away."""
         best = replace(place, score=-math.inf)
         for part in (-1.0, -0.5, 0.0, 0.5, 1.0):
             turned = replace(place, angle=place.angle + part * step)
@@ -223,7 +223,7 @@ class _Search:
         return self._levels[-1].block / self._reach
 
     def _correlate(self) -> list[Turn]:
-        """Places on the coarsest level: the best for each angle and orientation, of these the best few."""
+        """Return places on the coarsest level: the best for each angle and orientation, of these the best few."""
         level = self._levels[-1]
         walls = level.field
         reach = math.ceil(self._reach / level.block) + 1
@@ -252,7 +252,7 @@ class _Search:
     def _place(
         self, orientation: Orientation, angle: float, middle: FloatArray, shape: tuple[int, ...], score: float
     ) -> Turn:
-        """A place from that of the turned map's middle, in blocks, on the world that was turned back."""
+        """Return the place whose middle, on the world turned back, is at a block of the coarsest level."""
         level = self._levels[-1]
         back = np.array([shape[1], shape[0]]) / 2.0
         forth = np.array([level.field.shape[1], level.field.shape[0]]) / 2.0

@@ -22,7 +22,7 @@ def read_image(path: Path, *, max_cells: int | None = None) -> Pixels:
 
     Args:
         path: The file; its suffix does not matter.
-        max_cells: The most pixels to accept; fewer of 16-bit colour and of text. None means 20 million.
+        max_cells: The most pixels to accept; fewer of 16-bit colour and of text. If None, 20 million.
 
     Raises:
         MapError: If the file cannot be read, is not a PNG, PNM or BMP image, is too large, truncated or damaged.

@@ -67,7 +67,7 @@ class PngHeader:
         return _CHANNELS[self.color_type]
 
     def row_bytes(self, width: int) -> int:
-        """Bytes of a row of `width` pixels, without its filter byte."""
+        """Return bytes of a row of `width` pixels, without its filter byte."""
         return (width * self.channels * self.depth + 7) // 8
 
     @property
@@ -81,7 +81,7 @@ class PngHeader:
         return sum(part.rows * (1 + self.row_bytes(part.cols)) for part in self.passes())
 
     def passes(self) -> list[PngPass]:
-        """The passes that hold pixels, in the order of the stream."""
+        """Return the passes that hold pixels, in the order of the stream."""
         return [
             PngPass(-(-(self.width - x0) // dx), -(-(self.height - y0) // dy), x0, y0, dx, dy)
             for x0, y0, dx, dy in (_ADAM7 if self.interlaced else ((0, 0, 1, 1),))
@@ -158,12 +158,12 @@ def parse_chunks(content: bytes, name: str) -> PngFile:
 
 
 def write_chunk(kind: bytes, data: bytes) -> bytes:
-    """One chunk with its length and checksum."""
+    """Return one chunk with its length and checksum."""
     return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(data, zlib.crc32(kind)))
 
 
 def truncated(name: str) -> MapError:
-    """The error for a file that ends too early."""
+    """Return the error for a file that ends too early."""
     return MapError(f"{name}: the PNG image is truncated; copy or write it again")
 
 
@@ -219,7 +219,7 @@ def encode_png(samples: npt.NDArray[np.uint8]) -> bytes:
 
 
 def _decode_by_pillow(file: PngFile, name: str) -> SampleArray:
-    """Samples, shape (rows, cols, channels), greys of less than 8 bits scaled to 8, palette entries as they are."""
+    """Return samples, shape (rows, cols, channels): greys of fewer than 8 bits scaled to 8, palette entries plain."""
     from PIL import PngImagePlugin
 
     # Only the needed chunks are passed on: Pillow refuses long texts and reads animations.
@@ -243,14 +243,14 @@ def _decode_by_pillow(file: PngFile, name: str) -> SampleArray:
 
 
 def _last_row(header: PngHeader) -> tuple[slice, slice]:
-    """The last pixels of the stream, for a check: Pillow leaves rows black that are missing in the stream."""
+    """Return where the last pixels of the stream are; Pillow leaves rows black that are missing in the stream."""
     last = header.passes()[-1]
     row = last.y0 + (last.rows - 1) * last.dy
     return slice(row, row + 1), slice(last.x0, None, last.dx)
 
 
 def _unpacked_bytes(packed: bytes, name: str) -> int:
-    """Length of a deflate stream, counted piece by piece."""
+    """Return the length of a deflate stream, counted piece by piece."""
     unpacker = zlib.decompressobj()
     count = 0
     try:
@@ -290,7 +290,7 @@ def _split_channels(file: PngFile, samples: SampleArray, name: str) -> Pixels:
 
 
 def unpack_samples(file: PngFile, name: str) -> npt.NDArray[np.uint16]:
-    """Samples of an image of depth 16, shape (rows, cols, channels).
+    """Return samples of an image of depth 16, shape (rows, cols, channels).
 
     Raises:
         MapError: If the stream ends too early or is damaged.

@@ -62,12 +62,12 @@ class PoseIn:
 
 
 def child(element: XmlElement, tag: str) -> XmlElement | None:
-    """The first child of a tag."""
+    """Return the first child of a tag."""
     return cast("XmlElement | None", element.find(tag))
 
 
 def children(element: XmlElement, *tags: str) -> list[XmlElement]:
-    """All children of some tags, in order."""
+    """Return all children of some tags, in order."""
     return [cast("XmlElement", item) for item in element if item.tag in tags]
 
 
@@ -99,7 +99,7 @@ def refuse_macros(place: Place, root: XmlElement) -> None:
 
 
 def read_name(place: Place, element: XmlElement) -> str:
-    """The name of an element."""
+    """Return the name of an element."""
     name = element.get("name", "").strip()
     if not name:
         place.fail(element, f"<{element.tag}> has no name")
@@ -107,7 +107,7 @@ def read_name(place: Place, element: XmlElement) -> str:
 
 
 def read_text(place: Place, parent: XmlElement, tag: str) -> str:
-    """The text of a required child."""
+    """Return the text of a required child."""
     element = child(parent, tag)
     text = "" if element is None else (element.text or "").strip()
     if not text:
@@ -116,7 +116,7 @@ def read_text(place: Place, parent: XmlElement, tag: str) -> str:
 
 
 def read_flag(place: Place, parent: XmlElement, tag: str, *, default: bool) -> bool:
-    """A boolean child."""
+    """Return a boolean child."""
     element = child(parent, tag)
     if element is None:
         return default
@@ -127,7 +127,7 @@ def read_flag(place: Place, parent: XmlElement, tag: str, *, default: bool) -> b
 
 
 def read_attribute_flag(place: Place, element: XmlElement, name: str) -> bool:
-    """A boolean attribute, false by default."""
+    """Return a boolean attribute, false by default."""
     text = element.get(name, "false").strip().lower()
     if text not in ("1", "0", "true", "false"):
         place.fail(element, f"{name} of <{element.tag}> must be true or false, got {text!r}")
@@ -135,7 +135,7 @@ def read_attribute_flag(place: Place, element: XmlElement, name: str) -> bool:
 
 
 def read_numbers(place: Place, element: XmlElement, count: int, *, positive: bool = False) -> tuple[float, ...]:
-    """The numbers in an element."""
+    """Return the numbers in an element."""
     words = (element.text or "").split()
     try:
         numbers = tuple(float(word) for word in words)
@@ -152,7 +152,7 @@ def read_numbers(place: Place, element: XmlElement, count: int, *, positive: boo
 
 
 def read_sizes(place: Place, parent: XmlElement, tag: str, count: int) -> tuple[float, ...]:
-    """The positive numbers in a required child."""
+    """Return the positive numbers in a required child."""
     element = child(parent, tag)
     if element is None:
         place.fail(parent, f"<{parent.tag}> needs <{tag}>")
@@ -160,7 +160,7 @@ def read_sizes(place: Place, parent: XmlElement, tag: str, count: int) -> tuple[
 
 
 def read_pose(place: Place, parent: XmlElement) -> PoseIn:
-    """The <pose> of an element: x y z roll pitch yaw, or with a quaternion (x y z w), in its named frame."""
+    """Return the <pose> of an element: x y z roll pitch yaw, or with a quaternion (x y z w), in its named frame."""
     element = child(parent, "pose")
     if element is None:
         return PoseIn()
@@ -222,7 +222,7 @@ class Scope:
             self.place.fail(element, f"<{element.tag}>: there are two frames named {name!r}")
 
     def find(self, name: str, element: XmlElement | None, trail: tuple[str, ...] = ()) -> Pose3D:
-        """The pose of a frame in this scope's own frame."""
+        """Return the pose of a frame in this scope's own frame."""
         if name in ("", self.own):
             return Pose3D()
         if name in self._resolved:
@@ -246,5 +246,5 @@ class Scope:
         return self.find(outer, element, trail) @ self.scopes[outer].find(inner, element)
 
     def placement(self) -> Pose3D:
-        """The frame that this model's pose refers to, in the model's own frame."""
+        """Return the frame that this model's pose refers to, in the model's own frame."""
         return self.find(self.placement_frame, None)

@@ -37,18 +37,18 @@ class Files:
     _meshes: dict[Path, list[MeshPart]] = field(default_factory=dict[Path, list[MeshPart]])
 
     def find(self, uri: str, base: Path) -> Path | None:
-        """The file or folder that a URI refers to, relative to the folder `base`; see `find_uri`."""
+        """Return the file or folder that a URI refers to, relative to the folder `base`; see `find_uri`."""
         return find_uri(uri, base, self.folders)
 
     def mesh(self, path: Path) -> list[MeshPart]:
-        """The meshes of a file."""
+        """Return the meshes of a file."""
         key = path.resolve()
         if key not in self._meshes:
             self._meshes[key] = read_mesh(path)
         return self._meshes[key]
 
     def advise(self) -> str:
-        """The searched folders and what to do about a missing file, for messages."""
+        """Return the searched folders and what to do about a missing file, for messages."""
         return (
             f"searched: {describe_search(self.folders)}. Give its folder with --paths FOLDER (paths=…), or skip "
             "missing files with --set missing=skip"
@@ -56,7 +56,7 @@ class Files:
 
 
 def find_model_file(path: Path | None) -> Path | None:
-    """The SDF file of a model: the file itself, or the newest supported version listed in the folder's model.config."""
+    """Return the SDF file of a model: the file itself, or the newest supported version that a model.config lists."""
     if path is None or is_file(path):
         return path
     config = path / "model.config"
@@ -73,22 +73,22 @@ def find_model_file(path: Path | None) -> Path | None:
 
 
 def is_plain_floor(uri: str) -> bool:
-    """Whether a URI is that of Gazebo's `Ground Plane`, by model:// or on Fuel."""
+    """Return whether a URI is that of Gazebo's `Ground Plane`, by model:// or on Fuel."""
     return _plain_name(uri) == "ground plane"
 
 
 def is_sun(uri: str) -> bool:
-    """Whether a URI is that of Gazebo's `Sun`, a light."""
+    """Return whether a URI is that of Gazebo's `Sun`, a light."""
     return _plain_name(uri) == "sun"
 
 
 def read_plain_floor(file: Path) -> XmlElement:
-    """Gazebo's `Ground Plane`, as if read from a file."""
+    """Return Gazebo's `Ground Plane`, as if it were read from a file."""
     return parse_xml(file, _PLAIN_FLOOR, error=WorldError)
 
 
 def _plain_name(uri: str) -> str:
-    """The name of the model in a URI, in lower case with spaces; empty if the URI is not a model's."""
+    """Return the name of the model in a URI, in lower case with spaces; empty if the URI is not a model's."""
     path = re.sub(r"/(\d+|tip)$", "", unquote(uri).strip().rstrip("/"))
     scheme, mark, rest = path.partition("://")
     words = rest.split("/")

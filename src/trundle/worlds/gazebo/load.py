@@ -82,7 +82,7 @@ def load_sdf(
         missing: What to do about a missing mesh or included model: "error", or "skip" with a warning.
         paths: Folders to search for model:// and package:// names and other paths, after the file's own folder
             and before those in Gazebo's and ROS's environment variables; see `trundle.files.uris.find_uri`.
-        world: Name of the <world>, if a file has several; None means the first.
+        world: Name of the <world>, if a file has several. If None, the first is read.
         exclude: What to leave out, see `World.load`. Errors in a shape that is left out by its name
             are ignored, and a missing model can be left out by the name that it would have.
 
@@ -177,7 +177,7 @@ class _Reader:
         return tuple(movers)
 
     def remarks(self) -> list[str]:
-        """Messages about what was left out."""
+        """Return messages about what was left out."""
         texts: list[str] = []
         if self.moving:
             texts.append(
@@ -338,7 +338,7 @@ class _Reader:
 
 
 def _color(link: XmlElement, shape: XmlElement) -> Color | None:
-    """The colour of a visual, or of a collision's visual: the one of the same name, else the link's first."""
+    """Return the colour of a visual, or of a collision's visual: the one of the same name, else the link's first."""
     if shape.tag == "visual":
         return read_color(shape)
     visuals = children(link, "visual")

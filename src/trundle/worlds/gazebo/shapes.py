@@ -37,7 +37,7 @@ _SCRIPT_COLORS: dict[str, tuple[float, float, float]] = {
 
 
 def read_geometry(place: Place, element: XmlElement, files: Files) -> list[Part] | str:
-    """Shapes of a <geometry>; or a text that names the geometry that is left out.
+    """Return shapes of a <geometry>; or a text that names the geometry that is left out.
 
     A plane is a rectangle, even if it is the floor.
 
@@ -91,7 +91,7 @@ def _read_plane(place: Place, element: XmlElement) -> Part:
 
 
 def read_color(visual: XmlElement) -> Color | None:
-    """The colour of a visual's material: diffuse, else ambient, else that of a Gazebo script, else None."""
+    """Return the colour of a visual's material: diffuse, else ambient, else that of a Gazebo script, else None."""
     material = child(visual, "material")
     if material is None:
         return None

@@ -66,7 +66,7 @@ def pallet(rng: np.random.Generator, *, low_objects: bool = True) -> list[Part]:
 
 
 def _carton_stack(rng: np.random.Generator, base: float) -> list[Part]:
-    """Cartons in layers of two by one or two by two, slightly fewer towards the top."""
+    """Return cartons in layers of two by one or two by two, slightly fewer towards the top."""
     parts: list[Part] = []
     columns, rows = 2, int(rng.integers(1, 3))
     color = np.asarray(CARTONS[rng.integers(len(CARTONS))])
@@ -245,7 +245,7 @@ class Clutter:
 
 
 def _gap(low: float, high: float, other_low: float, other_high: float) -> float:
-    """Distance between two intervals; 0 where they overlap."""
+    """Return the distance between two intervals; 0 where they overlap."""
     return max(0.0, other_low - high, low - other_high)
 
 

@@ -90,7 +90,7 @@ def _outer_walls(doors: int, depth: float, spacing: float, hall: float, height: 
 def _door(
     number: int, x: float, y: float, width: float, depth: float, hall: float, height: float, color: Color
 ) -> list[Solid]:
-    """The wall beside a door, and its two posts: they bound the opening."""
+    """Return the wall beside a door, and its two posts: they bound the opening."""
     parts: list[Part] = []
     for side, sign in (("left", 1.0), ("right", -1.0)):
         edge = y + sign * width / 2.0

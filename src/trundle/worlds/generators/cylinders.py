@@ -98,7 +98,7 @@ def _smooth(filled: BoolArray, steps: int) -> BoolArray:
 
 
 def _centres(row: npt.NDArray[np.int64], col: npt.NDArray[np.int64], rows: int) -> FloatArray:
-    """Centres of cells [m], shape (N, 2)."""
+    """Return centres of cells [m], shape (N, 2)."""
     return np.column_stack([(col + 0.5) * PITCH, (row + 0.5 - rows / 2.0) * PITCH]).astype(np.float64)
 
 
@@ -122,7 +122,7 @@ def _open_passage(filled: BoolArray, radius: float, width: float) -> BoolArray:
 
 
 def _disc(reach: float) -> list[tuple[int, int]]:
-    """Offsets (rows, columns) of the cells whose centres are nearer than `reach` [m]."""
+    """Return offsets (rows, columns) of the cells whose centres are nearer than `reach` [m]."""
     most = int(reach / PITCH)
     steps = range(-most, most + 1)
     return [(i, j) for i in steps for j in steps if math.hypot(i, j) * PITCH < reach]
@@ -139,7 +139,10 @@ def _count_near(cells: BoolArray, disc: list[tuple[int, int]]) -> npt.NDArray[np
 
 
 def _cheapest_path(costs: FloatArray) -> list[tuple[int, int]]:
-    """Cells (row, column) from the first column to the last, 8-connected; a step costs its length times its cell."""
+    """Find the cheapest path from the first column to the last, as cells (row, column).
+
+    It is 8-connected; a step costs its length times the cost of its cell.
+    """
     rows, columns = costs.shape
     best = np.full(costs.shape, np.inf)
     best[:, 0] = costs[:, 0]
@@ -184,7 +187,7 @@ def _walls(length: float, width: float, height: float) -> list[Solid]:
 
 
 def _color(along: float) -> Color:
-    """From ochre in the west to blue in the east, so that pictures show how far the robot got."""
+    """Return a colour from ochre in the west to blue in the east: pictures show how far the robot got."""
     stops = np.array([(0.85, 0.52, 0.20), (0.72, 0.36, 0.40), (0.22, 0.38, 0.62)])
     red, green, blue = (float(np.interp(along, (0.0, 0.5, 1.0), channel)) for channel in stops.T)
     return (red, green, blue, 1.0)

@@ -85,7 +85,7 @@ def generate_lot(
 
 
 def _edge(rng: np.random.Generator, length: float, width: float, kerb: float, *, hedges: bool) -> list[Solid]:
-    """Kerbs round the ground, grass behind them, and hedges and a few trees on the grass."""
+    """Return kerbs round the ground, grass behind them, and hedges and a few trees on the grass."""
     parts: list[Part] = []
     across, green = 2.0 * _KERB, 2.0 * (_KERB + _VERGE)
     for name, along_x, sign in (
@@ -118,7 +118,7 @@ def _edge(rng: np.random.Generator, length: float, width: float, kerb: float, *,
 def _hedge(
     rng: np.random.Generator, name: str, span: float, sign: float, size: tuple[float, float], *, along_x: bool
 ) -> list[Part]:
-    """A straight hedge of pieces of unequal height, with a gap for the lamp posts at its ends."""
+    """Return a straight hedge of pieces of unequal height, with a gap for the lamp posts at its ends."""
     parts: list[Part] = []
     count = max(1, round((span - 2.4) / 2.2))
     piece = (span - 2.4) / count
@@ -134,7 +134,7 @@ def _hedge(
 
 
 def _containers(rng: np.random.Generator, length: float, width: float, share: float) -> tuple[list[Solid], list[Rect]]:
-    """Containers with their backs to the north kerb, some stacked two high."""
+    """Return containers with their backs to the north kerb, some stacked two high."""
     long, wide, tall = yard.CONTAINER_SIZE
     solids: list[Solid] = []
     taken: list[Rect] = []
@@ -155,7 +155,7 @@ def _containers(rng: np.random.Generator, length: float, width: float, share: fl
 
 
 def _island_rows(width: float) -> list[float]:
-    """Middles of the islands along y: as many double rows of bays as fit, with drives between and around them."""
+    """Return the middles of the islands along y: as many double rows of bays as fit, with drives round each."""
     depth = 2.0 * BAY_LENGTH + _ISLAND
     south = -width / 2.0 + DRIVE
     north = width / 2.0 - DRIVE - yard.CONTAINER_SIZE[1]
@@ -168,7 +168,7 @@ def _island_rows(width: float) -> list[float]:
 def _row(
     rng: np.random.Generator, name: str, y: float, length: float, fill: float, *, low_objects: bool
 ) -> tuple[list[Solid], list[Rect]]:
-    """An island with lamp posts and trees on it, and vehicles in the bays on both sides."""
+    """Return an island with lamp posts and trees on it, and vehicles in the bays on both sides."""
     bays = int((length - 2.0 * DRIVE) / BAY_WIDTH)
     if bays < 1:
         return [], []
@@ -206,7 +206,7 @@ def _row(
 def _cones(
     rng: np.random.Generator, length: float, width: float, count: int, taken: Sequence[Rect], *, low_objects: bool
 ) -> list[Solid]:
-    """Cones in short lines, each with room on every side; the seed point stays free."""
+    """Return cones in short lines, each with room on every side; the seed point stays free."""
     solids: list[Solid] = []
     spots: list[tuple[float, float]] = []
     start = (0.0, -width / 2.0 + DRIVE / 2.0)

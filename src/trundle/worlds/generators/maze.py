@@ -71,7 +71,7 @@ def generate_maze(
 
 
 def _carve(rng: np.random.Generator, rows: int, columns: int, loops: float) -> tuple[BoolArray, BoolArray]:
-    """Remaining walls: along x, shape (rows + 1, columns), and along y, shape (rows, columns + 1)."""
+    """Return the walls that remain: along x, shape (rows + 1, columns), and along y, shape (rows, columns + 1)."""
     along_x = np.ones((rows + 1, columns), dtype=np.bool_)
     along_y = np.ones((rows, columns + 1), dtype=np.bool_)
     seen = np.zeros((rows, columns), dtype=np.bool_)
@@ -100,7 +100,7 @@ def _carve(rng: np.random.Generator, rows: int, columns: int, loops: float) -> t
 
 
 def _walls(along_x: BoolArray, along_y: BoolArray, cell: float, thick: float, height: float) -> list[Solid]:
-    """Straight runs of wall as one box each. Runs along x own the corners, so that no two boxes overlap."""
+    """Return straight runs of wall as one box each. Runs along x own the corners, so that no two boxes overlap."""
     rows, columns = along_y.shape[0], along_x.shape[1]
     corners = np.zeros((rows + 1, columns + 1), dtype=np.bool_)
     parts: list[Part] = []

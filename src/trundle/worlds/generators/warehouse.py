@@ -96,7 +96,7 @@ def generate_warehouse(
     Args:
         seed: The same seed and options make the same warehouse.
         size: Of the floor between the walls, along x and y [m], up to 100 each.
-        aisle_width: Between the faces of two rows of racks [m], 1 to 10; none means 1.6, or 2.8 where forklifts drive.
+        aisle_width: Between the faces of two rows of racks [m], 1 to 10. If None, 1.6, or 2.8 with forklifts.
         levels: Shelf levels per rack, 1 to 6.
         fill: Share of rack places that hold goods, 0 to 1.
         clutter: Number of loose objects, relative to the default; 0 (none) to 3.
@@ -192,7 +192,7 @@ def _lay_out(size: tuple[float, float], aisle: float, room: float) -> _Layout:
 
 
 def _racks_in_rows(room: float, aisle: float) -> list[int]:
-    """Racks back to back in each row: as many pairs as fit, then a single one; at least two rows."""
+    """Return racks back to back in each row: as many pairs as fit, then a single one; at least two rows."""
     pairs = int((room + aisle) / (_row_depth(2) + aisle))
     left = room + aisle - pairs * (_row_depth(2) + aisle)
     singles = int(left / (RACK_DEPTH + aisle))
@@ -202,7 +202,7 @@ def _racks_in_rows(room: float, aisle: float) -> list[int]:
 
 
 def _walls(floor: Rect, height: float) -> list[Solid]:
-    """Four walls of 0.2 m around the floor, each with a darker lower part, and doors in the west wall."""
+    """Return four walls of 0.2 m around the floor, each with a darker lower part, and doors in the west wall."""
     thick, base = 0.2, min(0.9, 0.3 * height)
     length, width = floor.x1 - floor.x0, floor.y1 - floor.y0
     parts: list[Part] = []
@@ -228,7 +228,7 @@ def _walls(floor: Rect, height: float) -> list[Solid]:
 
 
 def _rack(rng: np.random.Generator, bays: int, levels: int, fill: float, *, low_objects: bool) -> list[Part]:
-    """One rack: x from 0 along its bays, y across it about 0; its faces, at ±RACK_DEPTH / 2, are the uprights'.
+    """Return one rack: x from 0 along its bays, y across it about 0; its faces, at ±RACK_DEPTH / 2, are the uprights'.
 
     Without low objects, panels in place of the lowest beams hide the lowest shelf, which may be empty.
     """
@@ -262,7 +262,7 @@ def _rack(rng: np.random.Generator, bays: int, levels: int, fill: float, *, low_
 
 
 def _goods(rng: np.random.Generator, bays: int, level: int, top: float, fill: float) -> list[Part]:
-    """Goods on one shelf: two places in each bay, each empty, with a carton (or two, stacked) or with totes."""
+    """Return goods on one shelf: two places in each bay, each empty, with a carton (or two, stacked) or with totes."""
     parts: list[Part] = []
     pitch = (BAY - _POST) / 2.0
     room = _SHELF_PITCH - _BEAM - 0.06
@@ -293,7 +293,7 @@ def _goods(rng: np.random.Generator, bays: int, level: int, top: float, fill: fl
 
 
 def _guards(name: str, west: float, bays: int, south: float, racks: int, *, low_objects: bool) -> list[Solid]:
-    """Yellow barriers that close both ends of a row."""
+    """Return yellow barriers that close both ends of a row."""
     depth, height = _row_depth(racks), 0.42 if low_objects else SEEN_TO
     parts = []
     for end, x in (("west", west + _GUARD / 2.0), ("east", west + _run_length(bays) - _GUARD / 2.0)):

@@ -36,10 +36,10 @@ class Crowd:
             they face, and need room to turn everywhere.
         speed: The fastest that one goes [m/s]; each has a preferred speed of 0.7 to 1 times it.
         sees_robot: Whether they stop for the robot and go around it; else it is not there for them.
-        area: (x0, y0, x1, y1) [m]: where they stay; None means anywhere in the bounds of the world's solids.
+        area: (x0, y0, x1, y1) [m], where they stay. If None, they stay in the bounds of the world's solids.
         model: Name of the model.
-        seed: For their random places; None means the run's.
-        parts: Their solids, in the frame of one; None means those of `kind`.
+        seed: Seed of their random places. If None, it is the run's.
+        parts: Their solids, in the frame of one. If None, they are those of `kind`.
 
     Raises:
         WorldError: If a value is out of range.
@@ -95,7 +95,7 @@ class Crowd:
 
 
 def each_body(movers: Sequence[Mover | Crowd]) -> list[tuple[str, tuple[Solid, ...]]]:
-    """The name and the solids of everyone: first of the movers, then of the members of crowds."""
+    """Return the name and the solids of everyone: first of the movers, then of the members of crowds."""
     bodies = [(mover.name, mover.parts) for mover in movers if isinstance(mover, Mover)]
     for crowd in movers:
         if isinstance(crowd, Crowd):

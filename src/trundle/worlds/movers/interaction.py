@@ -46,7 +46,7 @@ class RobotMotion(NamedTuple):
 
 
 def driving(velocities: FloatArray, directions: FloatArray, speeds: FloatArray) -> FloatArray:
-    """Towards the preferred velocity (equation 2) [m/s²], shape (N, 2)."""
+    """Return the accelerations towards the preferred velocities (equation 2) [m/s²], shape (N, 2)."""
     return (speeds[:, None] * directions - velocities) / TAU_S
 
 
@@ -58,7 +58,7 @@ def repulsion(
     other_velocities: FloatArray,
     other_radii: FloatArray,
 ) -> FloatArray:
-    """Away from others, by the elliptical potential that lies ahead of each (equations 3, 4 and 7).
+    """Return the forces away from others, by the elliptical potential that lies ahead of each (equations 3, 4 and 7).
 
     Args:
         points: Where they are [m], shape (N, 2).
@@ -90,7 +90,7 @@ def repulsion(
 
 
 def border_force(distances: FloatArray, away: FloatArray, radii: FloatArray) -> FloatArray:
-    """Away from the nearest solid (equation 5) [m/s²], shape (N, 2).
+    """Return the forces away from the nearest solid (equation 5) [m/s²], shape (N, 2).
 
     Args:
         distances: To it [m], shape (N,).
@@ -109,7 +109,7 @@ def give_way(
     robot: RobotMotion,
     dt: float,
 ) -> FloatArray:
-    """Velocities without what leads into the robot, or into where it is about to be [m/s], shape (N, 2).
+    """Return velocities without what leads into the robot, or into where it is about to be [m/s], shape (N, 2).
 
     Around the straight line that the robot drives in the next 1.5 s nobody comes nearer than 0.5 m; who is nearer
     already does not approach it.
@@ -122,7 +122,7 @@ def give_way(
 
 
 def enters_way(points: FloatArray, reached: FloatArray, radii: FloatArray, robot: RobotMotion) -> npt.NDArray[np.bool_]:
-    """Who would come nearer to the robot, or to where it is about to be, than allowed; shape (N,)."""
+    """Return which members would come too near to the robot, or to where it is about to be; shape (N,)."""
     start, along = np.array([robot.x, robot.y]), np.array([robot.vx, robot.vy]) * _LOOK_S
     _, gap = _from_line(points, start, along)
     _, then = _from_line(reached, start, along)
@@ -132,7 +132,7 @@ def enters_way(points: FloatArray, reached: FloatArray, radii: FloatArray, robot
 def swings_into(
     points: FloatArray, yaws: FloatArray, turned: FloatArray, outlines: Sequence[FloatArray], robot: RobotMotion
 ) -> npt.NDArray[np.bool_]:
-    """Whose body would come too near to the robot by turning; shape (N,).
+    """Return which members' bodies would come too near to the robot by turning; shape (N,).
 
     Beside a robot that is within its turning circle, a turn away from the middle may still meet a corner: none is made.
 
@@ -154,7 +154,7 @@ def swings_into(
 
 
 def _from_outline(outline: FloatArray, point: FloatArray, yaw: float, robot: RobotMotion) -> float:
-    """Distance of the robot's centre from an outline at a place [m], 0 inside."""
+    """Return the distance of the robot's centre from an outline at a place [m], 0 inside."""
     cos, sin = math.cos(yaw), math.sin(yaw)
     x, y = np.array([[cos, sin], [-sin, cos]]) @ (np.array([robot.x, robot.y]) - point)
     along = np.roll(outline, -1, axis=0) - outline
@@ -166,7 +166,7 @@ def _from_outline(outline: FloatArray, point: FloatArray, yaw: float, robot: Rob
 
 
 def _from_line(points: FloatArray, start: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Directions from a straight line to points, and their distances from it [m]."""
+    """Return directions from a straight line to points, and their distances from it [m]."""
     share = np.clip((points - start) @ along / max(float(along @ along), 1e-12), 0.0, 1.0)
     offset = points - (start + share[:, None] * along)
     distance = np.hypot(offset[:, 0], offset[:, 1])
@@ -174,7 +174,7 @@ def _from_line(points: FloatArray, start: FloatArray, along: FloatArray) -> tupl
 
 
 def keep_apart(points: FloatArray, reached: FloatArray, others: FloatArray, radii: FloatArray) -> FloatArray:
-    """Where they get without overlapping anyone [m]: past who is in the way, or nowhere.
+    """Return where members get without overlapping others [m]: past the one in the way, or nowhere.
 
     Args:
         points: Where they are, shape (N, 2).
@@ -206,7 +206,7 @@ def keep_apart(points: FloatArray, reached: FloatArray, others: FloatArray, radi
 
 
 def _approaches(reached: FloatArray, others: FloatArray, now: FloatArray, least: FloatArray) -> npt.NDArray[np.bool_]:
-    """Who would overlap whom, and be nearer than now; shape (N, M)."""
+    """Return which members would overlap which others, and be nearer to them than now; shape (N, M)."""
     offset = reached[:, None] - others
     then = np.sqrt((offset**2).sum(axis=2))
     overlap = (then < least) & (then < now - 1e-12)

@@ -50,7 +50,7 @@ class Curve:
             self._slopes = _slopes(np.asarray(times, dtype=np.float64), points, closed=closed).tolist()
 
     def at(self, time: float) -> tuple[list[float], list[float]]:
-        """Position and velocity at a time [s]."""
+        """Return the position and velocity at a time [s]."""
         times, points = self._times, self._points
         if time < times[0] or len(times) == 1:
             return points[0], [0.0] * len(points[0])
@@ -78,7 +78,7 @@ class Curve:
 
 
 def _slopes(times: FloatArray, points: FloatArray, *, closed: bool) -> FloatArray:
-    """Velocities of a Catmull-Rom spline at its points, shape (N, D)."""
+    """Return velocities of a Catmull-Rom spline at its points, shape (N, D)."""
     slopes = np.empty_like(points)
     slopes[1:-1] = (points[2:] - points[:-2]) / (times[2:] - times[:-2])[:, None]
     if closed:
@@ -121,7 +121,7 @@ class Motion(Protocol):
         ...
 
     def at(self, time: float) -> PlanarState:
-        """Pose and velocity at a time since the start of the run [s]."""
+        """Return the pose and velocity at a time since the start of the run [s]."""
         ...
 
 
@@ -174,7 +174,7 @@ class Waypoints:
         return self._track.duration
 
     def at(self, time: float) -> PlanarState:
-        """Pose and velocity at a time since the start of the run [s]."""
+        """Return the pose and velocity at a time since the start of the run [s]."""
         return self._track.at(time + self.phase_s)
 
 
@@ -225,7 +225,7 @@ class AlongPath:
         return self._track.duration
 
     def at(self, time: float) -> PlanarState:
-        """Pose and velocity at a time since the start of the run [s]."""
+        """Return the pose and velocity at a time since the start of the run [s]."""
         return self._track.at(time)
 
 
@@ -257,7 +257,7 @@ class _Track:
         return PlanarState(x, y, yaw, sign * vx, sign * vy, sign * w)
 
     def _along(self, time: float) -> tuple[float, float]:
-        """The time on the curve, and whether it is followed forwards (1) or backwards (−1)."""
+        """Return the time on the curve, and whether it is followed forwards (1) or backwards (−1)."""
         since = time - self._begin
         if since <= 0.0 or self._length <= 0.0 or self._repeat == "once":
             return time, 1.0
@@ -269,7 +269,7 @@ class _Track:
         return self._begin + 2.0 * self._length - since, -1.0
 
     def _heading(self, along: float) -> float:
-        """The direction of the curve at a time, smoothed at corners."""
+        """Return the direction of the curve at a time, smoothed at corners."""
         before, after = along - _HEADING_S, along + _HEADING_S
         if self._closed:
             end = self._begin + self._length
@@ -285,7 +285,7 @@ class _Track:
 
 
 def _facings(points: FloatArray) -> list[float]:
-    """Where something faces on each piece of a curve: along it, or as before where it stands; at first as later."""
+    """Return the heading on each piece of a curve: along it; where it stands, as before, and at first as later."""
     steps = np.diff(points[:, :2], axis=0)
     moved = np.flatnonzero(np.hypot(steps[:, 0], steps[:, 1]) > _STILL)
     if len(moved) == 0:
@@ -296,7 +296,7 @@ def _facings(points: FloatArray) -> list[float]:
 
 
 def _refine(points: FloatArray) -> FloatArray:
-    """Points close to one another on the smooth curve through points, shape (N, 2)."""
+    """Return points close to one another on the smooth curve through points, shape (N, 2)."""
     times = arc_lengths(points)
     closed = bool(np.array_equal(points[0], points[-1]))
     curve = Curve(times.tolist(), points, "catmull_rom", closed=closed)

@@ -54,7 +54,7 @@ class Mover:
 
 
 def check_parts(name: str, parts: tuple[Solid, ...]) -> tuple[Solid, ...]:
-    """The parts of something that moves.
+    """Return the parts of something that moves.
 
     Raises:
         WorldError: If it has no name or no parts, or two parts of one name, or one that cannot move.
@@ -73,17 +73,17 @@ def check_parts(name: str, parts: tuple[Solid, ...]) -> tuple[Solid, ...]:
 
 
 def outline_of(parts: tuple[Solid, ...]) -> FloatArray:
-    """The convex hull of solids seen from above [m], in their frame, counter-clockwise, shape (N, 2)."""
+    """Return the convex hull of solids seen from above [m], in their frame, counter-clockwise, shape (N, 2)."""
     return convex_hull(np.vstack([_corners(part) for part in parts]))
 
 
 def radius_of(parts: tuple[Solid, ...]) -> float:
-    """Radius [m] of the circle around their frame's origin that contains the solids, seen from above."""
+    """Return the radius [m] of the circle around their frame's origin that contains the solids, seen from above."""
     return float(np.hypot(*outline_of(parts).T).max())
 
 
 def top_of(parts: tuple[Solid, ...]) -> float:
-    """Height [m] of the highest of the solids."""
+    """Return the height [m] of the highest of the solids."""
     return max(float(part.bounds()[1][2]) for part in parts)
 
 
@@ -106,7 +106,7 @@ def _corners(solid: Solid) -> FloatArray:
 
 
 def person_body(*, radius: float = PERSON_RADIUS, height: float = PERSON_HEIGHT) -> tuple[Solid, ...]:
-    """A person: a cylinder with a head.
+    """Return a person: a cylinder with a head.
 
     Args:
         radius: Of the cylinder [m].
@@ -120,7 +120,7 @@ def person_body(*, radius: float = PERSON_RADIUS, height: float = PERSON_HEIGHT)
 
 
 def forklift_body(*, loaded: bool = False) -> tuple[Solid, ...]:
-    """A compact forklift, 2.0 m long with its forks and 0.9 m wide, its origin in the middle.
+    """Return a compact forklift, 2.0 m long with its forks and 0.9 m wide, its origin in the middle.
 
     The forks are from 0.14 to 0.20 m above the floor, and reach 0.8 m beyond what is higher.
 
@@ -150,7 +150,7 @@ BODIES: dict[str, Callable[[], tuple[Solid, ...]]] = {"forklift": forklift_body,
 
 
 def body_named(name: str) -> tuple[Solid, ...]:
-    """The solids of a body by name: "person" or "forklift".
+    """Return the solids of a body by name: "person" or "forklift".
 
     Raises:
         UnknownNameError: If there is none of that name.

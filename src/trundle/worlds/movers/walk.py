@@ -92,11 +92,11 @@ class CrowdWalk:
         self._to = self._next(robot)
 
     def is_due(self, time: float) -> bool:
-        """Whether `at` needs the robot for this time [s]."""
+        """Return whether `at` needs the robot for this time [s]."""
         return math.floor(time / PERIOD_S + 1e-9) > self._step_index
 
     def at(self, time: float, robot: RobotMotion | None = None) -> FloatArray:
-        """(x, y, yaw, vx, vy, w) of everyone at a time [s] that is not before the last one, shape (N, 6).
+        """Return (x, y, yaw, vx, vy, w) of all members at a time [s] not before the last one, shape (N, 6).
 
         Args:
             time: Since the start of the run [s].
@@ -186,7 +186,7 @@ class CrowdWalk:
 
     @staticmethod
     def _far_cell(floor: WalkableFloor, rng: np.random.Generator, here: FloatArray, walk: float) -> IndexArray:
-        """A free cell at least as far away as `walk` [m], if one is found soon."""
+        """Return a free cell at least as far away as `walk` [m], if one is found soon."""
         cell = floor.free[int(rng.integers(len(floor.free)))]
         for _ in range(8):
             if math.hypot(*(floor.middles_of(cell) - here)) >= walk:
@@ -195,7 +195,7 @@ class CrowdWalk:
         return cell
 
     def _next(self, robot: RobotMotion | None) -> FloatArray:
-        """The state a period later; its velocities are those of the period between."""
+        """Return the state a period later; its velocities are those of the period between."""
         points, yaws = self._from[:, :2], self._from[:, 2]
         velocities = np.zeros_like(points) if self._step_index == 0 else self._from[:, 3:5]
         self._choose_goals(points, velocities)
@@ -242,7 +242,7 @@ class CrowdWalk:
                 self._waits[number] = -float(self._rngs[index].uniform(0.0, _STUCK_S)) - turning
 
     def _wishes(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Where everyone wants to go, and the forces from solids."""
+        """Return the directions in which the members want to go, and the forces [m/s²] that solids exert on them."""
         directions, forces = np.zeros_like(points), np.zeros_like(points)
         for floor, field, part in zip(self._floors, self._fields, self._slices, strict=True):
             directions[part] = floor.ahead(points[part], field) - points[part]
@@ -254,7 +254,7 @@ class CrowdWalk:
     def _steer(
         self, wanted: FloatArray, points: FloatArray, yaws: FloatArray, robot: RobotMotion | None
     ) -> tuple[FloatArray, FloatArray]:
-        """Velocities of those who drive where they face, and the new yaws of all (not wrapped).
+        """Return velocities of those who drive where they face, and the new yaws of all (not wrapped).
 
         Those who see the robot do not turn their body into it.
         """
@@ -274,7 +274,7 @@ class CrowdWalk:
         return np.where(self._steers[:, None], steered, wanted), turned
 
     def _off_solids(self, points: FloatArray, reached: FloatArray) -> FloatArray:
-        """Where they get without entering a solid: along one axis where not along both, or nowhere."""
+        """Return where the members get without entering a solid: along one axis where not along both, or nowhere."""
         for floor, part in zip(self._floors, self._slices, strict=True):
             for number in np.flatnonzero(~floor.is_free(reached[part])) + part.start:
                 (x, y), (to_x, to_y) = points[number], reached[number]

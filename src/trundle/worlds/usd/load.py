@@ -68,7 +68,7 @@ def _takes_colliders(places: Sequence[Place], geometry: str) -> bool:
 
 
 def _choose(path: str, places: Sequence[Place], options: Options, colliders: bool) -> list[Place]:
-    """The places to load, without prims of types that have no solid shape."""
+    """Return the places to load, without prims of types that have no solid shape."""
     if colliders:
         chosen = [place for place in places if place.approximation is not None]
     else:
@@ -100,7 +100,7 @@ def _solids(path: str, places: Sequence[Place], leave_out: Filter, colliders: bo
 
 
 def _seeds(stage: Any) -> tuple[tuple[float, float], ...]:
-    """The seeds [m] that trundle's exporter stores."""
+    """Return the seeds [m] that trundle's exporter stores."""
     prim = stage.GetDefaultPrim()
     values = prim.GetAttribute(SEEDS).Get() if prim else None
     return tuple((float(x), float(y)) for x, y in values or ())
@@ -144,7 +144,7 @@ def _warn_of_emptiness(path: str, places: Sequence[Place], chosen: Sequence[Plac
 
 
 def seen_without_collider(places: Sequence[Place], solids: Sequence[Solid], ground: float) -> list[Place]:
-    """The shapes between floor and ceiling whose bounds overlap no solid above the floor.
+    """Return the shapes between floor and ceiling whose bounds overlap no solid above the floor.
 
     Args:
         places: Visible shapes that do not collide.
@@ -172,7 +172,7 @@ def seen_without_collider(places: Sequence[Place], solids: Sequence[Solid], grou
 
 
 def _bounds(place: Place) -> FloatArray | None:
-    """Lowest and highest corner [m] of a prim's extent in the map frame, shape (2, 3); None if it has no extent."""
+    """Return the lowest and highest corner [m] of a prim in the map frame, shape (2, 3); None if it has no extent."""
     try:
         extent = UsdGeom.Boundable(place.prim).ComputeExtent(TIME)
     except Tf.ErrorException:

@@ -48,7 +48,7 @@ class Shapes:
     _scaled: dict[tuple[str, str, tuple[float, ...]], Mesh] = field(default_factory=dict)
 
     def shape(self, item: Place) -> tuple[Placeable, Pose3D]:
-        """A prim's shape and its pose in the map frame.
+        """Return a prim's shape and its pose in the map frame.
 
         Raises:
             FlattenedError: If it is empty: no faces, or a size or scale of 0.
@@ -96,7 +96,7 @@ class Shapes:
 
 
 def level_plane(item: Place) -> LevelPlane | None:
-    """A prim as a level plane that faces up; None if it is not one. A plane that collides is infinite."""
+    """Return a prim as a level plane that faces up; None if it is not one. A plane that collides is infinite."""
     if item.prim.GetTypeName() != "Plane":
         return None
     turned = item.matrix[:3, :3] @ _TO_AXIS[_axis(item.prim)][:3, :3]
@@ -116,7 +116,7 @@ def level_plane(item: Place) -> LevelPlane | None:
 
 
 def _primitive(prim: Any) -> tuple[Placeable, str]:
-    """A prim's shape along z, and its actual axis."""
+    """Return a prim's shape along z, and its actual axis."""
     kind = str(prim.GetTypeName())
     if kind == "Cube":
         edge = _number(UsdGeom.Cube(prim).GetSizeAttr())
@@ -227,7 +227,7 @@ class Colors:
     _materials: dict[str, Color | None] = field(default_factory=dict)
 
     def of(self, prim: Any) -> Color:
-        """A prim's colour; the mean if it has one per vertex."""
+        """Return a prim's colour; the mean if it has one per vertex."""
         primvars = UsdGeom.PrimvarsAPI(prim)
         values = primvars.FindPrimvarWithInheritance("displayColor").ComputeFlattened(TIME)
         if values and np.ndim(values) == 2:
