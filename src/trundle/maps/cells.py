@@ -47,9 +47,9 @@ FREE_UP_TO = 20
 
 VALUES = np.arange(UNKNOWN, OCCUPIED + 1, dtype=np.int8)
 VALUES.flags.writeable = False
-UNKNOWN_RANK = OCCUPIED_FROM
+UNKNOWN_RANK = OCCUPIED_FROM  # the rank between 64 and 65, which moves up by one
 
-_BLOCK_CELLS = 1 << 20
+_BLOCK_CELLS = 1 << 20  # cells counted at once, which bounds the memory
 
 
 def cell_limit(given: int | None) -> int:

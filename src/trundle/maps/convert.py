@@ -44,7 +44,7 @@ Crop: TypeAlias = "Bounds | Literal['content']"
 PREFERENCES: tuple[Prefer, ...] = ("occupied", "free", "first", "second")
 
 _ROUNDING = 1e-6  # [cells]: tolerance by which a rectangle may reach into the next cell.
-_BLOCK_CELLS = 1 << 20
+_BLOCK_CELLS = 1 << 20  # cells whose centres are computed at once, which bounds the memory
 _MOVED = 1e-6  # [m]: smaller shifts are rounding errors.
 
 LossKind: TypeAlias = Literal[

@@ -174,7 +174,7 @@ class OccupancyGrid(GridFrame):
                 extends half a cell above and below the band, touching it is enough, and meshes are surfaces.
             half_cell_origin: Whether to write the centre of the corner cell as the origin, as Isaac Sim does and ROS
                 does not: ROS readers then place the map half a cell off.
-            margin: Added around the bounds on all sides [m].
+            margin: Width [m] added around the bounds on all sides.
             max_cells: The most cells to accept.
 
         Raises:

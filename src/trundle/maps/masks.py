@@ -25,12 +25,12 @@ from trundle.maps.resample import CellLayout, resample
 
 SpeedUnit: TypeAlias = Literal["percent", "absolute"]
 
-_LETHAL = 254
+_LETHAL = 254  # the cost of an obstacle in a costmap
 _KEEPOUT_TYPE = 0
 _SPEED_TYPES: dict[int, SpeedUnit] = {1: "percent", 2: "absolute"}
 _KINDS = {0: "a keep-out mask", 1: "a speed mask in percent", 2: "a speed mask in m/s", 3: "a binary mask"}
 """`type` of Nav2's costmap filter info."""
-_LARGEST = 1e6
+_LARGEST = 1e6  # of base and multiplier: more is a mistake
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -19,8 +19,8 @@ from trundle.maps.rasterise import HeightBand, SolidRaster
 SLACK = 0.02
 """Tolerance [cells] within which cell edges coincide everywhere, so a yaw of 1.5708 is a quarter turn."""
 
-_ROUNDING = 1e-9  # Of a cell.
-_BLOCK_CELLS = 1 << 20
+_ROUNDING = 1e-9  # [cells]: an edge this near to another is the same.
+_BLOCK_CELLS = 1 << 20  # cells whose centres are computed at once, which bounds the memory
 
 
 @dataclass(frozen=True, slots=True)

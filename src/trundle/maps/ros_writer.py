@@ -21,6 +21,7 @@ from trundle.files.writing import output_path, write_new_bytes, write_text
 from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN, VALUES, CellGrid, Cells, count_values, round_trinary
 from trundle.maps.occupancy import MODES, UNKNOWN_GREY, Mode, PixelRule, compute_table
 
+# The greys of Nav2's map saver. Its free_thresh of 0.25 would load unknown cells (grey 205, darkness 0.196) as free.
 OCCUPIED_THRESH = 0.65
 FREE_THRESH = 0.196
 

@@ -20,10 +20,10 @@ from trundle.geometry.angles import is_in_degrees, parse_angle
 from trundle.maps.cells import MAX_ORIGIN
 from trundle.maps.occupancy import MODES, Mode, PixelRule
 
+# What lies beyond these is no map: the file is an image, or a number has slipped.
 MAX_YAML_BYTES = 100_000
-MIN_RESOLUTION = 1e-6
-MAX_RESOLUTION = 1e3
-MAX_YAW = 1e6
+MIN_RESOLUTION, MAX_RESOLUTION = 1e-6, 1e3  # [m]
+MAX_YAW = 1e6  # [rad]
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,9})?[ \t\r\n]*", re.ASCII)
 _INTEGER = re.compile(r"[+-]?(?:0[xX][0-9a-fA-F]{1,7}|[0-9]{1,9})")

@@ -35,7 +35,7 @@ from trundle.robots.model_wheels import Frame, read_layout, root_of
 _TOUCHES = 0.006
 """Parts this near to the floor [m] support the robot."""
 
-_BALL_MASS = 0.01
+_BALL_MASS = 0.01  # [kg]: of balls that stand for parts whose mass the chassis already has
 
 _LARGEST = 1000.0
 """Limit on the size of a robot [m]."""

@@ -10,9 +10,9 @@ import numpy as np
 from trundle.geometry import FloatArray, convex_hull
 
 MOST_CORNERS = 24
-"""Corner limit of a footprint."""
+"""The most corners of a footprint: collision checks take time in proportion to them."""
 
-_AROUND = 64
+_AROUND = 64  # points of a circle: a footprint is then short by 0.12 % of a radius
 
 
 def simplify_outline(hull: FloatArray) -> FloatArray:

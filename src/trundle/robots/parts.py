@@ -60,7 +60,7 @@ class Caster(Config):
 
     Attributes:
         x: Position of the swivel axis, or of a ball's contact point, in base_link [m].
-        y: As x [m].
+        y: As `x`, to the left [m].
         radius: Radius of the wheel or ball [m].
         trail: Distance of the wheel's axle behind the swivel axis [m].
         width: Width of the wheel [m].

@@ -14,7 +14,7 @@ from trundle.pictures.colors import BAD, FAINT, INK, LINE, Rgb
 from trundle.pictures.figure import make_figure
 from trundle.pictures.plan import Plan
 
-_LONG_SIDE = 480
+_LONG_SIDE = 480  # [pixels]
 
 
 @dataclass(frozen=True, slots=True)

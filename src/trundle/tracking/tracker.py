@@ -20,7 +20,7 @@ from trundle.observation import Estimate, Scan, Track, check_scans
 from trundle.robots import Robot
 from trundle.values import as_number, check_kind
 
-_BODY_M = 0.02
+_BODY_M = 0.02  # around the footprint: hits of the robot's own body scatter by the noise of its lidars
 
 
 class TrackerSettings(Config):
@@ -29,13 +29,13 @@ class TrackerSettings(Config):
     Attributes:
         max_range: Hits farther away than this are left out [m].
         max_size: Larger things are parts of the building [m].
-        min_points: So many points of a scan count as something.
+        min_points: Number of points of a scan from which they count as something.
         same_surface: Points of two scans that are this close belong to one surface [m]; several times the noise of the
             lidars.
-        acceleration: Of the movers that are followed [m/s²]: how much their velocity may change in a second, one
-            standard deviation.
-        min_speed: What is slower stands [m/s].
-        confirm_scans: So many scans must show that something moves before its track is confirmed.
+        acceleration: Acceleration of the movers that are followed [m/s²]: by how much their velocity changes in a
+            second, one standard deviation.
+        min_speed: Speed below which something stands [m/s].
+        confirm_scans: Number of scans that must show that something moves before its track is confirmed.
         hidden_s: How long a confirmed track is kept while something hides it [s], at most: one whose velocity has just
             changed is forgotten earlier.
         aside_s: How long a confirmed track is kept while it is outside the field of view of every lidar [s], at most.

@@ -27,8 +27,8 @@ from trundle.worlds.usd.options import NAME, SEEDS
 from trundle.worlds.walls import merge_cells
 
 _ROOT = "World"
-_FRICTION = 1.0
-_FLOOR_MARGIN = 5.0
+_FRICTION = 1.0  # as the wheels': PhysX takes the mean of two materials
+_FLOOR_MARGIN = 5.0  # how far the floor is drawn beyond the solids [m]
 _FLOOR_COLOR = (0.66, 0.67, 0.68, 1.0)
 
 

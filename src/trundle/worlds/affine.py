@@ -66,7 +66,7 @@ def place(shape: Box | Cylinder | Sphere | Mesh, matrix: FloatArray) -> tuple[Bo
     """Transform a shape by an affine map.
 
     Args:
-        shape: In its own frame.
+        shape: The shape, in its own frame.
         matrix: From that frame to the map frame [m], acting on columns, shape (4, 4).
 
     Returns:

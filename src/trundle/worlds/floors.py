@@ -32,9 +32,9 @@ _LEVEL = math.cos(math.radians(1.0))
 _SAME = 0.005
 """Tiles whose heights differ by up to this [m] are one floor."""
 
-_SPACING = 0.05
-_PROBES = 9
-_EDGE = 1e-6
+_SPACING = 0.05  # between the points of a footprint that are looked at [m]: the edge of a usual map's cell
+_PROBES = 9  # places along each side of a world that are looked at
+_EDGE = 1e-6  # [m²]: a point this little beside a triangle's edge is on it, so that none falls between two triangles
 
 FLOOR_TOP = 1e-3
 """Anything that ends within this height [m] of the ground belongs to the ground and is not an obstacle."""

@@ -12,7 +12,7 @@ from trundle.geometry.solids import Color, Solid, solids_bounds
 from trundle.worlds.shapes import Names, Part, make_solids
 
 LARGE = 10.0
-"""Minimum area [m²] of a floor: a smaller level surface may be a table top."""
+"""Minimum area [m²] of a floor: a smaller level surface may be a table top, a pallet or a landing."""
 
 NEAR_ZERO = 0.01
 """A plane this near to z = 0 [m] is the ground whatever its size; surfaces this little above it belong to it."""
@@ -25,8 +25,8 @@ class LevelPlane(NamedTuple):
     """A level plane that faces up.
 
     Attributes:
-        height: [m]
-        area: [m²]; `ENDLESS` for one that collides.
+        height: Height of the plane [m].
+        area: Area of the plane [m²]; `ENDLESS` for one that collides.
     """
 
     height: float
@@ -74,7 +74,7 @@ class LevelPlanes:
             name: Name of its solid, if it is not the ground.
             parts: Its rectangle; empty for a plane without a size.
             pose: Pose of its parts' frame, whose z is the normal.
-            area: [m²]
+            area: Area of the plane [m²].
             color: Colour of the solid.
         """
         if not is_level(float(pose.rotation()[2, 2])):

@@ -24,11 +24,11 @@ from trundle.worlds.tessellate import solid_triangles
 _CEILING_M = 2.0
 """Solids that start above this height are left out: they would hide everything below."""
 
-_LONG_SIDE = 800
+_LONG_SIDE = 800  # [pixels]
 _STEP_M = 0.08  # a drop in height from one pixel to the next that gets an outline
-_SUN = np.array([-0.45, 0.35, 0.82])
-_AHEAD_S, _AHEAD_STEPS = 8.0, 41
-_FILL = 110
+_SUN = np.array([-0.45, 0.35, 0.82])  # from the upper left, as in maps: shadows then read as heights
+_AHEAD_S, _AHEAD_STEPS = 8.0, 41  # how far movers' lines reach, in points every 0.2 s
+_FILL = 110  # opacity of movers, 0 to 255
 _NO_ROBOT = RobotMotion(1e6, 1e6, 0.0, 0.0, 0.0)
 _SAME = np.arange(256, dtype=np.uint8)
 

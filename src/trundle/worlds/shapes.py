@@ -69,7 +69,7 @@ def height_field_mesh(heights: FloatArray, size: tuple[float, float], floor: flo
     """Return a height field as a closed mesh: its surface, walls around it and a base.
 
     Args:
-        heights: [m] above the field's frame at its points, shape (rows, cols), row 0 at the smallest y.
+        heights: Heights [m] above the field's frame at its points, shape (rows, cols), row 0 at the smallest y.
         size: Half extents along x and y [m].
         floor: Height of the base [m], below all of `heights`.
     """

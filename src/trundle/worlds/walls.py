@@ -21,6 +21,7 @@ from trundle.worlds.options import Unknown, check_choice
 MOST_BOXES = 5_000
 """Above this many boxes physics engines slow down, and one field of blocked cells is used instead."""
 
+# Classes of cells while they are merged: 0 is left out.
 _FREE, _OCCUPIED, _UNKNOWN = 0, 1, 2
 _COLORS: dict[int, Color] = {_OCCUPIED: (0.66, 0.67, 0.70, 1.0), _UNKNOWN: (0.36, 0.38, 0.42, 1.0)}
 _KINDS = {_OCCUPIED: "wall", _UNKNOWN: "unknown"}
@@ -67,7 +68,7 @@ def extrude(
 
     Args:
         grid: A grid, or the path of a ROS map YAML.
-        height: Of the walls [m].
+        height: Height of the walls [m].
         unknown: Treat unknown cells as "solid" or "free".
         most_boxes: The largest number of boxes.
 

@@ -164,7 +164,7 @@ class World:
 
         Args:
             grid: A grid, or the path of a ROS map YAML.
-            height: Of the walls [m].
+            height: Height of the walls [m].
             unknown: Treat unknown cells as "solid" (a robot must not drive there) or "free".
         """
         from trundle.worlds.walls import extrude

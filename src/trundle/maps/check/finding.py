@@ -127,7 +127,7 @@ def group_findings(findings: tuple[Finding, ...], robot_area: float | None = Non
     """Group findings.
 
     Args:
-        findings: As a report has them.
+        findings: The findings of a report.
         robot_area: Area of the robot's footprint [m²]. If None, it is the smallest robot's.
     """
     least = LEAST_ROBOT_AREA if robot_area is None else robot_area

@@ -14,17 +14,18 @@ from trundle.geometry import FloatArray
 from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.maps.check.lattice import ORIENTATIONS, UPRIGHT, Lattice, Orientation, Phase, WorldCells
 
+# These trade the time of a check against places that are missed.
 _COARSE_SIDE = 512  # blocks of cells along the longest side where the search begins
 _PEAKS = 3  # places per orientation that are refined
 _KEEP = 0.6  # least share of the best coarse score for refining a place
-_FINE_SAMPLES = 15_000
+_FINE_SAMPLES = 15_000  # cells of each sign that are compared on a finer level
 _REACH = 2  # cells in each direction that a finer level searches
-_MOST_CANDIDATES = 12
+_MOST_CANDIDATES = 12  # places that are compared cell by cell
 _CENTRE_REACH = 2.0  # cells in each direction within which the middle is searched
 _APART = 3  # cells: nearer places are one
-_PERFECT = 0.999
+_PERFECT = 0.999  # a better agreement leaves nothing to search for
 _FALL_BEHIND = 0.25  # a place with less agreement than the best by this much is not refined between cells
-_QUARTER_STEPS_BELOW = 4_000_000  # cells of the world
+_QUARTER_STEPS_BELOW = 4_000_000  # cells of the world; larger ones are searched in half cells, with half as many tries
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,11 +33,11 @@ class Match:
     """A place of a map in its world.
 
     Attributes:
-        orientation: What is done to the map first.
-        row: Where its first row belongs then, on the map's lattice moved by the phase.
+        orientation: The flip and turns that are applied to the map first.
+        row: Row to which its first row then belongs, on the map's lattice moved by the phase.
         col: As `row`, for columns.
-        phase: Up and to the right, in cells.
-        agreement: 0 to 1, see `Lattice.agreement`.
+        phase: How far the lattice is moved up and to the right [cells].
+        agreement: Agreement with the world there, 0 to 1, see `Lattice.agreement`.
     """
 
     orientation: Orientation
@@ -72,7 +73,8 @@ class Matching:
 
 
 def as_good(agreement: float, best: float) -> bool:
-    """Return whether an agreement is no clear loss against the best; a third of what disagrees is noise."""
+    """Return whether an agreement is no clear loss against the best."""
+    # 15 % more disagreement is noise, and so are 0.4 % of the cells of a map that fits well.
     return 1.0 - agreement <= 1.15 * (1.0 - best) + 0.004
 
 

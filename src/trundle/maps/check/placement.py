@@ -29,6 +29,7 @@ _LEAST_OCCUPIED = 8  # cells
 _CLEAR = 0.97
 """A map that agrees at least this well is not tried with cells of another size."""
 
+# A noisy map agrees best up to a cell and a half beside its place; no fault is told for that.
 _NOISY = 0.9  # a map that agrees less than this is noisy, or thicker than its world
 _NOISE_CELLS = 1.5  # how far that may move the place of best agreement
 _NOISE_LOSS = 1.35  # if the disagreement grows by no more than this factor

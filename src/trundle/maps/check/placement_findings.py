@@ -25,12 +25,12 @@ class Explanation:
 
     Attributes:
         grid: The map, its origin turned as `angle` says.
-        angle: By how much it must be turned [rad], but for quarters.
+        angle: Angle by which it must be turned [rad], beside quarter turns.
         stated: The map's origin as the file has it.
         match: Where the turned map belongs.
-        others: Where it belongs as well.
-        turns: And at other angles.
-        before: How well it agreed before it was turned, 0 to 1.
+        others: Other places where it belongs as well.
+        turns: Such places at other angles.
+        before: Its agreement before it was turned, 0 to 1.
     """
 
     grid: OccupancyGrid

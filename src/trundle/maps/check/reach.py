@@ -16,13 +16,14 @@ from trundle.maps.check.areas import Area, Areas, Chart, Mask, grow, shorten
 from trundle.maps.check.finding import Finding
 from trundle.robots import Robot
 
+# Found on good maps of all generated worlds, which must not raise a warning: there are slits of 5 cm behind desks.
 _DETOUR_M = 2.5  # a gap with a detour that stays within this distance is not a door
 _LEAST_ROOM_M2 = 1.0  # behind a door; less is a corner between things
 # As a share of the robot's width, and in metres: a narrower gap is a slit between things and not a door.
 _LEAST_ONLY = (0.35, 0.15)
 _LEAST_DETOUR = (0.6, 0.25)  # where there is a detour
 _SLACK = 1.1  # slanted gaps are up to 8 % narrower than the runs of cells that find them
-_LEVELS = 250
+_LEVELS = 250  # widths that are told apart: costs of 8 bits hold no more
 
 
 def check_reach(chart: Chart, robot: Robot | None, start: Pose2D | None, goals: Sequence[Pose2D]) -> list[Finding]:
@@ -156,7 +157,7 @@ class _Search:
         free: Its free cells, holes included.
         gaps: Clusters of runs of free cells that are too short for the robot.
         rooms: The number of the room of each cell, 0 for gaps, walls and places without room.
-        width: Of the robot [m].
+        width: Width of the robot [m].
     """
 
     def __init__(self, chart: Chart, free: Mask, gaps: Areas, rooms: npt.NDArray[np.int32], width: float) -> None:

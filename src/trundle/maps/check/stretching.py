@@ -28,7 +28,7 @@ from trundle.maps.grid import OccupancyGrid
 
 _MOST = 0.12  # largest stretch of an axis; larger errors are the usual factors
 _USUAL_FACTORS = (0.1, 0.2, 0.25, 0.4, 0.5, 2.0, 2.5, 4.0, 5.0, 10.0)
-_SAMPLES = 5_000
+_SAMPLES = 5_000  # cells of each sign that a size is scored by
 _KEPT = 4  # sizes that are refined from level to level
 _LEAST_CELLS = 1.0  # at the map's ends: a robot does not notice a smaller stretch
 _SQUARE_CELLS = 1.0  # there: the search cannot distinguish less from an equal scale of both axes

@@ -28,8 +28,8 @@ from trundle.maps.check.nearness import (
 WELL_MATCHED = 0.75
 """A map that agrees at least this well with its world as it is stated is not tried at other angles."""
 
-_SEARCH_SAMPLES = 4_000
-_FINAL_SAMPLES = 16_000
+_SEARCH_SAMPLES = 4_000  # cells of each sign that the many places of the search are scored by
+_FINAL_SAMPLES = 16_000  # that the few places left are scored by
 _KEPT = (32, 16, 8, 4)  # places that are refined from level to level
 _APART = 3.0  # cells of a level: nearer places are one
 _PEAK_CELLS = 1.5  # distance from the best score within which scores fall as a parabola

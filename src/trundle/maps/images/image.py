@@ -10,8 +10,8 @@ from trundle.maps.cells import cell_limit
 from trundle.maps.images import bmp, png, pnm
 from trundle.maps.images.pixels import Pixels
 
-_HEAD_BYTES = 1 << 16
-_PNG_EXTRA_BYTES = 16_000_000
+_HEAD_BYTES = 1 << 16  # headers are in them, also after long comments
+_PNG_EXTRA_BYTES = 16_000_000  # of colour profiles and texts beside the pixels
 _TRAILING_BYTES = 1 << 16  # padding and colour profiles after the pixels
 _DECODED_BYTES = 4  # for each cell of the limit: 8-bit colour with alpha; 16-bit images may have fewer pixels
 _TEXT_BYTES = 6  # the same for images as text, of which there are several copies

@@ -16,7 +16,7 @@ SampleArray: TypeAlias = npt.NDArray[np.uint8 | np.uint16]
 FULL_SCALE = 65535
 """A fully bright 16-bit sample. An 8-bit sample v is the 16-bit sample 257·v."""
 
-_BLOCK_CELLS = 1 << 20
+_BLOCK_CELLS = 1 << 20  # pixels worked on at once, whose floats take 8 MB
 
 
 @dataclass(frozen=True, slots=True)

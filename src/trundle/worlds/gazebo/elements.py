@@ -52,7 +52,7 @@ class PoseIn:
 
     Attributes:
         frame: Name of the frame; empty means the default of the element.
-        pose: In that frame.
+        pose: The pose in that frame.
         element: Its element, or None if it was omitted.
     """
 

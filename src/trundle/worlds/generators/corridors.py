@@ -43,9 +43,9 @@ def generate_corridors(
         door_widths: Clear widths [m] in order along x, 1 to 40 of them.
         door_depth: Length of the passage through a door [m], 0.05 to 10.
         spacing: Length of a hall between two doors [m], 1 to 30.
-        hall_width: [m], 1 to 30.
+        hall_width: Width of the halls [m], 1 to 30.
         stagger: How far doors are off the middle: 0 not at all, 1 as far as the hall allows.
-        wall_height: [m], 0.3 to 10.
+        wall_height: Height of the walls [m], 0.3 to 10.
 
     Raises:
         WorldError: If a value is out of range, or a door is too wide for the hall.

@@ -1,9 +1,9 @@
 """The `cylinders` generator: a walled lane full of thin posts, similar to the BARN worlds.
 
-Posts are on a square grid. Its cells are filled at random and then smoothed by a cellular
-automaton, which makes clusters with gaps between them: the method of Perille, Truong, Xiao and Stone, "Benchmarking
-Metric Ground Navigation" (2020), with the posts of the BARN challenge (radius 0.075 m on a pitch of
-0.15 m). These worlds resemble BARN's but are not among its 300.
+Posts are on a square grid. Its cells are filled at random and then smoothed by a cellular automaton, which makes
+clusters with gaps between them: the method of Perille, Truong, Xiao and Stone, "Benchmarking Metric Ground Navigation"
+(2020), with the posts of the BARN challenge (radius 0.075 m on a pitch of 0.15 m). These worlds resemble BARN's but are
+not among its 300.
 """
 
 from __future__ import annotations
@@ -54,11 +54,11 @@ def generate_cylinders(
         seed: The same seed and options make the same world.
         density: Share of cells that are filled before smoothing, 0 to 0.4.
         smoothing: Steps of the automaton, 0 (posts scattered evenly) to 10.
-        length: Of the field [m], 2 to 100.
+        length: Length of the field [m], 2 to 100.
         width: Between the side walls [m], 1 to 50.
         passable_radius: A disc of this radius [m] can pass from the west end to the east end: if it could not, posts
             are removed, as few as the search finds. 0 gives no guarantee: the lane may be blocked.
-        height: Of the posts [m], 0.2 to 5.
+        height: Height of the posts [m], 0.2 to 5.
 
     Raises:
         WorldError: If a value is out of range, or the lane is too narrow for the passable radius.

@@ -54,7 +54,7 @@ def generate_lot(
 
     Args:
         seed: The same seed and options make the same lot.
-        size: Of the ground between the kerbs, along x and y [m], 12 to 150 each.
+        size: Size of the ground between the kerbs, along x and y [m], 12 to 150 each.
         fill: Share of parking bays that are occupied, 0 to 1.
         containers: Share of container places that are occupied, 0 to 1.
         cones: Maximum number of traffic cones, 0 to 500; fewer are placed if they do not fit.

@@ -45,8 +45,8 @@ def generate_maze(
         columns: Cells along x, 1 to 80; at least two cells in all.
         cell: Distance between wall centres [m], up to 20; passages are narrower by the wall thickness.
         loops: Share of inner walls that are removed, 0 (a perfect maze) to 1 (an empty hall).
-        wall_thickness: [m], 0.02 to 2.
-        wall_height: [m], 0.2 to 10.
+        wall_thickness: Thickness of the walls [m], 0.02 to 2.
+        wall_height: Height of the walls [m], 0.2 to 10.
 
     Raises:
         WorldError: If a value is out of range, or the passages would be narrower than 0.3 m.

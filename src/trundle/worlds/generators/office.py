@@ -32,9 +32,9 @@ FREE_LANE = 1.4
 MAX_SIZE = 100.0  # [m]
 
 _WALL = 0.12  # thickness of inner walls [m]
-_OUTER = 0.25
+_OUTER = 0.25  # thickness of the outer walls [m]
 _POST = 0.06  # of a door frame [m]
-_BASE_HEIGHT = 0.12
+_BASE_HEIGHT = 0.12  # of the skirting [m]
 _WALL_COLOR: Color = (0.91, 0.90, 0.87, 1.0)
 _GLASS_COLOR: Color = (0.62, 0.74, 0.80, 1.0)
 _OUTER_COLOR: Color = (0.74, 0.76, 0.77, 1.0)
@@ -79,12 +79,12 @@ def generate_office(
 
     Args:
         seed: The same seed and options make the same office.
-        size: Of the floor between the outer walls, along x and y [m], up to 100 each.
-        corridor_width: [m], 1 to 6.
+        size: Size of the floor between the outer walls, along x and y [m], up to 100 each.
+        corridor_width: Width of the corridors [m], 1 to 6.
         door_width: Clear width of every door [m], 0.6 to 2.
         furnishing: Share of furniture places that are filled, 0 (bare rooms) to 1.
         open_doors: Whether doors have leaves that stand open into the room, or are plain openings.
-        wall_height: [m], 1.3 to 10; low by default, so that pictures from above show the rooms.
+        wall_height: Height of the walls [m], 1.3 to 10; low by default, so that pictures from above show the rooms.
         low_objects: Whether there is furniture that a planar lidar does not see as wide as it is, such as swivel
             chairs and low tables. Without it its beams meet every object at any height from 0.2 to 0.42 m.
 

@@ -95,12 +95,12 @@ def generate_warehouse(
 
     Args:
         seed: The same seed and options make the same warehouse.
-        size: Of the floor between the walls, along x and y [m], up to 100 each.
+        size: Size of the floor between the walls, along x and y [m], up to 100 each.
         aisle_width: Between the faces of two rows of racks [m], 1 to 10. If None, 1.6, or 2.8 with forklifts.
         levels: Shelf levels per rack, 1 to 6.
         fill: Share of rack places that hold goods, 0 to 1.
         clutter: Number of loose objects, relative to the default; 0 (none) to 3.
-        wall_height: [m].
+        wall_height: Height of the walls [m].
         low_objects: Whether there are objects that a planar lidar does not see, such as empty pallets, forks, low
             boxes and empty shelves. Without them its beams meet every object at any height from 0.2 to 0.42 m, and
             forklifts that drive carry crates.

@@ -17,7 +17,7 @@ MODELS = ("social_force",)
 STEERED = ("forklift",)
 """Kinds that steer: they drive where they face. Others may step aside."""
 
-MOST_MEMBERS = 1000
+MOST_MEMBERS = 1000  # a step takes time and memory in proportion to the square of this
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,9 +30,9 @@ class Crowd:
     places are drawn by the seed of the run, which also gives the places at the start, 2 m or more from the robot.
 
     Attributes:
-        name: Of the crowd, unique in its world; its members are `name_1`, `name_2`, ….
-        count: How many they are.
-        kind: Their body, "person" or "forklift"; of any other kind, give `parts`. Forklifts steer: they drive where
+        name: Name of the crowd, unique in its world; its members are `name_1`, `name_2`, ….
+        count: Number of its members.
+        kind: Their body, "person" or "forklift"; another kind needs `parts`. Forklifts steer: they drive where
             they face, and need room to turn everywhere.
         speed: The fastest that one goes [m/s]; each has a preferred speed of 0.7 to 1 times it.
         sees_robot: Whether they stop for the robot and go around it; else it is not there for them.

@@ -15,15 +15,18 @@ import numpy.typing as npt
 
 from trundle.geometry import FloatArray
 
-_MARGIN = 0.5  # kept from the robot [m]
-_SWING_MARGIN = 0.1  # kept from its circle by what turns beside it [m]
-_LOOK_S = 1.5  # and from where it is about to be
+# How near those who see the robot come to it [m], and to the line that it drives in the next seconds [s]: more holds
+# them up far from its path, less lets them touch it before either has braked.
+_MARGIN, _LOOK_S = 0.5, 1.5
+# Kept from the robot's circle by what turns beside it [m]: the tail of a forklift swings out where its middle stands.
+_SWING_MARGIN = 0.1
 
-TAU_S = 0.5  # relaxation time
+# The parameters of the paper, by its symbols.
+TAU_S = 0.5  # relaxation time tau
 _SOCIAL, _SOCIAL_M = 2.1, 0.3  # V0 [m²/s²] and sigma
 _BORDER, _BORDER_M = 10.0, 0.2  # U0 [m²/s²] and R
-_STEP_S = 2.0  # of another's step, delta t
-_SEEN = math.cos(math.radians(100.0))  # half of the angle of sight of 200°
+_STEP_S = 2.0  # time of another's step, delta t
+_SEEN = math.cos(math.radians(100.0))  # half of the angle of sight, 2 phi = 200°
 _UNSEEN = 0.5  # c: share of a force from behind
 _PEDESTRIAN_M = 0.3
 """Radius of the model's pedestrians; distances to what is wider are shortened by how much it is."""
@@ -33,9 +36,9 @@ class RobotMotion(NamedTuple):
     """Where the robot is, for those who see it.
 
     Attributes:
-        x, y: [m], map frame.
-        vx, vy: [m/s], map frame.
-        radius: Of its circumscribed circle [m].
+        x, y: Position [m], map frame.
+        vx, vy: Velocity [m/s], map frame.
+        radius: Radius of its circumscribed circle [m].
     """
 
     x: float
@@ -61,12 +64,12 @@ def repulsion(
     """Return the forces away from others, by the elliptical potential that lies ahead of each (equations 3, 4 and 7).
 
     Args:
-        points: Where they are [m], shape (N, 2).
-        radii: [m], shape (N,).
-        directions: Where they want to go, unit vectors, shape (N, 2).
-        others: [m], shape (M, 2); one at the same point has no effect.
-        other_velocities: [m/s], shape (M, 2).
-        other_radii: [m], shape (M,).
+        points: Positions of the members [m], shape (N, 2).
+        radii: Their radii [m], shape (N,).
+        directions: Unit vectors towards where they want to go, shape (N, 2).
+        others: Positions of all others [m], shape (M, 2); one at the same point has no effect.
+        other_velocities: Their velocities [m/s], shape (M, 2).
+        other_radii: Their radii [m], shape (M,).
 
     Returns:
         The forces of each on each [m/s²], shape (N, M, 2).
@@ -93,9 +96,9 @@ def border_force(distances: FloatArray, away: FloatArray, radii: FloatArray) -> 
     """Return the forces away from the nearest solid (equation 5) [m/s²], shape (N, 2).
 
     Args:
-        distances: To it [m], shape (N,).
-        away: Directions from it, unit vectors, shape (N, 2).
-        radii: [m], shape (N,).
+        distances: Distances of the members from it [m], shape (N,).
+        away: Unit vectors away from it, shape (N, 2).
+        radii: Radii of the members [m], shape (N,).
     """
     gap = np.maximum(0.0, distances - (radii - _PEDESTRIAN_M))
     return (_BORDER / _BORDER_M * np.exp(-gap / _BORDER_M))[:, None] * away
@@ -137,9 +140,9 @@ def swings_into(
     Beside a robot that is within its turning circle, a turn away from the middle may still meet a corner: none is made.
 
     Args:
-        points: Where they are [m], shape (N, 2).
-        yaws: How they face, shape (N,).
-        turned: How they would face, shape (N,).
+        points: Positions of the members [m], shape (N, 2).
+        yaws: Their yaws [rad], shape (N,).
+        turned: The yaws that they would have [rad], shape (N,).
         outlines: The outline of each one's body in its frame [m].
         robot: The robot.
     """
@@ -177,10 +180,10 @@ def keep_apart(points: FloatArray, reached: FloatArray, others: FloatArray, radi
     """Return where members get without overlapping others [m]: past the one in the way, or nowhere.
 
     Args:
-        points: Where they are, shape (N, 2).
-        reached: Where they would get, shape (N, 2).
-        others: Where everyone is, shape (M, 2); the first N are they.
-        radii: Of everyone [m], shape (M,).
+        points: Positions of the members [m], shape (N, 2).
+        reached: Positions that they would reach [m], shape (N, 2).
+        others: Positions of the members and of all others [m], shape (M, 2), the members first.
+        radii: Radii of all of these [m], shape (M,).
     """
     count = len(points)
     least = radii[:count, None] + radii

@@ -34,7 +34,7 @@ class Curve:
     only piece there; a closed one goes on as it began.
 
     Args:
-        times: [s], ascending.
+        times: Times of the points [s], ascending.
         points: Shape (N, D).
         interpolation: Between the points.
         closed: Whether the last point is the first again, and the spline is smooth there.
@@ -184,7 +184,7 @@ class AlongPath:
 
     Attributes:
         points: (x, y) each [m], map frame, two or more.
-        speed: [m/s].
+        speed: Speed along the path [m/s].
         interpolation: "linear", or "catmull_rom": a smooth curve through the points.
         repeat: "once" stays at the last point; "loop" continues to the first one; "back_and_forth" returns in reverse.
         start_s: When it starts [s].

@@ -109,8 +109,8 @@ def person_body(*, radius: float = PERSON_RADIUS, height: float = PERSON_HEIGHT)
     """Return a person: a cylinder with a head.
 
     Args:
-        radius: Of the cylinder [m].
-        height: To the top of the head [m]; 0.5 or more.
+        radius: Radius of the cylinder [m].
+        height: Height of the top of the head [m]; 0.5 or more.
     """
     shoulders = height - 2.0 * _HEAD
     return (

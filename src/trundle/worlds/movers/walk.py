@@ -29,17 +29,20 @@ from trundle.worlds.movers.walkable import IndexArray, WalkableFloor
 PERIOD_S = 0.05
 """Crowds are stepped at this period; between two steps they move straight at constant speed."""
 
-_CLEAR_OF_ROBOT = 2.0  # at the start [m], beside both radii
+# Members start at least this far from the robot [m], beside both radii, so that nobody touches it before it can brake.
+_CLEAR_OF_ROBOT = 2.0
+# Random places that are tried for one member, and placings of a whole crowd that are tried: the first members may leave
+# no room for the last. A placing that ends below 80 % of them, less 5, is not repeated: others would fail as well.
 _TRIES = 400
-_PLACINGS = 20  # of a whole crowd, where the first to be placed leave no room for the last
-_NEARLY_ALL, _A_FEW = 0.8, 5  # a placing of fewer than this share, less a few, shows that others would fail, too
+_PLACINGS = 20
+_NEARLY_ALL, _A_FEW = 0.8, 5
 _LEAST_WALK_M = 4.0  # to the next place, where there is one so far away
 _LEAST_RETREAT_M = 1.5  # the same for one who is stuck
 _RETREATS = 12  # places that one who is stuck looks at
 _BLOCKING_M = 0.5  # those who are nearer than this block it
-_THERE_M = 0.4
+_THERE_M = 0.4  # a member this near to its goal has reached it, or nearer than its radius if that is larger
 _STUCK_S = 2.0  # one that gets nowhere for so long goes elsewhere
-_SLOW = 0.1  # [m/s]
+_SLOW = 0.1  # a member that is slower than this [m/s] waits
 _SWING_M = 0.2  # bodies that are farther from the robot's circle do not swing into it [m]
 _TURN, _STEER = 4.0, 1.2  # how fast those who step aside, and those who steer, turn [rad/s]
 

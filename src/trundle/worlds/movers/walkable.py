@@ -15,10 +15,11 @@ from trundle.maps.rasterise import HeightBand, SolidRaster
 
 IndexArray = npt.NDArray[np.int64]
 
-_RESOLUTION = 0.05  # [m]
+# Edge of a cell [m], as in the usual maps; it grows in larger worlds, which bounds the number of cells.
+_RESOLUTION = 0.05
 _MOST_CELLS = 1_000_000
 _FLOOR_TOP = 0.05  # what is not higher is driven over [m]
-_WALL = 255
+_WALL = 255  # the cost that `cost_field` takes for impassable
 _BASE, _EXTRA, _DECAY_M = 10.0, 60.0, 0.4  # what a cell costs: paths keep off solids where there is room
 _NEAR_M = 1.2  # solids that are farther than this from the disc are not felt [m]
 _AHEAD_M = 0.3  # how far along its path somebody looks [m]
@@ -31,7 +32,7 @@ class WalkableFloor:
     Args:
         solids: The world's solids.
         bounds: (x0, y0, x1, y1) [m], which the disc does not leave.
-        radius: Of the disc [m].
+        radius: Radius of the disc [m].
         top: Solids that start above this height do not matter [m].
     """
 

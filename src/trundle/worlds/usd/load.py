@@ -23,7 +23,7 @@ from trundle.worlds.usd.walk import SHAPES, TIME, Place, walk
 from trundle.worlds.world import World
 
 MAX_SOLIDS = 1_000_000
-"""A stage with more shapes than this is refused: reading it would take gigabytes and minutes."""
+"""A stage with more shapes than this is refused, before memory runs out."""
 
 LOW, HIGH = 0.01, 2.0
 """Shapes that end below or start above these heights over the ground [m] are floor or ceiling, and ignored."""
@@ -149,7 +149,7 @@ def seen_without_collider(places: Sequence[Place], solids: Sequence[Solid], grou
     Args:
         places: Visible shapes that do not collide.
         solids: Solids made from colliders.
-        ground: Its height [m].
+        ground: Height of the ground [m].
     """
     bounds = [(place, _bounds(place)) for place in places]
     found = [

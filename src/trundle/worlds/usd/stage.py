@@ -22,7 +22,7 @@ log = logging.getLogger(__name__)
 
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 
-_SHOWN = 20
+_SHOWN = 20  # missing references that are told one by one; a stage that was copied alone may miss thousands
 _VARIANT = re.compile(r"(?P<prim>/[^{}]*)\{(?P<set>[^={}]+)=(?P<name>[^={}]*)\}")
 
 
