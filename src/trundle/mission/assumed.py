@@ -10,7 +10,7 @@ from pydantic import Field, field_validator
 from trundle.files.yaml_config import Config
 from trundle.geometry import Footprint
 from trundle.robots import Limits, Robot
-from trundle.robots.sizes import Acceleration, Coordinate, ReverseSpeed, Speed, TurningAcceleration, TurningSpeed
+from trundle.robots.parts import Acceleration, Coordinate, ReverseSpeed, Speed, TurningAcceleration, TurningSpeed
 
 
 class AssumedLimits(Config):

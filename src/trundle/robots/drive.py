@@ -8,7 +8,7 @@ from pydantic import model_validator
 
 from trundle.files.yaml_config import Config
 from trundle.geometry import Twist2D
-from trundle.robots.sizes import (
+from trundle.robots.parts import (
     Acceleration,
     Coordinate,
     ReverseSpeed,

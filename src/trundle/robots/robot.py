@@ -21,8 +21,7 @@ from trundle.geometry import FloatArray, Footprint, Twist2D
 from trundle.guard import ReadCall, ReadLimits, read_guarded, read_limits
 from trundle.registry import Registry
 from trundle.robots.drive import DifferentialDrive, Limits, WheelSpeeds
-from trundle.robots.parts import Body, Caster, Lidar
-from trundle.robots.sizes import Coordinate
+from trundle.robots.parts import Body, Caster, Coordinate, Lidar
 from trundle.values import check_kind
 
 MODEL_SUFFIXES = (".urdf", ".xacro", ".xml", ".mjcf")

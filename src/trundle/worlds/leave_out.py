@@ -12,7 +12,7 @@ from trundle.geometry.solids import Solid
 from trundle.worlds.world_like import WorldT
 
 _FLOOR_TOP, _CEILING_BOTTOM = 0.01, 2.0
-"""Heights [m] for the words `floor` and `ceiling`: what ends lower is driven over, what starts higher is above every robot."""
+"""Heights [m] for `floor` and `ceiling`: what ends lower is driven over, what starts higher is above every robot."""
 
 _BELOW = "/:[#"
 """Characters that separate a group (`/World/Rack`, `shelf`) from its members (`/Post`, `::board`, `#2`) in names."""
