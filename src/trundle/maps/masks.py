@@ -188,11 +188,7 @@ class SpeedMask:
 
 
 def check_overlap(grid: OccupancyGrid, frame: GridFrame, name: str) -> None:
-    """Refuse a mask that does not overlap a map.
-
-    Raises:
-        MapError: If it does not.
-    """
+    """Raise `MapError` if a mask does not overlap a map."""
     # Separating-axis test: disjoint rectangles are separated by a side of one of them.
     for one, other in ((grid, frame), (frame, grid)):
         corners = one.origin.inverse().transform_points(_corners(other))

@@ -125,11 +125,7 @@ def find_slack(grid: OccupancyGrid, resolution: float) -> float:
 
 
 def check_resolution(resolution: float) -> float:
-    """Check that the edge of a cell [m] is a positive number.
-
-    Raises:
-        MapError: If it is not.
-    """
+    """Return the edge of a cell [m] as a float, or raise `MapError` if it is not a positive number."""
     edge = float(resolution)
     if not (math.isfinite(edge) and edge > 0.0):
         raise MapError(f"resolution must be a positive number of metres per cell, got {resolution}")
@@ -137,11 +133,7 @@ def check_resolution(resolution: float) -> float:
 
 
 def check_size(count: npt.ArrayLike, max_cells: int) -> None:
-    """Refuse a map of too many (cols, rows) cells.
-
-    Raises:
-        MapError: If there are too many.
-    """
+    """Raise `MapError` if a map would have too many (cols, rows) cells."""
     cols, rows = (float(number) for number in np.asarray(count))
     if not rows * cols <= max_cells:
         raise MapError(

@@ -54,11 +54,7 @@ class Mover:
 
 
 def check_parts(name: str, parts: tuple[Solid, ...]) -> tuple[Solid, ...]:
-    """Return the parts of something that moves.
-
-    Raises:
-        WorldError: If it has no name or no parts, or two parts of one name, or one that cannot move.
-    """
+    """Return the parts of something that moves as a tuple, or raise `WorldError` as `Mover` does."""
     if not name:
         raise WorldError("a mover needs a name")
     parts = tuple(parts)
