@@ -159,7 +159,7 @@ class Goal(tuple[float, ...]):
 
     @property
     def yaw(self) -> float:
-        """[rad]; 0 where any is accepted."""
+        """Yaw [rad]; 0 where any is accepted."""
         return 0.0 if self.yaw_free else self[2]
 
     @property

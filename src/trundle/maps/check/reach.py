@@ -150,7 +150,7 @@ def _describe(door: _Door, chart: Chart, robot: Robot, width: float) -> Finding:
 
 
 class _Search:
-    """Gaps one by one, each in a window that is large enough to see a detour.
+    """Examines gaps one by one, each in a window that is large enough to see a detour.
 
     Args:
         chart: The map.

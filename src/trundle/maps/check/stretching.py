@@ -139,7 +139,7 @@ def _round(length: float, cells: float) -> float:
 
 
 class _Search:
-    """Sizes of a map's cells, scored by how near its walls come to the world's.
+    """Searches sizes of a map's cells, scored by how near its walls come to the world's.
 
     Args:
         lattice: The map's lattice.

@@ -106,7 +106,7 @@ def find_turn(lattice: Lattice, world: WorldCells, match: Match) -> Turning | No
 
 
 class _Search:
-    """Places of a map in its world, scored at any angle.
+    """Searches places of a map in its world, scored at any angle.
 
     Args:
         lattice: The map's lattice.

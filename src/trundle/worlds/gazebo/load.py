@@ -72,8 +72,7 @@ def load_sdf(
     materials. A level plane that faces up is the ground at its height (`worlds.ground.find_ground` chooses among
     several), any other a rectangle of its size. <state>, lights and plugins are ignored. Actors with a trajectory
     become movers, people in shape; others are left out with a warning. Nested models, includes by path, merged includes
-    and poses in named frames are resolved; Gazebo's
-    `Ground Plane` and `Sun` need no files.
+    and poses in named frames are resolved; Gazebo's `Ground Plane` and `Sun` need no files.
 
     Args:
         path: The file.

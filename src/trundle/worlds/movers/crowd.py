@@ -34,8 +34,8 @@ class Crowd:
         count: Number of its members.
         kind: Their body, "person" or "forklift"; another kind needs `parts`. Forklifts steer: they drive where
             they face, and need room to turn everywhere.
-        speed: The fastest that one goes [m/s]; each has a preferred speed of 0.7 to 1 times it.
-        sees_robot: Whether they stop for the robot and go around it; else it is not there for them.
+        speed: Highest speed of a member [m/s]; each has a preferred speed of 0.7 to 1 times it.
+        sees_robot: Whether they stop for the robot and go around it; else they ignore it.
         area: (x0, y0, x1, y1) [m], where they stay. If None, they stay in the bounds of the world's solids.
         model: Name of the model.
         seed: Seed of their random places. If None, it is the run's.
@@ -85,7 +85,7 @@ class Crowd:
 
     @property
     def body(self) -> tuple[Solid, ...]:
-        """The solids of one, in its own frame."""
+        """The solids of one member, in its own frame."""
         return self.parts or body_named(self.kind)
 
     @property

@@ -33,7 +33,7 @@ _PEDESTRIAN_M = 0.3
 
 
 class RobotMotion(NamedTuple):
-    """Where the robot is, for those who see it.
+    """Place and speed of the robot, for those who see it.
 
     Attributes:
         x, y: Position [m], map frame.

@@ -113,11 +113,11 @@ class PlanarState(NamedTuple):
 
 @runtime_checkable
 class Motion(Protocol):
-    """Where something is at a time. The same time gives the same answer."""
+    """A place for every time; the same time gives the same place."""
 
     @property
     def duration(self) -> float:
-        """Time [s] after which it repeats itself, or stands for good."""
+        """Time [s] after which the motion repeats, or has ended."""
         ...
 
     def at(self, time: float) -> PlanarState:
@@ -170,7 +170,7 @@ class Waypoints:
 
     @property
     def duration(self) -> float:
-        """Time [s] after which it repeats itself, or stands for good."""
+        """Time [s] after which the motion repeats, or has ended."""
         return self._track.duration
 
     def at(self, time: float) -> PlanarState:
@@ -221,7 +221,7 @@ class AlongPath:
 
     @property
     def duration(self) -> float:
-        """Time [s] after which it repeats itself, or stands for good."""
+        """Time [s] after which the motion repeats, or has ended."""
         return self._track.duration
 
     def at(self, time: float) -> PlanarState:
@@ -230,7 +230,7 @@ class AlongPath:
 
 
 class _Track:
-    """A curve in time, repeated."""
+    """A curve in time, which ends, starts again or turns back."""
 
     def __init__(self, times: list[float], points: FloatArray, interpolation: Interpolation, repeat: Repeat) -> None:
         closed = repeat == "loop" and bool(np.array_equal(points[0, :2], points[-1, :2]))

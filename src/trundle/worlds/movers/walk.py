@@ -48,7 +48,7 @@ _TURN, _STEER = 4.0, 1.2  # how fast those who step aside, and those who steer, 
 
 
 class CrowdWalk:
-    """Steps crowds from a seed.
+    """Steps crowds through a run; the same seed and robot give the same steps.
 
     Args:
         crowds: The crowds.
