@@ -33,7 +33,8 @@ from trundle.robots.model_shape import body_points, simplify_outline
 from trundle.robots.model_wheels import Frame, read_layout, root_of
 
 _TOUCHES = 0.006
-"""Parts this near to the floor [m] support the robot."""
+"""Parts this near to the floor [m] support the robot: more takes a low chassis for a caster, less misses casters that
+a model leaves a little above the floor."""
 
 _BALL_MASS = 0.01  # [kg]: of balls that stand for parts whose mass the chassis already has
 

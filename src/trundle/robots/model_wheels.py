@@ -17,7 +17,7 @@ from trundle.geometry import FloatArray
 from trundle.robots.model_shape import body_points
 
 _ALIKE = 0.02
-"""Largest relative difference between the radii of wheels on one side."""
+"""Largest relative difference between the radii of wheels on one side: that of rounded numbers and coarse meshes."""
 
 _BESIDE = 0.05
 """Largest offset [m] between wheels of one side, laterally and in height."""

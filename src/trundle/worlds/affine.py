@@ -43,7 +43,8 @@ def split(matrix: FloatArray) -> tuple[FloatArray, FloatArray] | None:
 
 def pose_of(position: FloatArray, rotation: FloatArray) -> Pose3D:
     """Return the pose with a position [m], shape (3,), and a rotation matrix, shape (3, 3)."""
-    # The largest of the four components is taken from the diagonal, so that nothing cancels.
+    # Shepperd, Quaternion from Rotation Matrix (1978): the largest of the four components is taken from the diagonal,
+    # so that nothing cancels.
     diagonal = np.array([np.trace(rotation), *np.diag(rotation)])
     largest = int(diagonal.argmax())
     skew = [rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]]

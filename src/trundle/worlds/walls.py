@@ -118,6 +118,7 @@ def merge_cells(classes: npt.NDArray[np.uint8], *, most: int) -> Rectangles | No
     grows = (begins[above] == begins - cols) & (end[above] == end) & (kind[above] == kind) & (row > 0)
     if len(begins) - np.count_nonzero(grows) > most:
         return None
+    # Each run points to the one that it continues; pointers are doubled until all runs of a box point to its first.
     first = np.where(grows, above, np.arange(len(begins)))
     while True:
         further = first[first]

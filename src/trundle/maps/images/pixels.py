@@ -47,7 +47,8 @@ class Pixels:
 def compute_greys(pixels: Pixels) -> npt.NDArray[np.uint8]:
     """Return greys 0..255, shape (rows, cols), as Nav2's image library makes them.
 
-    A grey is ⌊round(0.299 R + 0.587 G + 0.114 B at 16 bit) / 257⌋; a grey image keeps ⌊v / 257⌋.
+    A grey is ⌊round(0.299 R + 0.587 G + 0.114 B at 16 bit) / 257⌋, the luma of ITU-R BT.601; a grey image keeps
+    ⌊v / 257⌋.
     """
     if pixels.colour.ndim == 2:
         wide = pixels.colour.dtype != np.uint8
