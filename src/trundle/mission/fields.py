@@ -19,7 +19,7 @@ from trundle.mission.goal_fields import GoalFields
 from trundle.mission.obstacles import MoverChoice, Unmapped
 from trundle.navigation import NavigatorSettings
 from trundle.robots import Limits, Robot
-from trundle.robots.sizes import Acceleration, Coordinate, ReverseSpeed, Speed, TurningAcceleration, TurningSpeed
+from trundle.robots.parts import Acceleration, Coordinate, ReverseSpeed, Speed, TurningAcceleration, TurningSpeed
 from trundle.sim.actuation import Actuation
 from trundle.sim.odometry_errors import OdometryErrors
 from trundle.worlds.load import is_world_file

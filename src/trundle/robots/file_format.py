@@ -1,15 +1,15 @@
-"""Templates of robot files: a simple robot, or the settings derived from a URDF or MJCF model."""
+"""What robot files look like: templates, from scratch or from a URDF or MJCF model, and the JSON Schema."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from trundle.errors import InputError
-from trundle.files.field_docs import commented_yaml
-from trundle.robots.drive import DifferentialDrive
-from trundle.robots.limits import Limits
+from trundle.files.field_docs import commented_yaml, json_schema
+from trundle.robots.drive import DifferentialDrive, Limits
 from trundle.robots.parts import Body, Caster, Lidar
-from trundle.robots.robot import Robot
+from trundle.robots.robot import MODEL_SUFFIXES, Robot
 
 _HEAD = """\
 # A robot: `trundle run warehouse --robot FILE` drives it, `trundle view FILE` shows it.
@@ -18,7 +18,7 @@ _HEAD = """\
 
 
 def plain_robot(name: str) -> Robot:
-    """A robot of 0.5 by 0.4 m with two wheels, a ball caster at the back and a lidar at the front."""
+    """Return a robot of 0.5 by 0.4 m with two wheels, a ball caster at the back and a lidar at the front."""
     return Robot(
         name=name,
         drive=DifferentialDrive(
@@ -33,7 +33,7 @@ def plain_robot(name: str) -> Robot:
 
 
 def describe_robot(robot: Robot, model: Path | None = None) -> str:
-    """YAML that `Robot.load` reads back as this robot, with a comment on every field.
+    """Return YAML that `Robot.load` reads back as this robot, with a comment on every field.
 
     Args:
         robot: The robot to describe.
@@ -53,3 +53,28 @@ def check_name(name: str) -> str:
     if not name or name != Path(name).name or name.startswith((".", "-")):
         raise InputError(f"{name!r} cannot name a robot: use a plain name such as my_robot")
     return name
+
+
+def robot_schema() -> dict[str, Any]:
+    """Return the schema of a robot's YAML: the fields of `Robot`, all optional if `model` or `base` is given."""
+    schema = json_schema(Robot, "trundle robot")
+    schema["properties"]["model"] = {
+        "type": "string",
+        "description": f"Path of a {', '.join(MODEL_SUFFIXES)} file, relative to this file: settings missing here "
+        "are derived from it.",
+    }
+    schema["properties"]["base"] = {
+        "type": "string",
+        "description": "A robot, by its name or the path of its file, relative to this file: settings missing here are "
+        "its own.",
+    }
+    schema["properties"]["paths"] = {
+        "type": "array",
+        "items": {"type": "string"},
+        "description": "Folders to search for the model's package:// names.",
+    }
+    required = schema.pop("required")
+    # A model or a base supplies missing fields, also within the drive and the body.
+    for part in schema["$defs"].values():
+        part.pop("required", None)
+    return {**schema, "anyOf": [{"required": ["model"]}, {"required": ["base"]}, {"required": required}]}

@@ -1,9 +1,12 @@
-"""Numbers, poses and names in SDF elements; every mistake is reported with file, line and model."""
+"""What SDF elements hold: numbers, names, poses, and frames that poses refer to.
+
+Every mistake is reported with file, line and model. Frames: http://sdformat.org/tutorials?tut=pose_frame_semantics
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NoReturn, cast
 
@@ -19,6 +22,9 @@ _HARMLESS_MACROS = ("xacro:arg", "xacro:property", "xacro:if", "xacro:unless")
 
 FAR = 1e7
 """Larger numbers [m] are mistakes."""
+
+MODEL_FRAME = "__model__"
+WORLD_FRAME = "world"
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +52,7 @@ class PoseIn:
 
     Attributes:
         frame: Name of the frame; empty means the default of the element.
-        pose: In that frame.
+        pose: The pose in that frame.
         element: Its element, or None if it was omitted.
     """
 
@@ -56,12 +62,12 @@ class PoseIn:
 
 
 def child(element: XmlElement, tag: str) -> XmlElement | None:
-    """The first child of a tag."""
+    """Return the first child of a tag."""
     return cast("XmlElement | None", element.find(tag))
 
 
 def children(element: XmlElement, *tags: str) -> list[XmlElement]:
-    """All children of some tags, in order."""
+    """Return all children of some tags, in order."""
     return [cast("XmlElement", item) for item in element if item.tag in tags]
 
 
@@ -93,7 +99,7 @@ def refuse_macros(place: Place, root: XmlElement) -> None:
 
 
 def read_name(place: Place, element: XmlElement) -> str:
-    """The name of an element."""
+    """Return the name of an element."""
     name = element.get("name", "").strip()
     if not name:
         place.fail(element, f"<{element.tag}> has no name")
@@ -101,7 +107,7 @@ def read_name(place: Place, element: XmlElement) -> str:
 
 
 def read_text(place: Place, parent: XmlElement, tag: str) -> str:
-    """The text of a required child."""
+    """Return the text of a required child."""
     element = child(parent, tag)
     text = "" if element is None else (element.text or "").strip()
     if not text:
@@ -110,7 +116,7 @@ def read_text(place: Place, parent: XmlElement, tag: str) -> str:
 
 
 def read_flag(place: Place, parent: XmlElement, tag: str, *, default: bool) -> bool:
-    """A boolean child."""
+    """Return a boolean child."""
     element = child(parent, tag)
     if element is None:
         return default
@@ -121,7 +127,7 @@ def read_flag(place: Place, parent: XmlElement, tag: str, *, default: bool) -> b
 
 
 def read_attribute_flag(place: Place, element: XmlElement, name: str) -> bool:
-    """A boolean attribute, false by default."""
+    """Return a boolean attribute, false by default."""
     text = element.get(name, "false").strip().lower()
     if text not in ("1", "0", "true", "false"):
         place.fail(element, f"{name} of <{element.tag}> must be true or false, got {text!r}")
@@ -129,7 +135,7 @@ def read_attribute_flag(place: Place, element: XmlElement, name: str) -> bool:
 
 
 def read_numbers(place: Place, element: XmlElement, count: int, *, positive: bool = False) -> tuple[float, ...]:
-    """The numbers in an element."""
+    """Return the numbers in an element."""
     words = (element.text or "").split()
     try:
         numbers = tuple(float(word) for word in words)
@@ -146,7 +152,7 @@ def read_numbers(place: Place, element: XmlElement, count: int, *, positive: boo
 
 
 def read_sizes(place: Place, parent: XmlElement, tag: str, count: int) -> tuple[float, ...]:
-    """The positive numbers in a required child."""
+    """Return the positive numbers in a required child."""
     element = child(parent, tag)
     if element is None:
         place.fail(parent, f"<{parent.tag}> needs <{tag}>")
@@ -154,7 +160,7 @@ def read_sizes(place: Place, parent: XmlElement, tag: str, count: int) -> tuple[
 
 
 def read_pose(place: Place, parent: XmlElement) -> PoseIn:
-    """The <pose> of an element: x y z roll pitch yaw, or with a quaternion (x y z w), in its named frame."""
+    """Return the <pose> of an element: x y z roll pitch yaw, or with a quaternion (x y z w), in its named frame."""
     element = child(parent, "pose")
     if element is None:
         return PoseIn()
@@ -173,3 +179,72 @@ def read_pose(place: Place, parent: XmlElement) -> PoseIn:
     if read_attribute_flag(place, element, "degrees"):
         angles = [math.radians(angle) for angle in angles]
     return PoseIn(frame, Pose3D.from_rpy((x, y, z), angles), element)
+
+
+@dataclass(slots=True)
+class Scope:
+    """The frames of a world or a model, by name; poses in it are relative to its own frame.
+
+    Attributes:
+        place: For messages.
+        own: Name of its own frame, `__model__` or `world`.
+        frames: Pose of each named frame, as given.
+        scopes: Scopes of its models, which are frames too.
+        placement_frame: The frame of a model that its pose refers to; empty means its own.
+        aliases: Full names of frames from models merged into this one, by their plain names.
+    """
+
+    place: Place
+    own: str = MODEL_FRAME
+    frames: dict[str, PoseIn] = field(default_factory=dict[str, PoseIn])
+    scopes: dict[str, Scope] = field(default_factory=dict[str, "Scope"])
+    placement_frame: str = ""
+    aliases: dict[str, str] = field(default_factory=dict[str, str])
+    _resolved: dict[str, Pose3D] = field(default_factory=dict[str, Pose3D])
+
+    def add(self, name: str, pose: PoseIn, element: XmlElement) -> None:
+        """Add a frame: a link, a joint, a model, or a <frame>."""
+        self._check_new(name, element)
+        self.frames[name] = pose
+
+    def merge(self, model: str, scope: Scope, pose: PoseIn, element: XmlElement) -> str:
+        """Add the frames of a merged model under their plain names; return the name of its own frame."""
+        own = f"_merged__{model}__model__"
+        self.add(own, pose, element)
+        self.scopes[own] = scope
+        for name in (*scope.frames, *scope.aliases):
+            self._check_new(name, element)
+            self.aliases[name] = f"{own}::{name}"
+        return own
+
+    def _check_new(self, name: str, element: XmlElement) -> None:
+        if name in self.frames or name in self.aliases:
+            self.place.fail(element, f"<{element.tag}>: there are two frames named {name!r}")
+
+    def find(self, name: str, element: XmlElement | None, trail: tuple[str, ...] = ()) -> Pose3D:
+        """Return the pose of a frame in this scope's own frame."""
+        if name in ("", self.own):
+            return Pose3D()
+        if name in self._resolved:
+            return self._resolved[name]
+        outer, mark, inner = name.partition("::")
+        if outer in self.aliases:
+            return self.find(self.aliases[outer] + mark + inner, element, trail)
+        if name in trail:
+            self.place.fail(element, f"frames refer to each other in a cycle: {' -> '.join((*trail, name))}")
+        given = self.frames.get(name)
+        if given is not None:
+            asker = element if given.element is None else given.element
+            pose = self.find(given.frame, asker, (*trail, name)) @ given.pose
+            if name in self.scopes:
+                pose = pose @ self.scopes[name].placement().inverse()
+            self._resolved[name] = pose
+            return pose
+        if not inner or outer not in self.scopes:
+            known = ", ".join(sorted((*self.frames, *self.aliases))) or "none"
+            self.place.fail(element, f"there is no frame {name!r} here; there are: {known}")
+        return self.find(outer, element, trail) @ self.scopes[outer].find(inner, element)
+
+    def placement(self) -> Pose3D:
+        """Return the frame that this model's pose refers to, in the model's own frame."""
+        return self.find(self.placement_frame, None)

@@ -1,19 +1,27 @@
-"""A map's YAML file: all of its mistakes at once, each with its line and column."""
+"""A map's YAML file and its image: all mistakes at once, each with its line and column."""
 
 from __future__ import annotations
 
+import dataclasses
 import difflib
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeVar
+from pathlib import Path
+from typing import NamedTuple, TypeVar
 
+import numpy as np
 import yaml
 
 from trundle.errors import MapError
 from trundle.files.yaml_nodes import place
+from trundle.maps.cells import FREE
 from trundle.maps.check.finding import Finding, Kind
-from trundle.maps.occupancy import Mode, PixelRule
+from trundle.maps.grid import OccupancyGrid
+from trundle.maps.images.image import read_image
+from trundle.maps.images.pixels import Pixels, compute_greys
+from trundle.maps.occupancy import UNKNOWN_GREY, Compat, Mode, PixelRule, compute_cells, compute_table
+from trundle.maps.ros_reader import find_image
 from trundle.maps.ros_writer import FREE_THRESH, OCCUPIED_THRESH
 from trundle.maps.ros_yaml import (
     MAX_RESOLUTION,
@@ -42,6 +50,8 @@ _USUAL: dict[str, str] = {
 """Usual lines of a map's YAML."""
 
 ValueT = TypeVar("ValueT")
+
+_SUFFIXES = (".png", ".pgm", ".pnm", ".ppm", ".bmp")
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +91,8 @@ def check_description(path: str | os.PathLike[str]) -> DescriptionCheck:
     occupied = read("occupied_thresh", lambda: fields.number("occupied_thresh", low=0.0, high=1.0))
     free = read("free_thresh", lambda: fields.number("free_thresh", low=0.0, high=1.0))
     if origin is not None:
-        findings += _check_degrees(fields)
+        degrees = describe_degrees(fields)
+        findings += [] if degrees is None else [Finding("yaml", "warning", degrees[0], None, degrees[1])]
     resolution = _read_resolution(fields, findings)
     corrected: tuple[Kind, ...] = ()
     if occupied is not None and free is not None and free > occupied:
@@ -100,7 +111,7 @@ def _yaml_error(error: MapError, fix: str) -> Finding:
 
 
 def _advise(message: str) -> str:
-    """Advice for a text that is not YAML, or not a map's YAML."""
+    """Return advice for a text that is not YAML, or not a map's YAML."""
     if "'\\t'" in message:
         return "write spaces for the tab"
     if "another document" in message:
@@ -108,11 +119,6 @@ def _advise(message: str) -> str:
     if "not a map's YAML file" in message:
         return f"write one `key: value` a line, with a space after the colon: {', '.join(_USUAL)}"
     return "correct the line; quotes, brackets and colons must come in pairs with what they belong to"
-
-
-def _check_degrees(fields: Fields) -> list[Finding]:
-    found = describe_degrees(fields)
-    return [] if found is None else [Finding("yaml", "warning", found[0], None, found[1])]
 
 
 def _check_keys(fields: Fields) -> list[Finding]:
@@ -172,7 +178,7 @@ def _read_resolution(fields: Fields, findings: list[Finding]) -> float | None:
 
 
 def _is_number(text: str) -> bool:
-    """Whether a text is a number of any kind, infinity and NaN included, as YAML writes them (.inf, .nan) or Python."""
+    """Return whether a text is a number, infinity and NaN included, as YAML writes them (.inf, .nan) or Python does."""
     try:
         float(text.strip().lower().replace(".nan", "nan").replace(".inf", "inf"))
     except ValueError:
@@ -190,3 +196,69 @@ def _inverted(fields: Fields, free: float, occupied: float) -> Finding:
         f"exchange them: occupied_thresh {free:g}, free_thresh {occupied:g} (usual are {OCCUPIED_THRESH} and "
         f"{FREE_THRESH})",
     )
+
+
+class Reading(NamedTuple):
+    """The map as intended, or None where its image cannot be read; the findings; and the kinds corrected."""
+
+    grid: OccupancyGrid | None
+    findings: list[Finding]
+    corrected: tuple[Kind, ...]
+
+
+def read_map(
+    source: Path,
+    description: RosMapDescription,
+    *,
+    compat: Compat | None = None,
+    allow_outside: bool = False,
+    max_cells: int | None = None,
+) -> Reading:
+    """Read a map's image; unknown cells that would load as free are read as unknown."""
+    try:
+        pixels = read_image(find_image(source, description, allow_outside=allow_outside), max_cells=max_cells)
+    except MapError as error:
+        message, place = str(error), description.image_place
+        located = message if message.startswith(place) else f"{place}: {message}"
+        return Reading(None, [Finding("yaml", "error", located, None, _advise_image(source, description.image))], ())
+    rule = description.rule
+    trapped = _find_trapped(pixels, rule)
+    if trapped is None:
+        cells = compute_cells(pixels, rule, compat)
+        try:
+            return Reading(OccupancyGrid(cells, description.resolution, description.origin), [], ())
+        except MapError as error:
+            advice = "write the edge of a cell in metres, most often 0.05"
+            return Reading(None, [Finding("resolution", "error", f"{source}: {error}", None, advice)], ())
+    meant = dataclasses.replace(rule, free_thresh=FREE_THRESH)
+    grid = OccupancyGrid(compute_cells(pixels, meant, compat), description.resolution, description.origin)
+    rows, cols = np.nonzero(trapped)
+    middle = len(rows) // 2
+    x, y = grid.cell_to_world(rows[middle], cols[middle])
+    finding = Finding(
+        "unknown_loads_free",
+        "error",
+        f"{description.free_thresh_place}: free_thresh {rule.free_thresh:g} is above the darkness of unknown cells "
+        f"(grey {UNKNOWN_GREY}, 0.196): {len(rows)} unknown cells load as free",
+        (float(x), float(y)),
+        f"write free_thresh: {FREE_THRESH}",
+    )
+    return Reading(grid, [finding], ("unknown_loads_free",))
+
+
+def _advise_image(source: Path, image: str) -> str:
+    """Return which image beside the YAML file is probably meant."""
+    beside = sorted(file.name for file in source.parent.iterdir() if file.suffix.lower() in _SUFFIXES)
+    near = [name for name in beside if name != image and Path(name).stem in (Path(image).stem, source.stem)]
+    near += difflib.get_close_matches(image, [name for name in beside if name != image], n=1)
+    if near:
+        return f"write `image: {near[0]}`, which is there, or write the image again"
+    return "correct `image`, or write the image again as PNG or PGM"
+
+
+def _find_trapped(pixels: Pixels, rule: PixelRule) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]] | None:
+    """Return the cells, row 0 at the bottom, of the grey of unknown that load as free; None if there are none."""
+    if rule.mode == "raw" or rule.negate or compute_table(rule)[UNKNOWN_GREY] != FREE:
+        return None
+    trapped = compute_greys(pixels)[::-1] == UNKNOWN_GREY
+    return trapped if trapped.any() else None

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from trundle.geometry import Pose2D
 from trundle.maps.check.areas import Cells
 from trundle.maps.check.finding import PLACEMENT_KINDS, Finding, Kind
+from trundle.maps.check.lattice import UPRIGHT
 from trundle.maps.check.matching import Match
-from trundle.maps.check.orientation import UPRIGHT
 from trundle.maps.check.turning import Turn
 from trundle.maps.grid import OccupancyGrid
 
@@ -25,12 +25,12 @@ class Explanation:
 
     Attributes:
         grid: The map, its origin turned as `angle` says.
-        angle: By how much it must be turned [rad], but for quarters.
+        angle: Angle by which it must be turned [rad], beside quarter turns.
         stated: The map's origin as the file has it.
         match: Where the turned map belongs.
-        others: Where it belongs as well.
-        turns: And at other angles.
-        before: How well it agreed before it was turned, 0 to 1.
+        others: Other places where it belongs as well.
+        turns: Such places at other angles.
+        before: Its agreement before it was turned, 0 to 1.
     """
 
     grid: OccupancyGrid
@@ -55,7 +55,7 @@ def apply_match(grid: OccupancyGrid, cells: Cells, match: Match) -> OccupancyGri
 
 
 def describe_findings(found: Explanation, *, certain: bool) -> tuple[Finding, ...]:
-    """All errors of a map's place."""
+    """Return all errors of a map's place."""
     items = [*_describe_image(found), *(_describe_turn(found) if found.angle else _describe_offset(found))]
     note = ""
     if not certain:
@@ -71,14 +71,14 @@ def describe_findings(found: Explanation, *, certain: bool) -> tuple[Finding, ..
 
 
 def explain_placements(candidates: tuple[Match, ...], turns: tuple[Turn, ...] = ()) -> str:
-    """The placements in which a map fits its world."""
+    """Return the placements in which a map fits its world."""
     names = [f"{_name(match)} (agreement {match.agreement:.0%})" for match in candidates]
     names += [f"turned by {math.degrees(turn.angle):+.1f}°" + _name_image(turn) for turn in turns]
     return f"the world looks the same in {len(names)} ways: {'; '.join(names[:4])}"
 
 
 def list_hidden(chosen: Match, others: tuple[Match, ...], turns: tuple[Turn, ...] = ()) -> tuple[Kind, ...]:
-    """The kinds of mistakes that cannot be seen because the map fits in several places."""
+    """Return the kinds of mistakes that cannot be seen because the map fits in several places."""
     kinds: set[Kind] = {"rotated"} if turns else set()
     for turn in turns:
         kinds.update(turn.orientation.kinds)
@@ -90,7 +90,7 @@ def list_hidden(chosen: Match, others: tuple[Match, ...], turns: tuple[Turn, ...
 
 
 def _describe_image(found: Explanation) -> list[tuple[Kind, str, str]]:
-    """The error of an image that is flipped, or turned by quarters."""
+    """Return the error of an image that is flipped, or turned by quarters."""
     grid, match = found.grid, found.match
     place = _write_origin(apply_match(grid, grid.data, match).origin)
     items: list[tuple[Kind, str, str]] = []
@@ -109,7 +109,7 @@ def _describe_image(found: Explanation) -> list[tuple[Kind, str, str]]:
 
 
 def _describe_turn(found: Explanation) -> list[tuple[Kind, str, str]]:
-    """The error of a map that is turned by an angle other than a quarter turn."""
+    """Return the error of a map that is turned by an angle other than a quarter turn."""
     grid, match = found.grid, found.match
     angle = math.remainder(found.angle + match.orientation.yaw, 2.0 * math.pi)
     if match.orientation.flipped:
@@ -141,7 +141,7 @@ def _describe_turn(found: Explanation) -> list[tuple[Kind, str, str]]:
 
 
 def _find_pivot(found: Explanation, new: Pose2D) -> tuple[str, tuple[float, float]]:
-    """About what a map is turned, and how far (x, y) that is to be moved as well, in cells of the map frame."""
+    """Find the point about which a map is turned, and how far (x, y) [cells] it must be moved as well, map frame."""
     grid, match = found.grid, found.match
     rows, cols = (side * grid.resolution for side in grid.shape)
     (old,) = found.stated.transform_points([[cols / 2.0, rows / 2.0]])
@@ -162,7 +162,7 @@ def _find_pivot(found: Explanation, new: Pose2D) -> tuple[str, tuple[float, floa
 
 
 def _describe_offset(found: Explanation) -> list[tuple[Kind, str, str]]:
-    """The error of a map that is moved and not turned."""
+    """Return the error of a map that is moved and not turned."""
     grid, match = found.grid, found.match
     dx, dy = match.offset
     fix = f"write {_write_origin(apply_match(grid, grid.data, match).origin)}"
@@ -193,7 +193,7 @@ def _name_image(turn: Turn) -> str:
 
 
 def _turned_origin(grid: OccupancyGrid, match: Match) -> Pose2D:
-    """The origin that puts the image, as it is, where it belongs."""
+    """Return the origin that puts the image, as it is, where it belongs."""
     rows, cols = (side * grid.resolution for side in grid.shape)
     corner = apply_match(grid, grid.data, match).origin
     across = {0: (0.0, 0.0), 1: (rows, 0.0), 2: (cols, rows), 3: (0.0, cols)}[match.orientation.turns]
