@@ -1,16 +1,29 @@
-"""`Codec`: the message types of one ROS 2 distribution, and their bytes."""
+"""`Distro`: the ROS 2 distributions that are known; `Codec`: the message types of one, and their bytes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 from trundle.errors import InputError, MissingExtraError, UnknownNameError
-from trundle.messages.distros import DEFAULT, DISTROS, Distro
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import FieldDesc
     from rosbags.typesys.store import Typestore
+
+Distro: TypeAlias = Literal["humble", "jazzy", "kilted", "lyrical"]
+"""A distribution of ROS 2."""
+
+DISTROS: tuple[Distro, ...] = get_args(Distro)
+"""All of them, oldest first."""
+
+DEFAULT: Distro = "jazzy"
+
+STAMPED_COMMANDS = frozenset[Distro]({"kilted", "lyrical"})
+"""Those in which Nav2 sends geometry_msgs/TwistStamped on /cmd_vel by default, and no longer Twist."""
+
+OLD_BAGS = frozenset[Distro]({"humble"})
+"""Those whose rosbag2 writes QoS settings as numbers, and metadata of version 5."""
 
 INSTALL = 'pip install "trundle[record]"'
 

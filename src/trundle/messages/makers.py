@@ -1,4 +1,4 @@
-"""`MessageMaker`: ROS messages from trundle's values."""
+"""`MessageMaker`: ROS messages from trundle's values; `scan_topic`: where a lidar's scans are."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import numpy.typing as npt
 from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
-from trundle.messages.codec import Codec
-from trundle.messages.distros import STAMPED_COMMANDS
+from trundle.messages.codec import STAMPED_COMMANDS, Codec
 from trundle.observation import Scan
+from trundle.robots import Robot
 from trundle.sim.simulator import MoverState
 
 _MARKER_RED, _MARKER_GREEN, _MARKER_BLUE = 0.85, 0.33, 0.1
@@ -28,6 +28,11 @@ def cost_values() -> npt.NDArray[np.int8]:
     table[1:253] = 1 + (97 * (costs - 1)) // 251
     table[253], table[254], table[255] = 99, 100, -1
     return table
+
+
+def scan_topic(lidar: str, robot: Robot) -> str:
+    """Topic of a lidar: /scan where the robot has one alone, else /<its name>/scan."""
+    return "/scan" if list(robot.lidars) == [lidar] else f"/{lidar}/scan"
 
 
 class MessageMaker:

@@ -12,18 +12,17 @@ from trundle.errors import InputError
 from trundle.files.writing import make_folder, write_text
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.maps.ros_writer import choose_mode
-from trundle.messages.distros import DEFAULT, DISTROS, Distro
+from trundle.messages.codec import DEFAULT, DISTROS, Distro
 from trundle.mission import Scenario
 from trundle.mission.place import Place, make_place
+from trundle.nav2.controllers import write_controllers
+from trundle.nav2.costmaps import write_costmaps
+from trundle.nav2.draft import Block, Draft, note_leftovers
 from trundle.nav2.launch import launch_text
+from trundle.nav2.monitor import monitor_of, write_monitor
+from trundle.nav2.planners import write_planners
 from trundle.nav2.remarks import Remark, describe_remarks
-from trundle.nav2.writing.controllers import write_controllers
-from trundle.nav2.writing.costmaps import write_costmaps
-from trundle.nav2.writing.draft import Block, Draft
-from trundle.nav2.writing.leftovers import note_leftovers
-from trundle.nav2.writing.monitor import monitor_of, write_monitor
-from trundle.nav2.writing.planners import write_planners
-from trundle.nav2.writing.servers import write_servers
+from trundle.nav2.servers import write_servers
 
 PARAMS, MAP, LAUNCH, REMARKS = "nav2_params.yaml", "map.yaml", "nav2.launch.py", "no_counterpart.txt"
 """Files of an export; masks are `keepout.yaml` and `speed.yaml`, each beside its image."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from trundle.messages.distros import Distro
+from trundle.messages.codec import Distro
 
 RPP = "nav2_regulated_pure_pursuit_controller::RegulatedPurePursuitController"
 MPPI = "nav2_mppi_controller::MPPIController"

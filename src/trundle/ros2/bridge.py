@@ -17,9 +17,7 @@ from trundle.ros2.names import Names
 from trundle.ros2.navigation.role import NavigatorRole
 from trundle.ros2.outputs.robot import RobotOutputs
 from trundle.ros2.profile import Profile
-from trundle.ros2.role import BridgeContext, Driver, Role, RoleName
-from trundle.ros2.simulation.clock import SimulationClock
-from trundle.ros2.simulation.live_driver import LiveDriver
+from trundle.ros2.role import BridgeContext, Driver, LiveDriver, Role, RoleName, SimulationClock
 from trundle.ros2.simulation.role import SimulatorRole
 from trundle.ros2.simulation.services import SimulationServices
 from trundle.ros2.wire import Record, Wire

@@ -6,10 +6,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from trundle.messages.codec import Codec
-from trundle.messages.distros import DISTROS, Distro
+from trundle.messages.codec import DISTROS, Codec, Distro
 from trundle.messages.qos import Qos
-from trundle.ros2.transport.graph import Endpoint, Graph
+from trundle.ros2.transport.transport import Endpoint, Graph
 
 Status = Literal["ok", "note", "problem"]
 

@@ -11,7 +11,7 @@ from typing import Protocol, Self
 
 from trundle.errors import InputError, OutputError
 from trundle.files.writing import cannot_write, output_path
-from trundle.messages.distros import Distro
+from trundle.messages.codec import Distro
 from trundle.messages.qos import Qos
 from trundle.recording.bag_writer import BagWriter, Topic
 from trundle.recording.extra import check_extra

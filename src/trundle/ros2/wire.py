@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from trundle.errors import TrundleError
 from trundle.messages.qos import Qos
 from trundle.ros2.actions import Action, GoalAdapter
-from trundle.ros2.warnings import Warnings
+from trundle.ros2.bad_input import Warnings
 
 if TYPE_CHECKING:
     from trundle.ros2.names import Names
@@ -116,18 +116,9 @@ class Inlet:
             if self._count > MOST_A_SECOND:
                 floods = True
                 self._warn_of_flood(sample.source, wire)
-                continue
-            self._handle(sample.data, sample.source, wire)
+            else:
+                self._handle(sample.data, sample.source, wire)
         return floods
-
-    def _warn_of_type(self, source: str, error: TrundleError, wire: Wire) -> None:
-        wire.warn(
-            f"{self.topic}: not a {self.type_name}",
-            lambda: (
-                f"{wire.describe_source(source)} sent on {self.topic} what is not a {self.type_name} of "
-                f"{wire.types.distro}: {error}; it is dropped: give --distro as the other side has it"
-            ),
-        )
 
     def _warn_of_flood(self, source: str, wire: Wire) -> None:
         wire.warn(
@@ -144,7 +135,14 @@ class Inlet:
         try:
             message = wire.types.decode(self.type_name, data)
         except TrundleError as error:
-            self._warn_of_type(source, error, wire)
+            reason = str(error)
+            wire.warn(
+                f"{self.topic}: not a {self.type_name}",
+                lambda: (
+                    f"{wire.describe_source(source)} sent on {self.topic} what is not a {self.type_name} of "
+                    f"{wire.types.distro}: {reason}; it is dropped: give --distro as the other side has it"
+                ),
+            )
             return
         try:
             self._handler(message, source)

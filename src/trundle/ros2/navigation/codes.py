@@ -2,43 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from trundle.errors import BlockedPoseError, NoPathError, OutsideMapError, PlanningStoppedError, TrundleError
 from trundle.geometry import Pose2D
 from trundle.mission import TaskEnd
 from trundle.navigation import NavigationStatus
 from trundle.ros2.navigation.context import FrameError
 
-if TYPE_CHECKING:
-    from trundle.ros2.types import Types
-
 _AT_START_M = 1e-6
-
-_UNKNOWN = {
-    "ComputePathToPose": 200,
-    "ComputePathThroughPoses": 300,
-    "FollowPath": 100,
-    "Spin": 700,
-    "BackUp": 710,
-    "DriveOnHeading": 720,
-    "Wait": 740,
-}
-"""UNKNOWN of each action from Iron on: what is sent where a distribution lacks the name of a code."""
-
-
-def action_type(action: str) -> str:
-    """The full type of an action of Nav2."""
-    return f"nav2_msgs/action/{action}"
-
-
-def code(types: Types, action: str, name: str) -> int:
-    """Number of an error code, such as GOAL_OCCUPIED of ComputePathToPose, in the distribution in use.
-
-    Distributions without error codes leave the field out of their results, and the number is not sent.
-    """
-    result = f"{action_type(action)}_Result"
-    return types.constant(result, name, types.constant(result, "UNKNOWN", _UNKNOWN.get(action, 1)))
 
 
 def planning_code(error: TrundleError | None, start: Pose2D) -> str:

@@ -8,9 +8,8 @@ from typing import Any
 from trundle.messages import readers
 from trundle.messages.qos import Qos
 from trundle.mission import SetGoal, SetPose
-from trundle.ros2.inputs.checks import STAMP_S, BadInputError, check_frame, check_pose
-from trundle.ros2.navigation.actions.parts import Kit
-from trundle.ros2.navigation.context import FrameError
+from trundle.ros2.bad_input import STAMP_S, BadInputError, check_frame, check_pose
+from trundle.ros2.navigation.context import FrameError, Kit
 
 _GOAL, _POSE = "goal_pose", "initialpose"
 

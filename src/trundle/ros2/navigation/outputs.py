@@ -1,4 +1,4 @@
-"""What the navigator publishes: its map, costmaps, plan and pose, and markers of its goals and rollouts."""
+"""What the navigator publishes besides its costmap: its map, plan and pose, and markers of its goals and rollouts."""
 
 from __future__ import annotations
 
@@ -11,20 +11,18 @@ from trundle.control import Rollouts
 from trundle.geometry import FloatArray, Goal, Pose2D, wrap_angle
 from trundle.messages.qos import LATCHED, TRANSFORMS, Qos
 from trundle.mission import Step
-from trundle.ros2.navigation.actions.parts import Kit
-from trundle.ros2.navigation.local_window import local_window
-from trundle.ros2.outputs.cadence import Cadence
+from trundle.ros2.navigation.context import Kit
+from trundle.ros2.outputs.output import Cadence
 
 TOLERANCE_S = 0.1
 """map → odom is stamped so far ahead [s], as AMCL does: it then holds for odometry that comes before the next one."""
 
-GLOBAL_PERIOD_S, LOCAL_PERIOD_S, PLAN_PERIOD_S = 1.0, 0.5, 1.0
-"""Nav2's publish_frequency of the costmaps, and how often its behavior tree plans."""
+PLAN_PERIOD_S = 1.0
+"""How often Nav2's behavior tree plans [s]."""
 
 MOVED_M, TURNED_RAD = 0.25, 0.2
 """AMCL's update_min_d and update_min_a: the pose is published after this."""
 
-_GRID, _UPDATE = "nav_msgs/msg/OccupancyGrid", "map_msgs/msg/OccupancyGridUpdate"
 _MARKERS = "visualization_msgs/msg/MarkerArray"
 _POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"
 _SHOWN = 30
@@ -44,7 +42,7 @@ class MapOutput:
 
     def __init__(self, kit: Kit) -> None:
         self._kit = kit
-        self._outlet = kit.context.wire.outlet("map", _GRID, LATCHED)
+        self._outlet = kit.context.wire.outlet("map", "nav_msgs/msg/OccupancyGrid", LATCHED)
         self._written = False
 
     def publish(self, step: Step, time: float) -> None:
@@ -108,89 +106,6 @@ class PoseOutput:
                 ),
             )
         )
-
-
-class GlobalCostmapOutput:
-    """Publishes the costmap, and its changes for those who have it.
-
-    A whole costmap goes out when its frame changes and when somebody new reads it; then the rectangles that changed.
-
-    Args:
-        kit: What the navigator works with.
-    """
-
-    def __init__(self, kit: Kit) -> None:
-        wire = kit.context.wire
-        self._kit = kit
-        self._whole = wire.outlet("global_costmap/costmap", _GRID, LATCHED)
-        self._updates = wire.outlet("global_costmap/costmap_updates", _UPDATE, Qos(10))
-        self._version: object = None
-        self._frame: object = None
-        self._readers = 0
-        self._cadence = Cadence(GLOBAL_PERIOD_S)
-
-    def publish(self, step: Step, time: float) -> None:
-        """Publish what changed, if it is due."""
-        costmap = step.costmap
-        if costmap is None or not self._cadence.is_due(time):
-            return
-        readers, frame = self._whole.readers, (costmap.shape, costmap.resolution, costmap.origin)
-        is_new = frame != self._frame or readers > self._readers
-        self._cadence.mark(time)
-        self._readers = readers
-        if not is_new and costmap.version is self._version:
-            return
-        windows = None if is_new else costmap.changes_since(self._version)
-        if windows is not None and self._updates.is_wanted:
-            for rows, cols in windows:
-                self._updates.write(self._kit.make.costmap_update(time, costmap, rows, cols, self._kit.map_frame))
-        elif windows is None or readers > 0 or self._kit.context.wire.record is not None:
-            self._whole.write(self._kit.make.costmap(time, costmap, self._kit.map_frame))
-        else:
-            return
-        self._version, self._frame = costmap.version, frame
-
-
-class LocalCostmapOutput:
-    """Publishes the part of the costmap around the robot, where it is in the map frame.
-
-    Args:
-        kit: What the navigator works with.
-    """
-
-    def __init__(self, kit: Kit) -> None:
-        wire = kit.context.wire
-        self._kit = kit
-        self._whole = wire.outlet("local_costmap/costmap", _GRID, LATCHED)
-        self._updates = wire.outlet("local_costmap/costmap_updates", _UPDATE, Qos(10))
-        self._cadence = Cadence(LOCAL_PERIOD_S)
-        self._frame: object = None
-        self._version: object = None
-        self._readers = 0
-
-    def publish(self, step: Step, time: float) -> None:
-        """Publish it, if it is due: whole where the window has moved, else as an update."""
-        costmap, kit = step.costmap, self._kit
-        if costmap is None or not self._cadence.is_due(time):
-            return
-        self._cadence.mark(time)
-        costs, origin = local_window(costmap, kit.beliefs.now.pose)
-        frame, readers = (costs.shape, costmap.resolution, origin), self._whole.readers
-        if frame == self._frame and readers <= self._readers:
-            if costmap.version is not self._version and self._updates.is_wanted:
-                self._updates.write(self._update(costs, time))
-                self._version = costmap.version
-            elif costmap.version is not self._version:
-                self._frame = None
-            return
-        self._frame, self._version, self._readers = frame, costmap.version, readers
-        self._whole.write(kit.make.costs(time, costs, costmap.resolution, origin, kit.map_frame))
-
-    def _update(self, costs: Any, time: float) -> Any:
-        kit = self._kit
-        message = kit.make.costs(time, costs, 1.0, Pose2D(0.0, 0.0), kit.map_frame)
-        rows, cols = costs.shape
-        return kit.types.make(_UPDATE, header=message.header, x=0, y=0, width=cols, height=rows, data=message.data)
 
 
 class PlanOutput:

@@ -9,32 +9,21 @@ from trundle.errors import InputError
 from trundle.mission import Cancel, Episode, Observer, RunInfo, Session, Step
 from trundle.mission.simulation import session_options
 from trundle.ros2.actions import Action
-from trundle.ros2.navigation.actions.behaviors import (
+from trundle.ros2.navigation.behaviors import (
     Behave,
     read_back_up,
     read_drive_on_heading,
     read_spin,
     read_wait,
 )
-from trundle.ros2.navigation.actions.follow import Follow
-from trundle.ros2.navigation.actions.navigate import Navigate
-from trundle.ros2.navigation.actions.parts import Kit
-from trundle.ros2.navigation.actions.plans import ComputePath, PlanServer
-from trundle.ros2.navigation.actions.refusals import REFUSED_ACTIONS, REFUSED_SERVICES, Refuse, refuse_service
-from trundle.ros2.navigation.codes import action_type
-from trundle.ros2.navigation.context import NAVIGATOR, Beliefs
-from trundle.ros2.navigation.footprint_output import FootprintOutput
+from trundle.ros2.navigation.context import NAVIGATOR, Beliefs, Kit
+from trundle.ros2.navigation.costmap_outputs import FootprintOutput, GlobalCostmapOutput, LocalCostmapOutput
+from trundle.ros2.navigation.driving import Follow, Navigate
 from trundle.ros2.navigation.inputs import PoseInputs
-from trundle.ros2.navigation.lifecycle import Lifecycle
-from trundle.ros2.navigation.outputs import (
-    GlobalCostmapOutput,
-    LocalCostmapOutput,
-    MapOutput,
-    MarkerOutput,
-    PlanOutput,
-    PoseOutput,
-)
-from trundle.ros2.navigation.services import OPTIONAL, Services
+from trundle.ros2.navigation.outputs import MapOutput, MarkerOutput, PlanOutput, PoseOutput
+from trundle.ros2.navigation.plans import ComputePath, PlanServer
+from trundle.ros2.navigation.refusals import REFUSED_ACTIONS, REFUSED_SERVICES, Refuse, refuse_service
+from trundle.ros2.navigation.services import OPTIONAL, Lifecycle, Services
 from trundle.ros2.navigation.tasks import Tasks
 from trundle.ros2.outputs.output import Output
 from trundle.ros2.role import BridgeContext
@@ -130,7 +119,7 @@ class NavigatorRole:
 
     def _act(self, name: str, action: str, served: Action, *, optional: bool = False) -> None:
         """Serve an action, if the other side knows its type; that it does not is reported, unless it may lack it."""
-        wire, type_name = self._context.wire, action_type(action)
+        wire, type_name = self._context.wire, f"nav2_msgs/action/{action}"
         if not wire.transport.has_services or self._knows(type_name, "Goal", "Result", "Feedback"):
             wire.act(name, type_name, served)
         elif not optional:

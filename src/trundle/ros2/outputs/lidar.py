@@ -1,25 +1,28 @@
-"""`LidarOutput`: the scans of a lidar, and its points."""
+"""`LidarOutput`: the scans of a lidar and its points, in one level ring or in several."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, Pose2D
 from trundle.messages import MessageMaker
 from trundle.messages.qos import Qos
 from trundle.mission import Step
 from trundle.observation import Scan
 from trundle.robots import Lidar
-from trundle.ros2.outputs.rings import RingPoints
-from trundle.ros2.outputs.stencil import Stencil, mark_stamp
+from trundle.ros2.outputs.output import Stencil, mark_stamp
 from trundle.ros2.profile import Sensor
 from trundle.ros2.role import BridgeContext
 from trundle.ros2.wire import Outlet, Wire
-from trundle.sim import RobotState
+from trundle.sim import RobotState, world_of
+from trundle.sim.lidar import beam_angles
+from trundle.sim.mujoco.ring_beams import RingBeams
+from trundle.worlds import World
 
 _FLOAT32, _UINT16 = 7, 4
 _PARTS = (
@@ -43,6 +46,38 @@ POINT = np.dtype(
     }
 )
 """A point of a cloud, as lidar drivers publish it."""
+
+
+class RingPoints:
+    """Measures the points of a lidar whose rings rise and fall, in the simulated world, with its floor.
+
+    Args:
+        context: The bridge.
+        lidar: Where it is mounted, its beams in each ring, and its range.
+        rings: Elevation of each ring [deg].
+    """
+
+    def __init__(self, context: BridgeContext, lidar: Lidar, rings: Sequence[float]) -> None:
+        self._sim, self._lidar = context.mission.sim, lidar
+        rise, turn = np.meshgrid(np.radians(rings), beam_angles(lidar), indexing="ij")
+        level = np.cos(rise)
+        self._directions = np.stack([level * np.cos(turn), level * np.sin(turn), np.sin(rise)], axis=-1).reshape(-1, 3)
+        self._world: World | None = None
+        self._beams: RingBeams | None = None
+
+    def measure(self, state: RobotState) -> FloatArray:
+        """Points [m] in the frame of the lidar, ring by ring, shape (rings × beams, 3); NaN without a return."""
+        world, lidar = world_of(self._sim), self._lidar
+        if self._beams is None or world is not self._world:
+            self._world = world
+            self._beams = RingBeams(World("empty", ()) if world is None else world)
+        sensor = state.pose @ Pose2D(lidar.x, lidar.y, lidar.yaw)
+        cos, sin = np.cos(sensor.yaw), np.sin(sensor.yaw)
+        turn = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        origin = sensor.x, sensor.y, lidar.z
+        ranges = self._beams.cast(origin, self._directions @ turn, lidar.range_max, state.movers)
+        ranges[~np.isfinite(ranges) | (ranges < lidar.range_min)] = np.nan
+        return self._directions * ranges[:, None]
 
 
 class LidarOutput:

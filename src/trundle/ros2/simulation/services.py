@@ -7,11 +7,10 @@ from collections.abc import Callable
 from typing import Any
 
 from trundle.errors import InputError, UnknownNameError
-from trundle.ros2.inputs.checks import BadInputError, check_frame, check_pose
+from trundle.ros2.bad_input import BadInputError, check_frame, check_pose
 from trundle.ros2.role import BridgeContext
-from trundle.ros2.simulation.control import SimulationControl, SimulationState
+from trundle.ros2.simulation.control import SimulationControl, SimulationState, StepAction
 from trundle.ros2.simulation.entities import Entities, Entity, EntityKind
-from trundle.ros2.simulation.stepping import StepAction
 
 PACKAGE = "simulation_interfaces"
 

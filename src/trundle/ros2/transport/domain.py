@@ -10,7 +10,7 @@ from typing import Literal, TypeAlias, get_args
 
 from trundle.errors import InputError, UnknownNameError
 from trundle.messages import DISTROS, Distro
-from trundle.messages.distros import DEFAULT
+from trundle.messages.codec import DEFAULT
 
 Range: TypeAlias = Literal["localhost", "subnet"]
 """How far others are looked for: on this machine, or in its networks."""

@@ -11,17 +11,24 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from trundle.messages import Qos
-from trundle.ros2.transport.dds import names
 from trundle.ros2.transport.dds.library import Writing
+from trundle.ros2.transport.dds.mapping import (
+    DISCOVERY_TOPIC,
+    read_qos,
+    reader_qos,
+    ros_topic,
+    ros_type,
+    user_data,
+    writer_qos,
+)
 from trundle.ros2.transport.dds.participants import INFO_TYPE, NodeEndpoints, Participants, encode_info, gid_size
-from trundle.ros2.transport.dds.qos import read_qos, reader_qos, user_data, writer_qos
-from trundle.ros2.transport.graph import Endpoint, Graph, Offer
+from trundle.ros2.transport.transport import Endpoint, Graph, Offer
 
 if TYPE_CHECKING:
     from cyclonedds.domain import DomainParticipant
 
     from trundle.messages import Codec
-    from trundle.ros2.transport.dds.idl import IdlTypes
+    from trundle.ros2.transport.dds.mapping import IdlTypes
 
 INFO_QOS = Qos(1, durability="transient_local")
 
@@ -66,7 +73,7 @@ class Discovery:
         from cyclonedds.topic import Topic
 
         type_hash = codec.type_hash(INFO_TYPE)
-        topic = Topic(participant, names.DISCOVERY_TOPIC, idl.struct(INFO_TYPE))
+        topic = Topic(participant, DISCOVERY_TOPIC, idl.struct(INFO_TYPE))
         self._writer = DataWriter(participant, topic, writer_qos(INFO_QOS, type_hash))
         self._reader = DataReader(participant, topic, reader_qos(INFO_QOS, type_hash, kept=INFOS_KEPT))
         self._alive = SampleState.Any | ViewState.Any | InstanceState.Alive
@@ -124,7 +131,7 @@ class Discovery:
         found: list[_Found] = [(kind, one) for kind in _KINDS for one in self._read(kind)]
         return Graph(
             tuple(sorted({node.full_name for node in nodes})),
-            tuple(self._endpoint(kind, one, owners) for kind, one in found if names.ros_topic(one.topic_name)),
+            tuple(self._endpoint(kind, one, owners) for kind, one in found if ros_topic(one.topic_name)),
             tuple(sorted(self._offers(found, owners), key=lambda offer: (offer.name, offer.kind, offer.node))),
         )
 
@@ -138,8 +145,8 @@ class Discovery:
         guid = one.key.bytes
         return Endpoint(
             kind=kind,
-            topic=names.ros_topic(one.topic_name),
-            type_name=names.ros_type(one.type_name),
+            topic=ros_topic(one.topic_name),
+            type_name=ros_type(one.type_name),
             type_hash=user_data(one.qos).get("typehash", ""),
             qos=read_qos(one.qos),
             node=owners.get(guid, ""),
@@ -151,7 +158,7 @@ class Discovery:
         """Services have a topic of requests, which servers read and clients write; of an action, one asks for goals."""
         for kind, one in found:
             parts = _SERVICE.fullmatch(one.topic_name)
-            typed = _SERVICE_TYPE.fullmatch(names.ros_type(one.type_name))
+            typed = _SERVICE_TYPE.fullmatch(ros_type(one.type_name))
             if not parts or not typed or parts[1] != "q":
                 continue
             name, type_name, side = parts[2], typed[1], "server" if kind == "subscription" else "client"

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from trundle.errors import InputError
 from trundle.messages import Qos
 from trundle.ros2.transport.dds.library import RETCODE_TIMEOUT, Writing
-from trundle.ros2.transport.dds.qos import kept_by_reader
+from trundle.ros2.transport.dds.mapping import kept_by_reader
 from trundle.ros2.transport.transport import Sample
 
 if TYPE_CHECKING:

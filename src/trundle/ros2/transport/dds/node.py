@@ -10,15 +10,13 @@ from typing import TYPE_CHECKING
 
 from trundle.errors import InputError
 from trundle.messages import Codec, Distro, Qos
-from trundle.ros2.transport.dds import domains, names
+from trundle.ros2.transport.dds import domains
 from trundle.ros2.transport.dds.discovery import Discovery
 from trundle.ros2.transport.dds.endpoints import DdsPublisher, DdsSubscription
-from trundle.ros2.transport.dds.idl import IdlTypes
 from trundle.ros2.transport.dds.library import Writing, delete, require, version
-from trundle.ros2.transport.dds.qos import kept_by_reader, reader_qos, writer_qos
+from trundle.ros2.transport.dds.mapping import IdlTypes, dds_topic, kept_by_reader, reader_qos, writer_qos
 from trundle.ros2.transport.domain import Settings
-from trundle.ros2.transport.graph import Graph
-from trundle.ros2.transport.transport import ActionHandler, Handler
+from trundle.ros2.transport.transport import ActionHandler, Graph, Handler
 
 if TYPE_CHECKING:
     from cyclonedds.core import Qos as DdsQos
@@ -183,7 +181,7 @@ class DdsTransport:
     def _topic(self, topic: str, type_name: str) -> Topic:
         from cyclonedds.topic import Topic
 
-        name = names.dds_topic(topic)
+        name = dds_topic(topic)
         key = name, type_name
         if key not in self._topics:
             self._topics[key] = Topic(self._participant, name, self._idl.struct(type_name))

@@ -7,21 +7,18 @@ import json
 import logging
 import os
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from trundle.errors import InputError, TransportError, TrundleError
 from trundle.messages import DISTROS, Distro, Qos
 from trundle.ros2.transport.domain import NEAREST, Settings
-from trundle.ros2.transport.graph import Graph
 from trundle.ros2.transport.rclpy import child
+from trundle.ros2.transport.rclpy.endpoints import RelayedPublisher, RelayedSubscription, Requests
 from trundle.ros2.transport.rclpy.find import candidates, describe
 from trundle.ros2.transport.rclpy.link import Link
-from trundle.ros2.transport.rclpy.network import full_name, read_graph
-from trundle.ros2.transport.rclpy.requests import Requests
-from trundle.ros2.transport.rclpy.topics import RelayedPublisher, RelayedSubscription
-from trundle.ros2.transport.transport import ActionHandler, Handler
+from trundle.ros2.transport.transport import ActionHandler, Endpoint, Graph, Handler, Offer
 
 _logger = logging.getLogger(__name__)
 
@@ -312,3 +309,47 @@ class RclpyTransport:
 
 def _as_json(qos: Qos) -> dict[str, object]:
     return {"depth": qos.depth, "reliability": qos.reliability, "durability": qos.durability}
+
+
+def read_graph(report: Mapping[str, Any]) -> Graph:
+    """The graph of a child's report, without what ROS's own tools hide: names with a part that begins with "_"."""
+    ours = {full_name(*node) for node in report["ours"]}
+    endpoints = [_endpoint(entry, ours) for entry in report["endpoints"] if not _is_hidden(entry["topic"])]
+    offers = [_offer(entry, ours) for entry in report["offers"] if not _is_hidden(entry["name"])]
+    nodes = sorted({full_name(*node) for node in report["nodes"]})
+    return Graph(tuple(node for node in nodes if not _is_hidden(node)), tuple(endpoints), tuple(offers))
+
+
+def full_name(name: str, namespace: str) -> str:
+    """A node's name with its namespace ("/robot/amcl"); "" for one that is not known, as of a program without ROS."""
+    if not name or name.startswith(("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")):
+        return ""
+    return f"{namespace.rstrip('/')}/{name}"
+
+
+def _is_hidden(name: str) -> bool:
+    return any(part.startswith("_") for part in name.split("/"))
+
+
+def _endpoint(entry: Mapping[str, Any], ours: set[str]) -> Endpoint:
+    node = full_name(entry["node"], entry["namespace"])
+    best_effort, latched = entry["reliability"] == "best_effort", entry["durability"] == "transient_local"
+    return Endpoint(
+        kind=entry["kind"],
+        topic=entry["topic"],
+        type_name=entry["type"],
+        type_hash=entry["hash"] if entry["hash"].startswith("RIHS") else "",
+        qos=Qos(
+            int(entry["depth"]),
+            "best_effort" if best_effort else "reliable",
+            "transient_local" if latched else "volatile",
+        ),
+        node=node,
+        source=entry["gid"] if entry["kind"] == "publisher" else "",
+        ours=node in ours,
+    )
+
+
+def _offer(entry: Mapping[str, Any], ours: set[str]) -> Offer:
+    node = full_name(entry["node"], entry["namespace"])
+    return Offer(entry["kind"], entry["name"], entry["type"], node, node in ours)
