@@ -13,11 +13,10 @@ from trundle.costmap.layers import ObstacleLayerSettings
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.messages.makers import scan_topic
 from trundle.nav2.draft import Block, Draft
+from trundle.nav2.filters import write_filters
 from trundle.nav2.names import (
     INFLATION_LAYER,
-    KEEPOUT_FILTER,
     OBSTACLE_LAYER,
-    SPEED_FILTER,
     STATIC_LAYER,
     VOXEL_LAYER,
     plain_plugin,
@@ -25,22 +24,18 @@ from trundle.nav2.names import (
 from trundle.nav2.notes import Notes
 from trundle.nav2.outline import read_outline
 from trundle.nav2.parameters import NodeParameters
-
-INFLATION_M, SCALING = 0.55, 10.0
-"""Nav2's defaults of `inflation_radius` and `cost_scaling_factor`."""
-
-RANGES = {
-    "obstacle_max_range": 2.5,
-    "obstacle_min_range": 0.0,
-    "raytrace_max_range": 3.0,
-    "raytrace_min_range": 0.0,
-}
-"""Parameters of a source of an obstacle layer that mean the same, with Nav2's defaults."""
+from trundle.nav2.table import INFLATION, RANGES, read_rows, write_rows
 
 UNKNOWN_COST = 252
 """What NavFn makes unknown space cost that it may cross: as much as a cell beside an obstacle."""
 
 _MOST_WINDOW_M, _MOST_RANGE_M = 1000.0, 1000.0
+"""What the layers of a scenario take."""
+
+LOCAL_M = 6
+"""Edge of the local costmap [m]: what trundle's `mppi` looks at to each side, and pure pursuit needs."""
+
+_NOT_NAV2 = "Nav2's obstacle layer has nothing like it"
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,12 +50,12 @@ class _Layers:
 def read_costmaps(
     planning: NodeParameters | None, local: NodeParameters | None, *, crosses_unknown: bool, notes: Notes
 ) -> dict[str, object]:
-    """Settings of the costmap: those for planning from the global one, what is driven with from the local one.
+    """Read the settings of the costmap: those for planning from the global one, the outline from the local one.
 
     Args:
         planning: The global costmap.
         local: The local costmap.
-        crosses_unknown: Whether the planner may.
+        crosses_unknown: Whether the planner may cross unknown cells.
         notes: Where differences are noted.
 
     Raises:
@@ -108,16 +103,13 @@ def _read_inflation(planning: NodeParameters, local: NodeParameters | None, note
     names = _find_layers(planning, Notes()).inflation
     if not names:
         return {"inflation_radius": 0.0}
-    layer = planning.of_plugin(names[0])
-    values = {
-        "inflation_radius": layer.number("inflation_radius", INFLATION_M, least=0.0),
-        "cost_scaling_factor": layer.number("cost_scaling_factor", SCALING, least=0.0),
-    }
+    values = read_rows(INFLATION, planning.of_plugin(names[0]))
     for name in _find_layers(local, Notes()).inflation:
         other = None if local is None else local.of_plugin(name)
-        for key, value in values.items():
-            if other is not None and other.number(key, INFLATION_M if key == "inflation_radius" else SCALING) != value:
-                notes.changed(other, key, f"trundle has one costmap: the global one's {value:g} is taken")
+        for row in INFLATION:
+            value = values[row.setting]
+            if other is not None and other.number(row.parameter, row.default) != value:
+                notes.changed(other, row.parameter, f"trundle has one costmap: the global one's {value:g} is taken")
     return {**values}
 
 
@@ -128,7 +120,7 @@ def _read_unknown(planning: NodeParameters, crosses: bool) -> dict[str, object]:
 
 
 def _read_layers(planning: NodeParameters | None, local: NodeParameters | None, notes: Notes) -> dict[str, object]:
-    """Settings of the layers, and whether there are lidars and a map."""
+    """Read the settings of the layers, and whether there are lidars and a map."""
     if planning is None and local is None:
         return {}
     sensed = [
@@ -167,11 +159,12 @@ def _takes_scans(layer: NodeParameters) -> bool:
 
 
 def _read_obstacles(layer: NodeParameters, notes: Notes) -> dict[str, object]:
-    """Settings of the obstacle layer: the widest of its sources, which mark and clear with each scan."""
+    """Read the obstacle layer: it has the widest ranges of its sources, and marks and clears with each scan."""
     sources = _sources(layer)
     found: dict[str, object] = {"hits_to_mark": 1, "misses_to_clear": 1}
-    for name, default in RANGES.items():
-        values = [source.number(name, default, least=0.0) for source in sources] or [default]
+    for row in RANGES:
+        name = row.parameter
+        values = [read_rows((row,), source)[row.setting] for source in sources] or [row.default]
         chosen = (min if "min_range" in name else max)(values)
         for source, value in zip(sources, values, strict=False):
             if value != chosen:
@@ -201,15 +194,9 @@ def _compare_obstacles(layer: NodeParameters, taken: str, chosen: object, notes:
     if isinstance(chosen, dict) and own == chosen:
         return
     for source in _sources(layer):
-        for name in (*RANGES, "observation_persistence"):
+        for name in (*(row.parameter for row in RANGES), "observation_persistence"):
             if isinstance(chosen, dict) and own[name] != chosen[name]:
                 notes.changed(source, name, f"trundle has one obstacle layer: that of {taken} is taken")
-
-
-LOCAL_M = 6
-"""Edge of the local costmap [m]: what trundle's `mppi` looks at to each side, and pure pursuit needs."""
-
-_NOT_NAV2 = "Nav2's obstacle layer has nothing like it"
 
 
 def write_costmaps(draft: Draft, grid: OccupancyGrid, keepout: KeepoutMask | None, speeds: SpeedMask | None) -> None:
@@ -217,7 +204,7 @@ def write_costmaps(draft: Draft, grid: OccupancyGrid, keepout: KeepoutMask | Non
     scenario = draft.scenario
     layers = LayersSettings() if scenario.layers is None else scenario.layers
     corners = [[float(x), float(y)] for x, y in draft.robot.outline]
-    filters, own = _write_filters(keepout, speeds)
+    filters, own = write_filters(keepout, speeds)
     inflation: Block = {
         "plugin": INFLATION_LAYER,
         "inflation_radius": float(_inflation_of(draft)),
@@ -293,7 +280,7 @@ def _write_obstacles(draft: Draft, settings: ObstacleLayerSettings) -> Block:
             "inf_is_valid": draft.robot.lidars[name].inf_is_valid,
             "max_obstacle_height": 2.0,
             "observation_persistence": float(settings.observation_persistence or 0.0),
-            **{key: float(getattr(settings, key)) for key in RANGES},
+            **write_rows(RANGES, settings),
         }
     for key in ("hits_to_mark", "misses_to_clear"):
         if getattr(settings, key) != 1:
@@ -317,28 +304,3 @@ def _note_unknown(draft: Draft) -> None:
     if scenario.unknown == "costly" and scenario.unknown_cost != UNKNOWN_COST:
         value = scenario.unknown_cost
         draft.changed("unknown_cost", value, f"Nav2's planners make unknown space cost {UNKNOWN_COST}")
-
-
-def _write_filters(keepout: KeepoutMask | None, speeds: SpeedMask | None) -> tuple[Block, dict[str, Block]]:
-    """The filters of the global costmap, and the servers of their masks."""
-    filters: Block = {}
-    servers: dict[str, Block] = {}
-    given = (("keepout", KEEPOUT_FILTER, keepout), ("speed", SPEED_FILTER, speeds))
-    for name, plugin, mask in given:
-        if mask is None:
-            continue
-        info, topic = f"/{name}_costmap_filter_info", f"/{name}_filter_mask"
-        filters[f"{name}_filter"] = {"plugin": plugin, "enabled": True, "filter_info_topic": info}
-        kind, base, multiplier = 0, 0.0, 1.0
-        if isinstance(mask, SpeedMask):
-            kind, base, multiplier = (1 if mask.unit == "percent" else 2), mask.base, mask.multiplier
-            filters[f"{name}_filter"]["speed_limit_topic"] = "/speed_limit"  # type: ignore[index]
-        servers[f"{name}_filter_mask_server"] = {"topic_name": topic, "yaml_filename": f"{name}.yaml"}
-        servers[f"{name}_costmap_filter_info_server"] = {
-            "type": kind,
-            "filter_info_topic": info,
-            "mask_topic": topic,
-            "base": float(base),
-            "multiplier": float(multiplier),
-        }
-    return filters, servers

@@ -14,54 +14,7 @@ from trundle.robots import Robot
 
 Block: TypeAlias = dict[str, Plain]
 
-
-class Draft:
-    """Parameters by node, for one scenario.
-
-    Args:
-        scenario: The scenario.
-        robot: The robot as its software takes it.
-        distro: The distribution whose names are written.
-
-    Attributes:
-        nodes: The parameters, by node.
-        remarks: What has no counterpart, or has another meaning.
-    """
-
-    def __init__(self, scenario: Scenario, robot: Robot, distro: Distro) -> None:
-        self.scenario, self.robot = scenario, robot
-        self.distro: Distro = distro
-        self.nodes: dict[str, Block] = {}
-        self.remarks: list[Remark] = []
-
-    @property
-    def lidars(self) -> tuple[str, ...]:
-        """Names of the lidars that are in use."""
-        chosen = self.scenario.lidar
-        if isinstance(chosen, bool):
-            return tuple(self.robot.lidars) if chosen else ()
-        return chosen
-
-    def plugin(self, name: str) -> str:
-        """A plugin's name as the distribution writes it."""
-        return plugin_for(name, self.distro)
-
-    def changed(self, name: str, value: object, text: str) -> None:
-        """A setting means something else in Nav2."""
-        self.remarks.append(Remark("changed", "", name, cast("Plain", value), text))
-
-    def left_out(self, name: str, value: object, text: str) -> None:
-        """A setting has no counterpart."""
-        self.remarks.append(Remark("no counterpart", "", name, cast("Plain", value), text))
-
-    def leave_options(
-        self, what: str, options: Mapping[str, object], written: set[str], defaults: Mapping[str, object], text: str
-    ) -> None:
-        """Note the options that were not written, but for those that have their default."""
-        for name, value in options.items():
-            if name not in written and value != defaults.get(name, object()):
-                self.left_out(f"{what}.{name}", value, text)
-
+NOT_IN_CONTROLLER = "Nav2's controller has nothing like it"
 
 _GOAL = "a program sends goals: /goal_pose, or an action"
 _WORLD = "of the simulation, not of Nav2"
@@ -98,8 +51,56 @@ REASONS = {
 """Fields without counterpart, and why."""
 
 
+class Draft:
+    """Collects parameters by node, for one scenario.
+
+    Args:
+        scenario: The scenario.
+        robot: The robot as its software takes it.
+        distro: The distribution whose names are written.
+
+    Attributes:
+        nodes: The parameters, by node.
+        remarks: What has no counterpart, or has another meaning.
+    """
+
+    def __init__(self, scenario: Scenario, robot: Robot, distro: Distro) -> None:
+        self.scenario, self.robot = scenario, robot
+        self.distro: Distro = distro
+        self.nodes: dict[str, Block] = {}
+        self.remarks: list[Remark] = []
+
+    @property
+    def lidars(self) -> tuple[str, ...]:
+        """Names of the lidars that are in use."""
+        chosen = self.scenario.lidar
+        if isinstance(chosen, bool):
+            return tuple(self.robot.lidars) if chosen else ()
+        return chosen
+
+    def plugin(self, name: str) -> str:
+        """Return a plugin's name as the distribution writes it."""
+        return plugin_for(name, self.distro)
+
+    def changed(self, name: str, value: object, text: str) -> None:
+        """Note that a setting means something else in Nav2."""
+        self.remarks.append(Remark("changed", "", name, cast("Plain", value), text))
+
+    def left_out(self, name: str, value: object, text: str) -> None:
+        """Note that a setting has no counterpart."""
+        self.remarks.append(Remark("no counterpart", "", name, cast("Plain", value), text))
+
+    def leave_options(
+        self, what: str, options: Mapping[str, object], written: set[str], defaults: Mapping[str, object], text: str
+    ) -> None:
+        """Note the options that were not written, except for those that have their default."""
+        for name, value in options.items():
+            if name not in written and value != defaults.get(name, object()):
+                self.left_out(f"{what}.{name}", value, text)
+
+
 def note_leftovers(draft: Draft) -> None:
-    """Note each of them that does not have its default."""
+    """Note each of the `REASONS` whose setting does not have its default."""
     plain = draft.scenario.plain()
     for name, reason in REASONS.items():
         if getattr(draft.scenario, name) != Scenario.model_fields[name].get_default(call_default_factory=True):

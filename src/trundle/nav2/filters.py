@@ -1,4 +1,4 @@
-"""The costmap filters: the masks of keep-out zones and of speed limits, by the servers that publish them."""
+"""The costmap filters, read and written: masks of keep-out zones and speed limits, and their servers."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from typing import Literal
 
 from trundle.errors import InputError
 from trundle.files.opening import exists
-from trundle.maps import SpeedMask
+from trundle.maps import KeepoutMask, SpeedMask
+from trundle.nav2.draft import Block
 from trundle.nav2.names import KEEPOUT_FILTER, SPEED_FILTER, plain_plugin
 from trundle.nav2.notes import Notes
 from trundle.nav2.parameters import NodeParameters, ParameterFile
@@ -14,12 +15,15 @@ from trundle.nav2.parameters import NodeParameters, ParameterFile
 _FIELDS = {KEEPOUT_FILTER: "keepout", SPEED_FILTER: "speed_mask"}
 _OPTIONS = {"keepout": "--keepout", "speed_mask": "--speed-mask"}
 _UNITS: dict[int, Literal["percent", "absolute"]] = {1: "percent", 2: "absolute"}
+"""The units of a mask of speeds, by the `type` that Nav2 gives them."""
+
+UNIT_NUMBERS = {unit: number for number, unit in _UNITS.items()}
 
 
 def read_filters(
     file: ParameterFile, costmaps: list[NodeParameters], given: frozenset[str], notes: Notes
 ) -> dict[str, object]:
-    """Paths of the masks, for the fields `keepout` and `speed_mask` of a scenario.
+    """Read the paths of the masks, for the fields `keepout` and `speed_mask` of a scenario.
 
     Args:
         file: The parameters.
@@ -83,7 +87,7 @@ def _ends_with(node: NodeParameters, name: str, topic: str) -> bool:
 
 
 def _resolve(file: ParameterFile, server: NodeParameters, field: str) -> str:
-    """The path of a mask: as it is given, or relative to the parameter file."""
+    """Return the path of a mask: as it is given, or relative to the parameter file."""
     text = server.text("yaml_filename", "")
     place = file.path.parent / text  # an absolute path stays as it is
     if "$(" in text or not exists(place):
@@ -94,7 +98,7 @@ def _resolve(file: ParameterFile, server: NodeParameters, field: str) -> str:
 
 
 def _check_speeds(info: NodeParameters, path: str) -> None:
-    """A scenario names the mask's file alone, so the file must say what its values mean."""
+    """Check that the mask's file says what its values mean, because a scenario names this file alone."""
     kind, base, multiplier = info.integer("type", 0), info.number("base", 0.0), info.number("multiplier", 1.0)
     if kind not in _UNITS:
         raise info.wrong("type", "must be 1 (percent) or 2 (m/s) for a speed mask")
@@ -111,3 +115,28 @@ def _says(path: str) -> bool:
     from trundle.maps.ros_yaml import read_fields
 
     return "type" in read_fields(path).nodes
+
+
+def write_filters(keepout: KeepoutMask | None, speeds: SpeedMask | None) -> tuple[Block, dict[str, Block]]:
+    """Return the filters of the global costmap, and the servers of their masks."""
+    filters: Block = {}
+    servers: dict[str, Block] = {}
+    given = (("keepout", KEEPOUT_FILTER, keepout), ("speed", SPEED_FILTER, speeds))
+    for name, plugin, mask in given:
+        if mask is None:
+            continue
+        info, topic = f"/{name}_costmap_filter_info", f"/{name}_filter_mask"
+        filters[f"{name}_filter"] = {"plugin": plugin, "enabled": True, "filter_info_topic": info}
+        kind, base, multiplier = 0, 0.0, 1.0
+        if isinstance(mask, SpeedMask):
+            kind, base, multiplier = UNIT_NUMBERS[mask.unit], mask.base, mask.multiplier
+            filters[f"{name}_filter"]["speed_limit_topic"] = "/speed_limit"  # type: ignore[index]
+        servers[f"{name}_filter_mask_server"] = {"topic_name": topic, "yaml_filename": f"{name}.yaml"}
+        servers[f"{name}_costmap_filter_info_server"] = {
+            "type": kind,
+            "filter_info_topic": info,
+            "mask_topic": topic,
+            "base": float(base),
+            "multiplier": float(multiplier),
+        }
+    return filters, servers

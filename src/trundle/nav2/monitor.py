@@ -11,14 +11,21 @@ from trundle.nav2.draft import Block, Draft
 from trundle.nav2.notes import Notes
 from trundle.nav2.outline import read_points
 from trundle.nav2.parameters import NodeParameters
+from trundle.nav2.table import APPROACH, SLOWDOWN, read_rows, write_rows
 
 _PADDING_DECIMALS = 6
+
 _NEVER_S = 3600.0
+"""What a `source_timeout` of 0 becomes, with which Nav2's monitor never takes a source for lost [s]."""
+
 _ACTIONS = ("stop", "slowdown", "approach", "limit")
+
+_OWN = ("moving_padding", "moving_clearance", "moving_time")
+_CORNER_DECIMALS = 9
 
 
 def read_monitor(node: NodeParameters, outline: FloatArray, notes: Notes) -> dict[str, object] | bool:
-    """Settings of a collision monitor; False where it is switched off.
+    """Read the settings of a collision monitor, or False if it is switched off.
 
     Args:
         node: Its parameters.
@@ -43,8 +50,7 @@ def read_monitor(node: NodeParameters, outline: FloatArray, notes: Notes) -> dic
             continue
         points.append(_least_points(zone))
         if action == "approach":
-            settings["time_before_collision"] = zone.number("time_before_collision", 2.0, least=0.0)
-            settings["simulation_time_step"] = zone.number("simulation_time_step", 0.1, above=0.0)
+            settings |= read_rows(APPROACH, zone)
             continue
         padding = _read_padding(zone, outline, notes)
         if padding is None:
@@ -53,7 +59,7 @@ def read_monitor(node: NodeParameters, outline: FloatArray, notes: Notes) -> dic
             settings["stop_padding"] = padding
         else:
             settings["slowdown_padding"] = padding
-            settings["slowdown_ratio"] = zone.number("slowdown_ratio", 0.5, above=0.0, most=1.0)
+            settings |= read_rows(SLOWDOWN, zone)
     if points:
         settings["min_points"] = min(points)
         if len(set(points)) > 1:
@@ -72,7 +78,7 @@ def _least_points(zone: NodeParameters) -> int:
 
 
 def _read_padding(zone: NodeParameters, outline: FloatArray, notes: Notes) -> float | None:
-    """How far a zone reaches past the footprint on its nearest side [m]; None where it has no shape."""
+    """Return how far a zone reaches past the footprint on its nearest side [m], or None if it has no shape."""
     kind = zone.text("type", "polygon")
     if kind == "circle":
         radius = zone.number("radius", 0.0, above=0.0)
@@ -97,7 +103,7 @@ def _read_padding(zone: NodeParameters, outline: FloatArray, notes: Notes) -> fl
 
 
 def _least_distance(outline: FloatArray, zone: FloatArray) -> float:
-    """How far every edge of an outline can be moved outwards within a zone [m]; negative where it is not inside."""
+    """Return how far every edge of an outline can be moved outwards within a zone [m]; it is negative outside."""
     corners = outline if _area(outline) > 0.0 else outline[::-1]
     edges = np.roll(corners, -1, axis=0) - corners
     normals = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.hypot(edges[:, 0], edges[:, 1])[:, None]
@@ -110,12 +116,8 @@ def _area(points: FloatArray) -> float:
     return 0.5 * float((points[:, 0] * after[:, 1] - after[:, 0] * points[:, 1]).sum())
 
 
-_OWN = ("moving_padding", "moving_clearance", "moving_time")
-_CORNER_DECIMALS = 9
-
-
 def monitor_of(draft: Draft) -> MonitorSettings | None:
-    """The settings of the monitor that a scenario has; none without one, or without scans."""
+    """Return the settings of a scenario's monitor, or None if it has none, or no scans."""
     given = draft.scenario.collision_monitor
     if given is False or not draft.lidars:
         return None
@@ -135,7 +137,7 @@ def write_monitor(draft: Draft) -> None:
         zones["Slowdown"] = {
             "type": "polygon",
             "action_type": "slowdown",
-            "slowdown_ratio": float(settings.slowdown_ratio),
+            **write_rows(SLOWDOWN, settings),
             **_write_outline(draft, settings.slowdown_padding),
         }
     if settings.time_before_collision > 0.0 or not zones:
@@ -143,8 +145,7 @@ def write_monitor(draft: Draft) -> None:
             "type": "polygon",
             "action_type": "approach",
             "footprint_topic": "/local_costmap/published_footprint",
-            "time_before_collision": float(settings.time_before_collision),
-            "simulation_time_step": float(settings.simulation_time_step),
+            **write_rows(APPROACH, settings),
         }
     points: Block = {"min_points": settings.min_points}
     if draft.distro == "humble":

@@ -46,11 +46,11 @@ _SLASHED = (
 
 
 def plain_plugin(name: str) -> str:
-    """A plugin's name with `::`, as current distributions write it; Humble and older have `/` in some."""
+    """Return a plugin's name with `::`, as current distributions write it; Humble and older have `/` in some."""
     return name.replace("/", "::", 1) if "::" not in name else name
 
 
 def plugin_for(name: str, distro: Distro) -> str:
-    """A plugin's name as a distribution writes it."""
+    """Return a plugin's name as a distribution writes it."""
     package = name.partition("::")[0]
     return name.replace("::", "/", 1) if distro == "humble" and package in _SLASHED else name

@@ -9,66 +9,6 @@ from trundle.nav2.names import plain_plugin
 from trundle.nav2.parameters import NodeParameters, Parameter
 from trundle.nav2.remarks import Remark
 
-
-class Notes:
-    """Remarks on parameters, in the order in which they were found."""
-
-    def __init__(self) -> None:
-        self.remarks: list[Remark] = []
-
-    def changed(self, node: NodeParameters, name: str, text: str) -> None:
-        """A parameter of the file means something else here; nothing is noted where the file does not give it."""
-        found = node.find(name)
-        if found is not None:
-            self.remarks.append(Remark("changed", node.name, found.name, found.value, text, found.line))
-
-    def default(self, node: NodeParameters, name: str, value: Plain, text: str) -> None:
-        """As `changed`, also where the file does not give it and Nav2's default counts."""
-        found = node.find(name)
-        if found is not None:
-            self.changed(node, name, text)
-        else:
-            self.remarks.append(Remark("changed", node.name, name, value, f"(Nav2's default) {text}"))
-
-    def ignored(self, node: NodeParameters, name: str, text: str) -> None:
-        """A parameter of the file has no counterpart, for this reason."""
-        found = node.find(name)
-        if found is not None:
-            self._ignore(node.name, found, text)
-
-    def _ignore(self, node: str, found: Parameter, text: str) -> None:
-        self.remarks.append(Remark("no counterpart", node, found.name, found.value, text, found.line))
-
-    def ignore_parameter(self, node: str, found: Parameter, text: str) -> None:
-        """As `ignored`, of a parameter that was not read."""
-        self._ignore(node, found, text)
-
-
-def choose_plugin(
-    node: NodeParameters, lists: tuple[str, ...], default: str, default_plugin: str, notes: Notes
-) -> tuple[str, str]:
-    """The name and the type of the plugin that Nav2's default behavior tree calls.
-
-    Args:
-        node: The server's parameters.
-        lists: Parameters that list the plugins' names, of which distributions have one or the other.
-        default: The name that counts where it is in the list, and where there is no list; else the first one does.
-        default_plugin: The type, where the file gives none.
-        notes: Where the others are noted.
-
-    Raises:
-        InputError: If a list is none of names, or a type is no text.
-    """
-    chosen = default
-    for key in lists:
-        names = node.texts(key, ())
-        if names:
-            chosen = default if default in names else names[0]
-        if len(names) > 1:
-            notes.changed(node, key, f"trundle uses one: {chosen}")
-    return chosen, plain_plugin(node.of_plugin(chosen).text("plugin", default_plugin))
-
-
 _ROS = "ROS's own: topics, frames, clocks and lifecycles"
 _WINDOW = "trundle has one costmap, the global one; a controller sees all of it"
 _SPEED = "trundle's own search, samples or checks take its place"
@@ -126,8 +66,64 @@ _BY_NAME = (
 )
 
 
+class Notes:
+    """Collects remarks on parameters, in the order in which they were found."""
+
+    def __init__(self) -> None:
+        self.remarks: list[Remark] = []
+
+    def changed(self, node: NodeParameters, name: str, text: str) -> None:
+        """Note that a parameter means something else here; nothing is noted where the file does not give it."""
+        found = node.find(name)
+        if found is not None:
+            self.remarks.append(Remark("changed", node.name, found.name, found.value, text, found.line))
+
+    def default(self, node: NodeParameters, name: str, value: Plain, text: str) -> None:
+        """Do as `changed` does, also where the file does not give the parameter and Nav2's default counts."""
+        found = node.find(name)
+        if found is not None:
+            self.changed(node, name, text)
+        else:
+            self.remarks.append(Remark("changed", node.name, name, value, f"(Nav2's default) {text}"))
+
+    def ignored(self, node: NodeParameters, name: str, text: str) -> None:
+        """Note that a parameter of the file has no counterpart, for this reason."""
+        found = node.find(name)
+        if found is not None:
+            self.ignore_parameter(node.name, found, text)
+
+    def ignore_parameter(self, node: str, found: Parameter, text: str) -> None:
+        """Note that a parameter that was not read has no counterpart."""
+        self.remarks.append(Remark("no counterpart", node, found.name, found.value, text, found.line))
+
+
+def choose_plugin(
+    node: NodeParameters, lists: tuple[str, ...], default: str, default_plugin: str, notes: Notes
+) -> tuple[str, str]:
+    """Return the name and the type of the plugin that Nav2's default behavior tree calls.
+
+    Args:
+        node: The server's parameters.
+        lists: Parameters that list the plugins' names, of which distributions have one or the other.
+        default: The name that counts where it is in the list, and where there is no list; else the first one does.
+        default_plugin: The type that counts where the file does not give it.
+        notes: Where the others are noted.
+
+    Raises:
+        InputError: If a list is none of names, or a type is no text.
+    """
+    chosen = default
+    for key in lists:
+        names = node.texts(key, ())
+        if names:
+            chosen = default if default in names else names[0]
+        if len(names) > 1:
+            notes.changed(node, key, f"trundle uses one: {chosen}")
+    return chosen, plain_plugin(node.of_plugin(chosen).text("plugin", default_plugin))
+
+
 def reason_for(node: str, name: str) -> str:
-    """The reason why a parameter has no counterpart."""
+    """Return the reason why a parameter has no counterpart."""
     for pattern, reason in _BY_NAME:
         if fnmatchcase(name, pattern):
             return reason

@@ -17,14 +17,14 @@ PADDING_M = 0.01
 """Nav2's default of `footprint_padding`."""
 
 _CORNERS = 16
-"""Of the polygon that Nav2 makes of a circle."""
+"""Corners of the polygon that Nav2 makes of a circle."""
 
 _MOST_CORNERS = 64
 DECIMALS = 9
 
 
 def read_outline(node: NodeParameters, notes: Notes) -> FloatArray | None:
-    """Corners of a costmap's padded footprint in base_link [m], shape (N, 2); None where the file gives none.
+    """Read the corners of a costmap's padded footprint in base_link [m], shape (N, 2), or None without one.
 
     Raises:
         InputError: If it is no outline around base_link.
@@ -57,7 +57,7 @@ def read_outline(node: NodeParameters, notes: Notes) -> FloatArray | None:
 
 
 def _read_corners(node: NodeParameters) -> FloatArray | None:
-    """Corners as the file gives them; None where it gives none, or `[]`."""
+    """Read the corners as the file gives them, or None if it does not give any."""
     found = node.find("footprint")
     if found is None or found.value in ("", "[]", None, []):
         return None
@@ -65,7 +65,7 @@ def _read_corners(node: NodeParameters) -> FloatArray | None:
 
 
 def read_points(node: NodeParameters, name: str) -> FloatArray:
-    """Points of a polygon: text such as `[[0.3, 0.2], …]`, a list of pairs, or a flat list of numbers as in Humble.
+    """Read the points of a polygon: text such as `[[0.3, 0.2], …]`, a list of pairs, or a flat list as in Humble.
 
     Raises:
         InputError: If it is none of these, or has fewer than 3 points or more than 64.
@@ -91,7 +91,7 @@ def read_points(node: NodeParameters, name: str) -> FloatArray:
 
 
 def _hull(points: FloatArray) -> FloatArray:
-    """The convex hull, counter-clockwise, without points on its edges (Andrew's monotone chain)."""
+    """Return the convex hull, counter-clockwise, without points on its edges (Andrew's monotone chain)."""
     ordered = sorted({(float(x), float(y)) for x, y in points})
 
     def chain(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:

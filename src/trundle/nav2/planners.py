@@ -16,6 +16,7 @@ from trundle.nav2.names import (
 )
 from trundle.nav2.notes import Notes, choose_plugin
 from trundle.nav2.parameters import NodeParameters
+from trundle.nav2.table import SMAC, TURNING_RADIUS, read_rows, write_rows
 from trundle.planning.constrained_smoother import SmoothingSettings
 from trundle.planning.grid_planners.least_cost import COST_WEIGHT, NEUTRAL_COST
 from trundle.planning.hybrid_astar import HybridAStarSettings
@@ -23,29 +24,35 @@ from trundle.planning.hybrid_astar import HybridAStarSettings
 Options = dict[str, object]
 
 MOST_EXPANSIONS = 10**8
-"""Of `hybrid_astar`: as good as unlimited."""
+"""The most expansions of `hybrid_astar` that are read; so many are as good as unlimited."""
 
 HIGHEST_COST = 252.0
-"""Of a cell that is not blocked."""
+"""The cost of a cell beside an obstacle, the highest that is not blocked."""
 
 _TOLERANCE = 0.25
-"""Of trundle's planners, for Theta*, which has none."""
+"""Default of `goal_tolerance` of trundle's planners [m]; it stands for Theta*'s, which has no tolerance."""
 
 _MODELS = {"DUBIN": "dubins", "REEDS_SHEPP": "reeds_shepp"}
 
 
+_NOT_NAV2 = "Nav2's planner has nothing like it"
+_GRID_DEFAULTS = {"start_tolerance": 0.05, "max_replans": 20, "spacing": 0.05, "allow_partial": False}
+_SMAC_OPTIONS = {*(row.setting for row in SMAC), "motion_model", "smooth", "max_expansions", "in_place"}
+"""The options of `hybrid_astar` that both of Smac's planners of poses have."""
+
+
 def cost_weight_of(multiplier: float) -> float:
-    """`cost_weight` of `least_cost` for Smac 2D's `cost_travel_multiplier`: a cell of cost 252 is 1 + m free ones."""
+    """Return `least_cost`'s weight for Smac 2D's `cost_travel_multiplier` m: a cell of cost 252 is 1 + m free ones."""
     return round(multiplier * NEUTRAL_COST / HIGHEST_COST, 9)
 
 
 def multiplier_of(neutral: float, cost_weight: float) -> float:
-    """The `cost_travel_multiplier` for weights of `least_cost`."""
+    """Return the `cost_travel_multiplier` for weights of `least_cost`."""
     return round(cost_weight * HIGHEST_COST / neutral, 6)
 
 
 def read_planner(server: NodeParameters, notes: Notes) -> dict[str, object]:
-    """The planner of a scenario, as a choice.
+    """Read the planner of a scenario, as a choice.
 
     Raises:
         InputError: If a parameter cannot be used.
@@ -93,15 +100,11 @@ def _read_hybrid(block: NodeParameters, notes: Notes) -> Options:
     model = block.text("motion_model_for_search", "DUBIN")
     if model not in _MODELS:
         raise block.wrong("motion_model_for_search", f"must be {' or '.join(_MODELS)} for Hybrid-A*")
-    given = block.integer("max_iterations", 1_000_000)
-    expansions = given if 0 < given < MOST_EXPANSIONS else MOST_EXPANSIONS
+    expansions = _read_expansions(block)
     notes.changed(block, "max_iterations", "counted in expansions of trundle's search")
     return {
         "motion_model": _MODELS[model],
-        "minimum_turning_radius": block.number("minimum_turning_radius", 0.4, least=0.01, most=1e4),
-        "reverse_penalty": block.number("reverse_penalty", 2.0, least=1.0, most=1e3),
-        "cost_weight": block.number("cost_penalty", 2.0, least=0.0, most=1e3),
-        "goal_tolerance": block.number("tolerance", 0.25, least=0.0, most=1e4),
+        **read_rows((*TURNING_RADIUS, *SMAC), block),
         "smooth": block.flag("smooth_path", True),
         "max_expansions": expansions,
     }
@@ -115,16 +118,20 @@ def _read_lattice(block: NodeParameters, notes: Notes) -> Options:
         "trundle has no lattices from files: hybrid_astar with turns in place is used",
     )
     backwards = block.flag("allow_reverse_expansion", False)
-    given = block.integer("max_iterations", 1_000_000)
+    expansions = _read_expansions(block)
     return {
         "motion_model": "reeds_shepp" if backwards else "dubins",
         "in_place": True,
-        "reverse_penalty": block.number("reverse_penalty", 2.0, least=1.0, most=1e3),
-        "cost_weight": block.number("cost_penalty", 2.0, least=0.0, most=1e3),
-        "goal_tolerance": block.number("tolerance", 0.25, least=0.0, most=1e4),
+        **read_rows(SMAC, block),
         "smooth": block.flag("smooth_path", True),
-        "max_expansions": given if 0 < given < MOST_EXPANSIONS else MOST_EXPANSIONS,
+        "max_expansions": expansions,
     }
+
+
+def _read_expansions(block: NodeParameters) -> int:
+    """Read how many expansions a search may have; in Nav2 0 and less mean unlimited."""
+    given = block.integer("max_iterations", 1_000_000)
+    return given if 0 < given < MOST_EXPANSIONS else MOST_EXPANSIONS
 
 
 def _read_theta_star(block: NodeParameters, notes: Notes) -> dict[str, object]:
@@ -140,7 +147,7 @@ def _read_theta_star(block: NodeParameters, notes: Notes) -> dict[str, object]:
 
 
 def read_smoother(server: NodeParameters, notes: Notes) -> dict[str, object] | None:
-    """The smoother of a scenario, as a choice; none where trundle has no counterpart.
+    """Read the smoother of a scenario, as a choice, or None if trundle has no counterpart.
 
     Raises:
         InputError: If a parameter cannot be used.
@@ -148,8 +155,7 @@ def read_smoother(server: NodeParameters, notes: Notes) -> dict[str, object] | N
     name, plugin = choose_plugin(server, ("smoother_plugins",), "simple_smoother", SIMPLE_SMOOTHER, notes)
     block = server.of_plugin(name)
     if plugin == CONSTRAINED_SMOOTHER:
-        radius = block.number("minimum_turning_radius", 0.4, least=0.01, most=1e4)
-        return {"name": "constrained", "options": {"minimum_turning_radius": radius}}
+        return {"name": "constrained", "options": read_rows(TURNING_RADIUS, block)}
     if plugin != SIMPLE_SMOOTHER:
         notes.ignored(block, "plugin", "not known; Nav2's default behavior trees call no smoother")
     return None
@@ -160,12 +166,6 @@ def is_plain_cost(options: Options) -> bool:
     return options.get("cost_weight", COST_WEIGHT) == COST_WEIGHT and (
         options.get("neutral_cost", NEUTRAL_COST) == NEUTRAL_COST
     )
-
-
-_NOT_NAV2 = "Nav2's planner has nothing like it"
-_TOLERANCE = 0.25
-_GRID = {"start_tolerance": 0.05, "max_replans": 20, "spacing": 0.05, "allow_partial": False}
-_MODEL_NAMES = {"dubins": "DUBIN", "reeds_shepp": "REEDS_SHEPP"}
 
 
 def write_planners(draft: Draft) -> None:
@@ -206,26 +206,18 @@ def _write_grid(draft: Draft, name: str, options: dict[str, object]) -> Block:
         block = {"plugin": draft.plugin(NAVFN), "tolerance": tolerance, "use_astar": False}
     if name == "auto":
         draft.changed("planner", name, "NavFn has no hybrid A* for where it finds no path")
-    draft.leave_options("planner", options, written, _GRID, _NOT_NAV2)
+    draft.leave_options("planner", options, written, _GRID_DEFAULTS, _NOT_NAV2)
     return block
 
 
 def _write_hybrid(draft: Draft, options: dict[str, object]) -> Block:
     settings = HybridAStarSettings(**options)  # type: ignore[arg-type]
-    written = {
-        "motion_model",
-        "reverse_penalty",
-        "cost_weight",
-        "goal_tolerance",
-        "smooth",
-        "max_expansions",
-        "in_place",
-    }
+    written, same = set(_SMAC_OPTIONS), write_rows(SMAC, settings)
     block: Block = {
-        "tolerance": float(settings.goal_tolerance),
+        "plugin": draft.plugin(SMAC_LATTICE if settings.in_place else SMAC_HYBRID),
+        "tolerance": same.pop("tolerance"),
         "max_iterations": settings.max_expansions,
-        "reverse_penalty": float(settings.reverse_penalty),
-        "cost_penalty": float(settings.cost_weight),
+        **same,
         "smooth_path": settings.smooth,
     }
     if settings.in_place:
@@ -234,16 +226,15 @@ def _write_hybrid(draft: Draft, options: dict[str, object]) -> Block:
             "hybrid_astar",
             "its turns in place and its radius are those of the lattice's file, which Nav2 has",
         )
-        block["plugin"] = draft.plugin(SMAC_LATTICE)
         block["allow_reverse_expansion"] = settings.motion_model == "reeds_shepp"
     else:
         written.add("minimum_turning_radius")
-        block["plugin"] = draft.plugin(SMAC_HYBRID)
-        block["motion_model_for_search"] = _MODEL_NAMES[settings.motion_model]
-        block["minimum_turning_radius"] = float(settings.minimum_turning_radius)
+        names = {model: name for name, model in _MODELS.items()}
+        block["motion_model_for_search"] = names[settings.motion_model]
+        block |= write_rows(TURNING_RADIUS, settings)
         block["angle_quantization_bins"] = 72
     draft.leave_options("planner", options, written, dataclasses.asdict(HybridAStarSettings()), _NOT_NAV2)
-    return {"plugin": block.pop("plugin"), **block}
+    return block
 
 
 def _write_smoother(draft: Draft) -> Block:
@@ -265,6 +256,6 @@ def _write_smoother(draft: Draft) -> Block:
         "smoother_plugins": ["constrained_smoother"],
         "constrained_smoother": {
             "plugin": draft.plugin(CONSTRAINED_SMOOTHER),
-            "minimum_turning_radius": float(settings.minimum_turning_radius),
+            **write_rows(TURNING_RADIUS, settings),
         },
     }

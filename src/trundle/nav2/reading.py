@@ -14,7 +14,7 @@ from trundle.errors import InputError, ScenarioError
 from trundle.geometry import FloatArray
 from trundle.mission import Scenario
 from trundle.mission.assumed import AssumedLimits
-from trundle.nav2.controllers import read_controller
+from trundle.nav2.controllers import read_checkers, read_controller
 from trundle.nav2.costmaps import read_costmaps
 from trundle.nav2.filters import read_filters
 from trundle.nav2.monitor import read_monitor
@@ -23,7 +23,7 @@ from trundle.nav2.outline import DECIMALS as _DECIMALS
 from trundle.nav2.parameters import NodeParameters, ParameterFile
 from trundle.nav2.planners import read_planner, read_smoother, reads_unknown
 from trundle.nav2.remarks import Remark
-from trundle.nav2.servers import read_checkers, read_limits, read_recovery, read_start
+from trundle.nav2.servers import read_limits, read_recovery, read_start
 from trundle.robots import Limits, Robot
 
 
@@ -50,7 +50,8 @@ def read_nav2_params(
 
     Args:
         path: The file.
-        robot: The robot that is driven, or its name: what is as the robot is needs no setting. None means any robot.
+        robot: The robot that is driven, or its name: what is as the robot has it needs no setting. If None, the
+            settings are for any robot.
         given: Fields of the scenario that come from elsewhere: files that the parameters name for them need not exist.
 
     Raises:
@@ -125,7 +126,7 @@ def _same_outline(one: FloatArray, other: FloatArray) -> bool:
 def _add_limits(
     settings: dict[str, object], smoother: NodeParameters | None, robot: Robot | None, notes: Notes
 ) -> None:
-    """Add the limits of the velocity smoother: those below the robot's own, where the robot is known."""
+    """Add the limits of the velocity smoother, of a known robot only those below its own."""
     if smoother is None:
         return
     limits = read_limits(smoother, notes)
@@ -164,7 +165,7 @@ def _note_limit(smoother: NodeParameters, name: str, value: float, own: Limits, 
 
 
 def _add_monitor(settings: dict[str, object], node: NodeParameters | None, robot: Robot | None, notes: Notes) -> None:
-    """Add the collision monitor: trundle's own where the file has none and scans come in."""
+    """Add the collision monitor if scans come in; trundle's own, if the file has no monitor."""
     if "lidar" not in settings:
         return
     outline = _outline_of(settings)

@@ -1,21 +1,13 @@
-"""The checkers of the controller server, the velocity smoother, the behavior server and AMCL, read and written."""
+"""The velocity smoother, the behavior server and AMCL, read and written; and what else an export starts."""
 
 from __future__ import annotations
 
-import math
-
-from trundle.control import GoalChecker, ProgressChecker
 from trundle.messages.makers import scan_topic
 from trundle.nav2.draft import Block, Draft
 from trundle.nav2.names import (
     BEHAVIORS,
-    POSE_PROGRESS,
-    POSITION_GOAL,
-    SIMPLE_GOAL,
-    SIMPLE_PROGRESS,
-    STOPPED_GOAL,
 )
-from trundle.nav2.notes import Notes, choose_plugin
+from trundle.nav2.notes import Notes
 from trundle.nav2.parameters import NodeParameters
 
 SPIN_RADPS = 1.0
@@ -29,63 +21,14 @@ BACK_UP = {"distance": 0.3, "speed": 0.15}
 """What that tree asks of them; it backs up at 0.05 m/s in Humble and 0.15 m/s or more since."""
 
 RETRIES = 6
-_FREQUENCIES = (0.1, 1000.0)
-_TURNING_RAD = 0.5
+"""How often that tree recovers before it gives up."""
 
-
-def read_checkers(server: NodeParameters, notes: Notes) -> dict[str, object]:
-    """Settings of the goal checker, the progress checker and the control frequency.
-
-    Raises:
-        InputError: If a parameter cannot be used.
-    """
-    given = server.number("controller_frequency", 20.0, above=0.0)
-    frequency = min(max(given, _FREQUENCIES[0]), _FREQUENCIES[1])
-    if frequency != given:
-        notes.changed(server, "controller_frequency", f"trundle takes {_FREQUENCIES[0]:g} to {_FREQUENCIES[1]:g} Hz")
-    return {"control_frequency": frequency, **_read_progress(server, notes), **_read_goal(server, notes)}
-
-
-def _read_progress(server: NodeParameters, notes: Notes) -> dict[str, object]:
-    lists = ("progress_checker_plugins", "progress_checker_plugin")
-    name, plugin = choose_plugin(server, lists, "progress_checker", SIMPLE_PROGRESS, notes)
-    block = server.of_plugin(name)
-    usual = ProgressChecker().required_movement_angle
-    if plugin == POSE_PROGRESS:
-        if block.number("required_movement_angle", _TURNING_RAD, least=0.0) != usual:
-            notes.changed(block, "required_movement_angle", f"in trundle a turn by {usual:g} rad is progress")
-    elif plugin == SIMPLE_PROGRESS:
-        notes.changed(block, "plugin", f"in trundle a turn by {usual:g} rad is progress too")
-    else:
-        notes.changed(block, "plugin", "not known: its radius and its time are taken")
-    return {
-        "required_movement_radius": block.number("required_movement_radius", 0.5, least=0.0),
-        "movement_time_allowance": block.number("movement_time_allowance", 10.0, least=0.0),
-    }
-
-
-def _read_goal(server: NodeParameters, notes: Notes) -> dict[str, object]:
-    name, plugin = choose_plugin(server, ("goal_checker_plugins",), "general_goal_checker", SIMPLE_GOAL, notes)
-    block = server.of_plugin(name)
-    distance = block.number("xy_goal_tolerance", 0.25, least=0.0)
-    turn = min(block.number("yaw_goal_tolerance", 0.25, least=0.0), math.pi)
-    usual = GoalChecker()
-    if plugin == POSITION_GOAL:
-        turn = math.pi
-    elif plugin == STOPPED_GOAL:
-        stopped = {"trans_stopped_velocity": usual.stopped_linear, "rot_stopped_velocity": usual.stopped_angular}
-        for key, value in stopped.items():
-            if block.number(key, 0.25, least=0.0) != value:
-                notes.changed(block, key, f"in trundle the robot stands at {value:g} or less")
-    elif plugin == SIMPLE_GOAL:
-        notes.changed(block, "plugin", "in trundle the robot must stand at the goal, as for StoppedGoalChecker")
-    else:
-        notes.changed(block, "plugin", "not known: its tolerances are taken")
-    return {"goal_tolerance": distance, "goal_yaw_tolerance": turn}
+_TREE = {"spin": {"angle": SPIN_RAD}, "wait": {"seconds": WAIT_S}, "back_up": dict(BACK_UP), "clear_costmap": {}}
+"""What Nav2's default behavior tree asks of each step."""
 
 
 def read_limits(smoother: NodeParameters, notes: Notes) -> dict[str, float]:
-    """Speeds and accelerations that the velocity smoother keeps to.
+    """Read the speeds and accelerations that the velocity smoother keeps to.
 
     Raises:
         InputError: If a parameter cannot be used.
@@ -115,13 +58,13 @@ def read_limits(smoother: NodeParameters, notes: Notes) -> dict[str, float]:
 
 
 def _ends(smoother: NodeParameters, name: str, default: tuple[float, float]) -> tuple[float, float]:
-    """X and theta of (x, y, theta), or of all six axes."""
+    """Read x and theta of (x, y, theta), or of all six axes."""
     values = smoother.numbers(name, (default[0], 0.0, default[1]), lengths=(3, 6))
     return values[0], values[-1]
 
 
 def read_recovery(server: NodeParameters, notes: Notes) -> dict[str, object]:
-    """What a blocked robot does: the steps of Nav2's default behavior tree, as far as the server has them.
+    """Read what a blocked robot does: the steps of Nav2's default behavior tree that the server has.
 
     Raises:
         InputError: If a parameter cannot be used.
@@ -146,7 +89,7 @@ def read_recovery(server: NodeParameters, notes: Notes) -> dict[str, object]:
 
 
 def read_start(amcl: NodeParameters) -> tuple[float, float, float] | None:
-    """The initial pose that the file gives AMCL; None where it gives none.
+    """Read the initial pose that the file gives AMCL, or None if it does not give one.
 
     Raises:
         InputError: If a coordinate is no number.
@@ -158,12 +101,8 @@ def read_start(amcl: NodeParameters) -> tuple[float, float, float] | None:
     return pose.number("x", 0.0), pose.number("y", 0.0), pose.number("yaw", 0.0)
 
 
-_TREE = {"spin": {"angle": SPIN_RAD}, "wait": {"seconds": WAIT_S}, "back_up": dict(BACK_UP), "clear_costmap": {}}
-"""What Nav2's default behavior tree asks of each step."""
-
-
 def write_servers(draft: Draft) -> None:
-    """Write them."""
+    """Write the velocity smoother, the behavior server, AMCL, and the servers that an export starts besides."""
     limits = draft.robot.limits
     back = limits.linear_speed if limits.reverse_speed is None else limits.reverse_speed
     linear, turning = float(limits.linear_acceleration), float(limits.angular_acceleration)
@@ -202,7 +141,7 @@ def write_servers(draft: Draft) -> None:
 
 
 def _write_behaviors(draft: Draft) -> Block:
-    """The behavior server, with all that Nav2's default tree calls, or the part of it that a parameter file had."""
+    """Write the behavior server, with all that Nav2's default tree calls, or with what a parameter file had of it."""
     steps = draft.scenario.recovery
     names = [step.name for step in steps]
     order = [name for name in RECOVERY.values() if name in names]
