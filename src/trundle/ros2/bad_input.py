@@ -19,7 +19,10 @@ STAMP_S = 0.5
 _LOGGER = logging.getLogger("trundle.ros2")
 
 _SHORTEST = 1e-3
+"""A quaternion that is shorter than this is no rotation."""
+
 _FASTEST = 1e6
+"""Speeds [m/s, rad/s] and positions [m] beyond this are taken for faults, like numbers that are not finite."""
 
 
 class BadInputError(InputError):
@@ -35,7 +38,7 @@ class BadInputError(InputError):
 
 
 def check_stamp(stamp: Any, now: float, *, tolerance_s: float = STAMP_S) -> float:
-    """A builtin_interfaces/Time in seconds; 0 means now.
+    """Read a builtin_interfaces/Time in seconds; a stamp of 0 means now.
 
     Raises:
         BadInputError: If it is too far from the simulated time `now` [s].
@@ -54,7 +57,7 @@ def check_stamp(stamp: Any, now: float, *, tolerance_s: float = STAMP_S) -> floa
 
 
 def check_frame(frame_id: str, frames: Collection[str]) -> str:
-    """A frame without its leading slash; an empty one means the first.
+    """Read a frame without its leading slash; an empty one means the first of `frames`.
 
     Raises:
         BadInputError: If it is none of these frames.
@@ -66,7 +69,7 @@ def check_frame(frame_id: str, frames: Collection[str]) -> str:
 
 
 def check_twist(twist: Any) -> Twist2D:
-    """Forward speed and rotation of a geometry_msgs/Twist.
+    """Read forward speed and rotation of a geometry_msgs/Twist.
 
     Raises:
         BadInputError: If a number is not finite.
@@ -78,7 +81,7 @@ def check_twist(twist: Any) -> Twist2D:
 
 
 def check_pose(pose: Any) -> Pose2D:
-    """The pose on the floor of a geometry_msgs/Pose.
+    """Read the pose on the floor of a geometry_msgs/Pose.
 
     Raises:
         BadInputError: If a number is not finite, or the quaternion is no rotation.
@@ -103,7 +106,7 @@ class Warnings:
     """Counts what is dropped, and warns of the first of each kind; any thread may use it.
 
     Args:
-        report: Gets each first warning; none means the log.
+        report: Gets each first warning. If None, the log does.
     """
 
     def __init__(self, report: Callable[[str], None] | None = None) -> None:
@@ -139,5 +142,5 @@ class Warnings:
             _LOGGER.warning("%s", text)
 
     def summary(self) -> str:
-        """What was counted, in one line; empty where nothing was."""
+        """Return what was counted, in one line; empty where nothing was."""
         return ", ".join(f"{kind} ({count})" for kind, count in self.counts.items())

@@ -51,11 +51,11 @@ class SimulationClock:
         self.now = self.offset
 
     def start_over(self) -> None:
-        """Let the next run begin at 0, as one asks for who resets the time."""
+        """Let the next run begin at 0, for a client that resets the time."""
         self._from_zero = True
 
     def set(self, time: float) -> float:
-        """The run has reached this time [s] since its start; returns the time on the network."""
+        """Set the time [s] since the start of the run, and return the time on the network."""
         self.now = now = self.offset + time
         return now
 
@@ -74,7 +74,7 @@ class PeriodCounter:
         self._awaited: tuple[int, Callable[[], None]] | None = None
 
     def add(self) -> None:
-        """A control period was driven."""
+        """Count a control period that was driven."""
         self.count += 1
         awaited = self._awaited
         if awaited is not None and self.count >= awaited[0]:
@@ -142,7 +142,7 @@ class BridgeContext:
         driver: Drives and steers.
         origin: Where the odometry of the simulator began in this run: the frame `odom` on the network begins there.
         periods: Counts control periods and runs.
-        session: The present run; None before the first one.
+        session: The present run, or None before the first one.
         maker: Makes messages of trundle's values.
     """
 
@@ -160,7 +160,7 @@ class BridgeContext:
         self.maker = MessageMaker(self.wire.types.codec)
 
     def odometry(self, observation: Observation) -> Pose2D:
-        """Pose of the base in the frame `odom` on the network, which begins at (0, 0, 0) in every run."""
+        """Return the pose of the base in the frame `odom` on the network, which begins at (0, 0, 0) in every run."""
         return self.origin.inverse() @ observation.odometry
 
     def begin_session(
@@ -171,7 +171,7 @@ class BridgeContext:
         Args:
             agent: What drives the robot.
             observers: What follows the run.
-            seed: Of the run; none means the scenario's.
+            seed: Seed of the run. If None, it is the scenario's.
             options: What stands between the simulator and the agent.
         """
         scenario = self.mission.scenario
@@ -204,14 +204,14 @@ class Role(Protocol):
 
         Args:
             observers: What else follows the run.
-            seed: Of the run; none means the scenario's.
+            seed: Seed of the run. If None, it is the scenario's.
         """
         ...
 
     def lost(self, why: str) -> None:
-        """The other side is lost, for this reason; or it is back (""). Called in the listening thread."""
+        """Take note, in the listening thread, that the other side is lost for this reason, or back ("")."""
         ...
 
     def close(self) -> None:
-        """The bridge ends."""
+        """End what the role has begun: the bridge ends."""
         ...

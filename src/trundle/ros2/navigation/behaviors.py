@@ -12,11 +12,13 @@ from trundle.mission import RunBehavior, Step, TaskEnd
 from trundle.ros2.actions import ActionGoal
 from trundle.ros2.navigation.codes import behavior_code
 from trundle.ros2.navigation.context import Kit, seconds_of
+from trundle.ros2.outputs.output import observed
 
 CYCLE_S = 0.1
 """Nav2's behavior server reports at its cycle_frequency of 10 Hz."""
 
 _LONGEST_S = 1e6
+"""A wait that is longer [s] is refused: eleven days are a mistake."""
 
 Read: TypeAlias = Callable[[Any], RunBehavior]
 """Reads a goal; raises InputError."""
@@ -38,13 +40,12 @@ class Behaving:
         self._last: tuple[float, float, float] | None = None
 
     def begin(self, time: float) -> None:
-        """It runs from now on [s]."""
+        """Take note that the behavior runs from this time on [s]."""
         self._begun_s = time
 
     def feedback(self, step: Step) -> dict[str, Any] | None:
-        """How far the robot has come by its odometry, or how long it still waits; at Nav2's rate."""
-        observation = step.state.observation if step.observation is None else step.observation
-        here = observation.odometry.as_tuple()
+        """Return how far the robot has come by its odometry, or how long it still waits; at Nav2's rate."""
+        here = observed(step).odometry.as_tuple()
         if self._last is not None:
             self._traveled_m += math.dist(here[:2], self._last[:2])
             self._turned_rad += wrap_angle(here[2] - self._last[2])
@@ -60,11 +61,11 @@ class Behaving:
         return {"distance_traveled": self._traveled_m}
 
     def refused(self, error: TrundleError) -> dict[str, Any]:
-        """The run takes no behaviors."""
+        """Return the result of a behavior that the run does not take."""
         return self._kit.failure(self._action, "UNKNOWN", str(error))
 
     def ended(self, end: TaskEnd) -> dict[str, Any]:
-        """How it ended, and how long it took."""
+        """Return how the behavior ended, and how long it took."""
         took = {"total_elapsed_time": self._kit.duration(end.time - self._begun_s if self._begun_s > -1.0 else 0.0)}
         if end.result == "failed":
             return took | self._kit.failure(self._action, behavior_code(end), end.message)
@@ -76,7 +77,7 @@ class Behave:
 
     Args:
         kit: What actions work with.
-        name: Of the action on the network.
+        name: Name of the action on the network.
         action: Its type.
         read: Reads its goals.
     """
@@ -85,11 +86,11 @@ class Behave:
         self._kit, self._name, self._action, self._read = kit, name, action, read
 
     def accepts(self, request: Any) -> bool:
-        """Whether navigation is active."""
+        """Return whether navigation is active."""
         return self._kit.is_accepting(self._name)
 
     def accepted(self, goal: ActionGoal) -> None:
-        """Run it from now on."""
+        """Run the behavior from now on."""
         kit = self._kit
         try:
             directive = self._read(goal.request)
@@ -106,7 +107,7 @@ class Behave:
 
 
 def read_spin(request: Any) -> RunBehavior:
-    """A turn by an angle [rad]."""
+    """Read a turn by an angle [rad]."""
     angle = float(request.target_yaw)
     if not math.isfinite(angle):
         raise InputError(f"target_yaw must be a finite angle [rad], got {angle}")
@@ -114,13 +115,13 @@ def read_spin(request: Any) -> RunBehavior:
 
 
 def read_back_up(request: Any) -> RunBehavior:
-    """A straight drive back: Nav2 takes the amounts of target.x and of the speed."""
+    """Read a straight drive back: Nav2 takes the amounts of target.x and of the speed."""
     distance, speed = _read_line(request)
     return RunBehavior("back_up", {"distance": abs(distance), "speed": abs(speed), **_allowance(request)})
 
 
 def read_drive_on_heading(request: Any) -> RunBehavior:
-    """A straight drive on, or back where target.x and speed are negative."""
+    """Read a straight drive on, or back where target.x and speed are negative."""
     distance, speed = _read_line(request)
     if (distance > 0.0) != (speed > 0.0):
         raise InputError(f"target.x = {distance:g} m and speed = {speed:g} m/s must have the same sign")
@@ -129,7 +130,7 @@ def read_drive_on_heading(request: Any) -> RunBehavior:
 
 
 def read_wait(request: Any) -> RunBehavior:
-    """A while to stand."""
+    """Read how long to stand."""
     seconds = seconds_of(request.time)
     if not 0.0 <= seconds <= _LONGEST_S:
         raise InputError(f"the time to wait must be 0 to {_LONGEST_S:g} s, got {seconds:g} s")
@@ -149,7 +150,7 @@ def _read_line(request: Any) -> tuple[float, float]:
 
 
 def _allowance(request: Any) -> dict[str, float]:
-    """The time that it may take; Nav2 takes 0 for no limit, and trundle for its own."""
+    """Read the time that a behavior may take; 0 is no limit in Nav2, and the behavior's own in trundle."""
     seconds = seconds_of(request.time_allowance)
     if seconds < 0.0:
         raise InputError(f"time_allowance must not be negative, got {seconds:g} s")

@@ -12,7 +12,7 @@ _AT_START_M = 1e-6
 
 
 def planning_code(error: TrundleError | None, start: Pose2D) -> str:
-    """Name of the code of what a planner raised for a plan from this pose."""
+    """Return the name of the code of what a planner raised for a plan from this pose."""
     if isinstance(error, FrameError):
         return "TF_ERROR"
     if isinstance(error, OutsideMapError):
@@ -29,7 +29,7 @@ def _is_at(pose: tuple[float, float, float] | None, start: Pose2D) -> bool:
 
 
 def driving_code(end: TaskEnd, start: Pose2D) -> tuple[str, str]:
-    """Action and name of the code of a drive that failed: its planner's, or its controller's."""
+    """Return action and name of the code of a drive that failed: its planner's, or its controller's."""
     if end.fault is not None:
         return "ComputePathToPose" if end.fault.kind in ("planner", "smoother") else "FollowPath", "UNKNOWN"
     if end.status is NavigationStatus.PLANNING_TIMED_OUT:
@@ -40,7 +40,7 @@ def driving_code(end: TaskEnd, start: Pose2D) -> tuple[str, str]:
 
 
 def following_code(end: TaskEnd) -> str:
-    """Name of FollowPath's code of a drive that failed."""
+    """Return the name of FollowPath's code of a drive that failed."""
     if end.status is not NavigationStatus.STUCK:
         return "UNKNOWN"
     blocked = end.message.startswith("blocked") or "no valid control" in end.message
@@ -48,7 +48,7 @@ def following_code(end: TaskEnd) -> str:
 
 
 def behavior_code(end: TaskEnd) -> str:
-    """Name of the code of a behavior that failed."""
+    """Return the name of the code of a behavior that failed."""
     if end.message.startswith("it took longer than"):
         return "TIMEOUT"
     if "would touch something" in end.message:

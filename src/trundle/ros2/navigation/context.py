@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Any
 from trundle.costmap import Costmap
 from trundle.errors import TrundleError
 from trundle.geometry import Pose2D
-from trundle.messages import MessageMaker
 from trundle.mission import Step
 from trundle.ros2.bad_input import BadInputError, check_pose
 from trundle.ros2.navigation.tasks import Tasks
+from trundle.ros2.outputs.output import observed
 from trundle.ros2.role import BridgeContext
 
 if TYPE_CHECKING:
     from trundle.ros2.types import Types
 
 NAVIGATOR = "navigator"
-"""Who gives directives for what comes from the network without a name."""
+"""Directives for what comes from the network without a name are given in this name."""
 
 
 _UNKNOWN = {
@@ -42,8 +42,8 @@ class Belief:
     """Where the robot believes to be, and what it drives on.
 
     Attributes:
-        time: On the network's clock [s].
-        pose: Map frame.
+        time: Time on the network's clock [s].
+        pose: Pose of the base, map frame.
         map_odom: Pose of the odom frame, as on the network, in the map frame.
         costmap: What it drives on, with what was sensed.
     """
@@ -61,7 +61,7 @@ class Beliefs:
         context: The bridge.
 
     Attributes:
-        now: The latest.
+        now: The latest `Belief`.
     """
 
     def __init__(self, context: BridgeContext) -> None:
@@ -71,13 +71,12 @@ class Beliefs:
 
     def take(self, step: Step, time: float) -> None:
         """Take what the robot believes at the end of a control period, at this time on the network's clock [s]."""
-        observation = step.state.observation if step.observation is None else step.observation
         pose = step.state.pose if step.estimate is None else step.estimate.pose
         costmap = self.now.costmap if step.costmap is None else step.costmap
-        self.now = Belief(time, pose, pose @ self._context.odometry(observation).inverse(), costmap)
+        self.now = Belief(time, pose, pose @ self._context.odometry(observed(step)).inverse(), costmap)
 
     def read(self, stamped: Any, what: str) -> Pose2D:
-        """The pose of a geometry_msgs/PoseStamped in the map frame; an empty frame means the map.
+        """Read the pose of a geometry_msgs/PoseStamped in the map frame; an empty frame means the map.
 
         Raises:
             FrameError: If its frame is none of map, odom and base.
@@ -91,7 +90,7 @@ class Beliefs:
             raise FrameError(f"{what}: {error}") from error
 
     def place(self, frame_id: str) -> Pose2D:
-        """Where a frame is on the map now.
+        """Return where a frame is on the map now.
 
         Raises:
             FrameError: If it is none of map, odom and base.
@@ -119,7 +118,7 @@ class Kit:
 
     def __init__(self, context: BridgeContext, tasks: Tasks, beliefs: Beliefs) -> None:
         self.context, self.tasks, self.beliefs = context, tasks, beliefs
-        self.make = MessageMaker(context.wire.types.codec)
+        self.make = context.maker
         self.map_frame = context.wire.names.frame(context.profile.frames.map)
 
     @property
@@ -128,16 +127,16 @@ class Kit:
         return self.context.wire.types
 
     def duration(self, seconds: float) -> Any:
-        """A builtin_interfaces/Duration."""
+        """Make a builtin_interfaces/Duration."""
         whole, nanoseconds = divmod(round(max(0.0, seconds) * 1e9), 1_000_000_000)
         return self.types.make("builtin_interfaces/msg/Duration", sec=whole, nanosec=nanoseconds)
 
     def stamped(self, pose: Pose2D) -> Any:
-        """A geometry_msgs/PoseStamped of a pose on the map, now."""
+        """Make a geometry_msgs/PoseStamped of a pose on the map, now."""
         return self.make.goal(self.beliefs.now.time, pose, self.map_frame)
 
     def failure(self, action: str, name: str, message: str) -> dict[str, Any]:
-        """The fields of a result with an error code of an action, such as GOAL_OCCUPIED of ComputePathToPose.
+        """Return the fields of a result with an error code of an action, such as GOAL_OCCUPIED of ComputePathToPose.
 
         Distributions without error codes leave the field out of their results, and the number is not sent.
         """
@@ -146,7 +145,7 @@ class Kit:
         return {"error_code": number, "error_msg": message}
 
     def is_accepting(self, action: str) -> bool:
-        """Whether goals are taken now; where not, the reason is reported."""
+        """Return whether goals are taken now, and report the reason if not."""
         why = self.tasks.refuses
         if why:
             self.context.wire.warn(f"{action}: refused", f"a goal of {action} is refused: {why}")
@@ -154,12 +153,12 @@ class Kit:
 
 
 def seconds_of(duration: Any) -> float:
-    """A builtin_interfaces/Duration [s]."""
+    """Read a builtin_interfaces/Duration [s]."""
     return float(duration.sec) + 1e-9 * float(duration.nanosec)
 
 
 def poses_of(goals: Any) -> list[Any]:
-    """The PoseStamped of a list of goals: an array, or a message that holds one, as from Kilted on."""
+    """Return the PoseStamped of a list of goals: an array, or a message that holds one, as from Kilted on."""
     for name in ("goals", "poses"):
         goals = getattr(goals, name, goals)
     return list(goals)

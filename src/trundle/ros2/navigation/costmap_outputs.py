@@ -24,7 +24,7 @@ _GRID, _UPDATE = "nav_msgs/msg/OccupancyGrid", "map_msgs/msg/OccupancyGridUpdate
 
 
 def local_window(costmap: Costmap, pose: Pose2D, size: float = WINDOW_M) -> tuple[npt.NDArray[np.uint8], Pose2D]:
-    """Costs in a square around a pose, aligned with the costmap, and the pose of its lower left corner.
+    """Cut out the costs in a square around a pose, aligned with the costmap, and the pose of its lower left corner.
 
     Cells outside the costmap are unknown.
 
@@ -137,7 +137,7 @@ class FootprintOutput:
 
     Args:
         kit: What the navigator works with.
-        costmap: Of which costmap.
+        costmap: The costmap that it belongs to.
     """
 
     def __init__(self, kit: Kit, costmap: Literal["global_costmap", "local_costmap"]) -> None:

@@ -22,7 +22,10 @@ _CONTROLLERS = ("", "FollowPath")
 """Names of Nav2's controller plugin that mean the controller in use; its own name does too."""
 
 _SAME_PLACE_M = 1e-3
+"""Poses of a path that are closer than this are one [m]."""
+
 _ALONG_RAD = np.pi / 6.0
+"""A leg points along a yaw that differs by less than this: paths of hybrid A* turn between their poses."""
 
 
 class Navigation:
@@ -40,11 +43,11 @@ class Navigation:
         self._runs_before: int | None = None
 
     def begin(self, time: float) -> None:
-        """The robot drives from now on [s]."""
+        """Take note that the robot drives from this time on [s]."""
         self._begun_s, self._runs_before = time, None
 
     def feedback(self, step: Step) -> dict[str, Any]:
-        """Where the robot is, how far and how long it still drives, and how often it had to recover."""
+        """Return where the robot is, how far and how long it still drives, and how often it had to recover."""
         kit, recoveries = self._kit, sum(ran.recovery for ran in step.behaviors)
         goals = () if step.steering is None else step.steering.goals
         if self._runs_before is None:
@@ -61,12 +64,12 @@ class Navigation:
         }
 
     def refused(self, error: TrundleError) -> dict[str, Any]:
-        """The goal cannot be reached, by the plan to it."""
+        """Return the result of a goal that cannot be reached, by the error of the plan to it."""
         name = planning_code(error, self._kit.beliefs.now.pose)
         return self._kit.failure(self._plans, name, str(error))
 
     def ended(self, end: TaskEnd) -> dict[str, Any]:
-        """How the drive ended."""
+        """Return how the drive ended."""
         if end.result == "failed":
             action, name = driving_code(end, self._kit.beliefs.now.pose)
             return self._kit.failure(self._plans if action == "ComputePathToPose" else action, name, end.message)
@@ -78,7 +81,7 @@ class Navigate:
 
     Args:
         kit: What actions work with.
-        name: Of the action on the network.
+        name: Name of the action on the network.
         through: Whether it drives through several poses.
     """
 
@@ -87,11 +90,11 @@ class Navigate:
         self._plans = "ComputePathThroughPoses" if through else "ComputePathToPose"
 
     def accepts(self, request: Any) -> bool:
-        """Whether navigation is active; what is wrong with a goal is in its result."""
+        """Return whether navigation is active; what is wrong with a goal is in its result."""
         return self._kit.is_accepting(self._name)
 
     def accepted(self, goal: ActionGoal) -> None:
-        """Drive there from now on."""
+        """Drive to the goal from now on."""
         kit = self._kit
         try:
             goals = self._read(goal.request)
@@ -133,7 +136,7 @@ class _RefusedError(InputError):
 
     Args:
         message: Why.
-        action: Whose code it has.
+        action: The action whose code it has.
         code: The name of the code.
     """
 
@@ -153,19 +156,19 @@ class Following:
         self._kit = kit
 
     def begin(self, time: float) -> None:
-        """The robot follows it from now on."""
+        """Do nothing: the feedback does not count the time."""
 
     def feedback(self, step: Step) -> dict[str, Any]:
-        """How far the robot still drives, and how fast it is."""
+        """Return how far the robot still drives, and how fast it is."""
         speed = step.state.twist.v if step.observation is None else step.observation.twist.v
         return {"distance_to_goal": step.distance_remaining or 0.0, "speed": speed}
 
     def refused(self, error: TrundleError) -> dict[str, Any]:
-        """The path cannot be followed."""
+        """Return the result of a path that cannot be followed."""
         return self._kit.failure("FollowPath", "INVALID_PATH", str(error))
 
     def ended(self, end: TaskEnd) -> dict[str, Any]:
-        """How it ended."""
+        """Return how the drive ended."""
         if end.result == "failed":
             return self._kit.failure("FollowPath", following_code(end), end.message)
         return {} if end.result in ("succeeded", "cancelled") else {"error_msg": end.message}
@@ -176,14 +179,14 @@ class Follow:
 
     Args:
         kit: What actions work with.
-        name: Of the action on the network.
+        name: Name of the action on the network.
     """
 
     def __init__(self, kit: Kit, name: str) -> None:
         self._kit, self._name = kit, name
 
     def accepts(self, request: Any) -> bool:
-        """Whether navigation is active."""
+        """Return whether navigation is active."""
         return self._kit.is_accepting(self._name)
 
     def accepted(self, goal: ActionGoal) -> None:
@@ -222,7 +225,7 @@ class Follow:
 
 
 def drivable(poses: FloatArray) -> tuple[list[list[float]], list[bool]]:
-    """Poses of a path as trundle drives it, and which legs are driven in reverse.
+    """Return the poses of a path as trundle drives it, and which legs are driven in reverse.
 
     Controllers of Nav2 look at the positions of a path, and at the yaw of its end. Many programs leave the other yaws
     at 0. They count only where every leg points along the yaws of its ends, or against them: then it is a path with

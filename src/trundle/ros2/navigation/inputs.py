@@ -1,4 +1,4 @@
-"""/goal_pose and /initialpose."""
+"""`PoseInputs`: the topics /goal_pose and /initialpose."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class PoseInputs:
         self._kit, self._told = kit, told
 
     def open(self) -> None:
-        """Listen."""
+        """Listen to both topics."""
         wire = self._kit.context.wire
         wire.listen(_GOAL, "geometry_msgs/msg/PoseStamped", Qos(10), self._goal)
         wire.listen(_POSE, "geometry_msgs/msg/PoseWithCovarianceStamped", Qos(10), self._pose)

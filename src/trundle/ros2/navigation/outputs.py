@@ -25,8 +25,8 @@ MOVED_M, TURNED_RAD = 0.25, 0.2
 
 _MARKERS = "visualization_msgs/msg/MarkerArray"
 _POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"
-_SHOWN = 30
-_SECTION = 3
+_SHOWN, _SECTION = 30, 3
+"""So many rollouts are shown, by every third pose: more lines cost bytes, and show nothing more."""
 
 _ADD, _DELETE_ALL = 0, 3
 _ARROW, _SPHERE, _LINES = 0, 2, 5
@@ -46,7 +46,7 @@ class MapOutput:
         self._written = False
 
     def publish(self, step: Step, time: float) -> None:
-        """Publish it, if it was not."""
+        """Publish the map, if it was not yet."""
         if not self._written:
             self._written = True
             self._outlet.write(self._kit.make.grid(time, self._kit.context.mission.grid, self._kit.map_frame))
@@ -69,7 +69,7 @@ class PoseOutput:
         self._covariance = np.zeros(36)
 
     def begin(self) -> None:
-        """A run begins."""
+        """Forget the last pose: a run begins."""
         self._last = None
 
     def publish(self, step: Step, time: float) -> None:
@@ -122,7 +122,7 @@ class PlanOutput:
         self._cadence = Cadence(PLAN_PERIOD_S)
 
     def publish(self, step: Step, time: float) -> None:
-        """Publish it, if there is one and it is due."""
+        """Publish the path, if there is one and it is due."""
         path = step.path
         if path is None or not self._outlet.is_wanted:
             return
@@ -159,18 +159,13 @@ class MarkerOutput:
             goals = ()
         if goals != self._shown:
             self._shown = goals
-            self._goals.write(self._array([self._clear(time), *self._goal_markers(time, goals)]))
+            self._goals.write(self._kit.types.make(_MARKERS, markers=self._goal_markers(time, goals)))
         if step.rollouts is not None and self._rollouts.is_wanted:
-            self._rollouts.write(self._array([self._lines(time, step.rollouts)]))
-
-    def _array(self, markers: list[Any]) -> Any:
-        return self._kit.types.make(_MARKERS, markers=markers)
-
-    def _clear(self, time: float) -> Any:
-        return self._marker(time, 0, _ARROW, (0.0, 0.0, 0.0), _RED, action=_DELETE_ALL)
+            self._rollouts.write(self._kit.types.make(_MARKERS, markers=[self._lines(time, step.rollouts)]))
 
     def _goal_markers(self, time: float, goals: tuple[Goal, ...]) -> list[Any]:
-        found: list[Any] = []
+        """Make a marker that deletes those of before, and one for each goal."""
+        found = [self._marker(time, 0, _ARROW, (0.0, 0.0, 0.0), _RED, action=_DELETE_ALL)]
         for number, goal in enumerate(goals):
             shape, size = (_SPHERE, (0.2, 0.2, 0.2)) if goal.yaw_free else (_ARROW, (0.4, 0.06, 0.06))
             color = _GREEN if number == len(goals) - 1 else _BLUE
@@ -180,15 +175,12 @@ class MarkerOutput:
         return found
 
     def _lines(self, time: float, rollouts: Rollouts) -> Any:
-        marker = self._marker(time, 0, _LINES, (0.01, 0.0, 0.0), _BLUE)
-        marker.points = self._points(rollouts.poses[:_SHOWN, ::_SECTION])
-        return marker
-
-    def _points(self, poses: FloatArray) -> list[Any]:
-        """Both ends of every section of paths, shape (N, T, 3)."""
+        """Make a marker of lines; its points are both ends of every section of the rollouts."""
+        poses, point = rollouts.poses[:_SHOWN, ::_SECTION], self._kit.types.kind("geometry_msgs/msg/Point")
         ends = np.stack([poses[:, :-1, :2], poses[:, 1:, :2]], axis=2).reshape(-1, 2)
-        point = self._kit.types.kind("geometry_msgs/msg/Point")
-        return [point(x, y, 0.05) for x, y in ends.tolist()]
+        marker = self._marker(time, 0, _LINES, (0.01, 0.0, 0.0), _BLUE)
+        marker.points = [point(x, y, 0.05) for x, y in ends.tolist()]
+        return marker
 
     def _marker(
         self,
@@ -214,7 +206,7 @@ class MarkerOutput:
 
 
 def covariance_of(covariance: FloatArray) -> FloatArray:
-    """A covariance of (x, y, yaw), shape (3, 3), as that of a PoseWithCovariance, shape (36,)."""
+    """Write a covariance of (x, y, yaw), shape (3, 3), as that of a PoseWithCovariance, shape (36,)."""
     whole = np.zeros((6, 6))
     whole[np.ix_((0, 1, 5), (0, 1, 5))] = covariance
     return whole.ravel()

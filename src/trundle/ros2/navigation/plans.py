@@ -27,8 +27,12 @@ _PLUGINS = ("", "GridBased")
 """Names of Nav2's planner plugin that mean the planner in use."""
 
 _MOST_GOALS = 100
+
 _ENDS_S = 1.0
+"""How long `close` waits for a plan that is given up [s]; the thread is a daemon, and ends with the process."""
+
 _STEP_RAD = np.radians(10.0)
+"""Poses of a plan that turn in place are no farther apart than this."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,13 +40,13 @@ class _Query:
     """A plan to make.
 
     Attributes:
-        goal: Whose result it is.
+        goal: The goal whose result it is.
         action: The type of its action.
-        planner: Makes it.
-        costmap: On this.
-        start: From here.
-        ends: To these, in order.
-        cancel: Ends it.
+        planner: The planner that makes it.
+        costmap: The costmap that it is made on.
+        start: The pose that it starts at.
+        ends: The poses that it leads to, in order.
+        cancel: Gives it up.
     """
 
     goal: ActionGoal
@@ -99,7 +103,7 @@ class PlanServer:
             self._abort(replaced, "UNKNOWN", "another plan was asked for")
 
     def cancel(self, goal: ActionGoal) -> bool:
-        """End the plan for a goal; whether there is one."""
+        """End the plan for a goal, and return whether there is one."""
         with self._changed:
             for query in (self._current, self._next):
                 if query is not None and query.goal is goal:
@@ -171,7 +175,7 @@ class ComputePath:
     Args:
         kit: What actions work with.
         server: Makes the plans.
-        name: Of the action on the network.
+        name: Name of the action on the network.
         through: Whether it is a path through several poses.
     """
 
@@ -180,7 +184,7 @@ class ComputePath:
         self._action = "ComputePathThroughPoses" if through else "ComputePathToPose"
 
     def accepts(self, request: Any) -> bool:
-        """Whether navigation is active."""
+        """Return whether navigation is active."""
         return self._kit.is_accepting(self._name)
 
     def accepted(self, goal: ActionGoal) -> None:
@@ -222,12 +226,12 @@ class ComputePath:
 
 
 def ends_of(request: Any, through: bool) -> list[Any]:
-    """The poses that a goal asks for a path to."""
+    """Return the poses that a goal asks for a path to."""
     return poses_of(request.goals) if through else [request.goal]
 
 
 def dense(path: Path, step_m: float) -> FloatArray:
-    """Poses along a path, no farther apart than this, as programs expect them of Nav2; shape (N, 3)."""
+    """Sample poses along a path, no farther apart than this, as programs expect them of Nav2; shape (N, 3)."""
     if len(path.poses) == 1:
         return path.poses
     first, last = path.poses[:-1], path.poses[1:].copy()

@@ -15,7 +15,7 @@ class Refusal:
     """What is refused.
 
     Attributes:
-        name: On the network.
+        name: Its name on the network.
         type_name: Its type.
         call: The call of `BasicNavigator` that asks for it, for the docs.
         why: The reason, with what to do instead.
@@ -99,23 +99,23 @@ class Refuse:
         self._says = wire.types.has(f"{refusal.type_name}_Result", "error_msg")
 
     def accepts(self, request: Any) -> bool:
-        """Whether the result can say why the goal is refused."""
+        """Return whether the result can say why the goal is refused."""
         name, why = self._refusal.name, self._refusal.why
         self._wire.warn(f"{name}: refused", f"a goal of {name} is refused: {why}")
         return self._says
 
     def accepted(self, goal: ActionGoal) -> None:
-        """Abort it with the reason."""
+        """Abort the goal with the reason."""
         result = f"{self._refusal.type_name}_Result"
         goal.abort(error_code=self._wire.types.constant(result, "UNKNOWN", 1), error_msg=self._refusal.why)
 
     def cancel(self, goal: ActionGoal) -> bool:
-        """Nothing runs."""
+        """Return False: nothing runs that could be cancelled."""
         return False
 
 
 def refuse_service(wire: Wire, refusal: Refusal) -> Callable[[Any], Any]:
-    """A handler that answers every request of a service with a failure."""
+    """Return a handler that answers every request of a service with a failure."""
 
     def answer(request: Any) -> Any:
         wire.warn(f"{refusal.name}: refused", f"a request of {refusal.name} is refused: {refusal.why}")

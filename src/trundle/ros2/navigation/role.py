@@ -76,7 +76,7 @@ class NavigatorRole:
         return self._context.begin_session(mission.navigator, [*observers, outputs], seed, options)
 
     def lost(self, why: str) -> None:
-        """Stop the robot: who asked it to drive is out of reach."""
+        """Stop the robot, because whoever asked it to drive is out of reach."""
         if why:
             self._context.driver.steering.put(Cancel(), by=NAVIGATOR)
             self._kit.tasks.end(f"the other side is lost: {why}")
@@ -118,7 +118,7 @@ class NavigatorRole:
             self._act(refusal.name, refusal.type_name.rpartition("/")[2], Refuse(wire, refusal), optional=True)
 
     def _act(self, name: str, action: str, served: Action, *, optional: bool = False) -> None:
-        """Serve an action, if the other side knows its type; that it does not is reported, unless it may lack it."""
+        """Serve an action if the other side knows its type; a missing one is reported, unless it is optional."""
         wire, type_name = self._context.wire, f"nav2_msgs/action/{action}"
         if not wire.transport.has_services or self._knows(type_name, "Goal", "Result", "Feedback"):
             wire.act(name, type_name, served)
@@ -126,7 +126,7 @@ class NavigatorRole:
             self._warn_of_type(type_name)
 
     def _serve(self, name: str, type_name: str, handler: Callable[[Any], Any]) -> None:
-        """Serve a service, likewise."""
+        """Serve a service if the other side knows its type; a missing one is reported, unless it is optional."""
         wire = self._context.wire
         if not wire.transport.has_services or self._knows(type_name, "Request", "Response"):
             wire.serve(name, type_name, handler)
@@ -134,7 +134,7 @@ class NavigatorRole:
             self._warn_of_type(type_name)
 
     def _knows(self, type_name: str, *parts: str) -> bool:
-        """Whether the other side has a type, and its text can be read; later it may be too late to ask."""
+        """Return whether the other side has a type, and its text can be read; later it may be too late to ask."""
         try:
             return all(self._context.wire.types.knows(f"{type_name}_{part}") for part in parts)
         except InputError:
@@ -157,7 +157,7 @@ class NavigatorOutputs:
     Args:
         kit: What the navigator works with.
         outputs: What is published.
-        markers: Which says whether rollouts are wanted.
+        markers: The output that knows whether rollouts are wanted.
     """
 
     def __init__(self, kit: Kit, outputs: Sequence[Output], markers: MarkerOutput) -> None:
@@ -165,11 +165,11 @@ class NavigatorOutputs:
 
     @property
     def wants_rollouts(self) -> bool:
-        """Whether somebody looks at them."""
+        """Whether somebody looks at the rollouts."""
         return self._markers.wants_rollouts
 
     def on_start(self, run: RunInfo) -> None:
-        """A run begins."""
+        """Do nothing: the first period tells what is published."""
 
     def on_step(self, step: Step) -> None:
         """Publish the end of a control period."""
@@ -180,4 +180,4 @@ class NavigatorOutputs:
         self._kit.tasks.follow(step)
 
     def on_end(self, episode: Episode) -> None:
-        """A run has ended."""
+        """Do nothing: the next run may follow."""

@@ -73,7 +73,7 @@ class Lifecycle:
         changed: Called with the reason why goals are refused from now on; empty where they are taken.
 
     Attributes:
-        state: Of all nodes.
+        state: The state of all nodes.
     """
 
     def __init__(self, wire: Wire, changed: Callable[[str], None]) -> None:
@@ -121,7 +121,7 @@ class Services:
         self._kit = kit
 
     def open(self, serve: Serve) -> None:
-        """Offer them."""
+        """Offer the services."""
         for which in ("global", "local"):
             for verb, (type_name, region) in _CLEARS.items():
                 serve(f"{which}_costmap/{verb}_{which}_costmap", type_name, self._clear(type_name, region))
@@ -174,7 +174,7 @@ class Services:
         return answer
 
     def _is_path_valid(self, request: Any) -> Any:
-        """Whether the footprint touches nothing at the poses of a path; and the indices of those where it does."""
+        """Answer whether the footprint touches nothing at the poses of a path, with the indices where it does."""
         kit = self._kit
         poses = [kit.beliefs.read(stamped, "a pose of the path").as_tuple() for stamped in request.path.poses]
         costmap = kit.beliefs.now.costmap

@@ -10,9 +10,8 @@ from trundle.geometry import Pose2D, Twist2D
 from trundle.messages import MessageMaker
 from trundle.messages.qos import TRANSFORMS, Qos
 from trundle.mission import Step
-from trundle.observation import Observation
 from trundle.robots import WheelSpeeds
-from trundle.ros2.outputs.output import Cadence, Stencil, mark, mark_stamp
+from trundle.ros2.outputs.output import Cadence, Stencil, mark, mark_stamp, observed
 from trundle.ros2.role import BridgeContext
 from trundle.ros2.wire import Wire
 from trundle.sim import Contact
@@ -20,12 +19,9 @@ from trundle.sim import Contact
 ODOMETRY, JOINTS, CONTACTS = Qos(10), Qos(10), Qos(10)
 
 _SIZE_M = 0.1
+"""Diameter of the sphere at a contact: large enough to be seen in RViz, small enough to show where it is."""
+
 _SPHERE, _ADD, _DELETE_ALL = 2, 0, 3
-
-
-def observed(step: Step) -> Observation:
-    """What the robot observes at the end of a control period."""
-    return step.state.observation if step.observation is None else step.observation
 
 
 class MotionOutput:
@@ -46,7 +42,7 @@ class MotionOutput:
         self._odometry = None if topics.odom is None else wire.outlet(topics.odom, "nav_msgs/msg/Odometry", ODOMETRY)
 
     def publish(self, step: Step, time: float) -> None:
-        """Publish both."""
+        """Publish the transform and the odometry of a control period."""
         tf, odometry = self._tf, self._odometry
         wants_odometry = odometry is not None and odometry.is_wanted
         if not (tf.is_wanted or wants_odometry):
@@ -138,7 +134,7 @@ class ContactOutput:
     def __init__(self, context: BridgeContext, topic: str) -> None:
         wire = context.wire
         self._types = wire.types
-        self._make = MessageMaker(wire.types.codec)
+        self._make = context.maker
         self._outlet = wire.outlet(topic, "visualization_msgs/msg/MarkerArray", CONTACTS)
         self._frame = wire.names.frame(context.profile.frames.base)
         self._touched = False

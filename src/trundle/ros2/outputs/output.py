@@ -12,6 +12,12 @@ import numpy.typing as npt
 
 from trundle.geometry import FloatArray
 from trundle.mission import Step
+from trundle.observation import Observation
+
+
+def observed(step: Step) -> Observation:
+    """Return what the robot observes at the end of a control period."""
+    return step.state.observation if step.observation is None else step.observation
 
 
 class Output(Protocol):
@@ -23,6 +29,7 @@ class Output(Protocol):
 
 
 _SAME_S = 1e-9
+"""Times of a run are sums of steps: a period that is short by this is over [s]."""
 
 
 class Cadence:
@@ -37,17 +44,17 @@ class Cadence:
         self._last_s = -math.inf
 
     def is_due(self, time: float) -> bool:
-        """Whether a period has passed at a time [s] since the last `mark`, or there was none."""
+        """Return whether a period has passed at a time [s] since the last `mark`, or there was none."""
         return not 0.0 <= time - self._last_s < self._period_s - _SAME_S
 
     def mark(self, time: float) -> None:
-        """It was published at this time [s]."""
+        """Take note that it was published at this time [s]."""
         self._last_s = time
 
 
 _STAMP = struct.Struct("<iI")
-_MARK_STAMP = (0x3A5C7E11, 0x0BADCAFE)
-_FIRST_MARK = -1.8372e205
+_MARK_STAMP, _FIRST_MARK = (0x3A5C7E11, 0x0BADCAFE), -1.8372e205
+"""Values that no message has by chance: `_find` checks that each is there once."""
 
 
 class Stencil:
@@ -70,7 +77,7 @@ class Stencil:
             self._runs.append((struct.Struct(f"<{length}d"), _find(data, marks)))
 
     def fill(self, time: float, *runs: Sequence[float]) -> bytes:
-        """The bytes for a time [s] and these numbers."""
+        """Return the bytes for a time [s] and these numbers."""
         data = self._data
         _STAMP.pack_into(data, self._stamp_at, *divmod(round(time * 1e9), 1_000_000_000))
         for (form, at), numbers in zip(self._runs, runs, strict=True):
@@ -78,7 +85,7 @@ class Stencil:
         return bytes(data)
 
     def array(self, mark: bytes, kind: npt.DTypeLike, count: int) -> npt.NDArray[Any]:
-        """The elements that begin with these bytes, as an array; what is written to it is in the next message."""
+        """Return the elements that begin with these bytes as an array; what is written to it is in the next message."""
         return np.frombuffer(self._data, kind, count, _find(bytes(self._data), mark))
 
 
@@ -89,7 +96,7 @@ def mark_stamp(stamp: Any) -> Any:
 
 
 def mark(number: int, length: int) -> FloatArray:
-    """The marks of a run of numbers."""
+    """Return the marks of a run of numbers."""
     return _FIRST_MARK * (1.0 + number + np.arange(length) / 64.0)
 
 

@@ -7,18 +7,16 @@ import time as real_time
 
 from trundle.export.urdf import describe_robot
 from trundle.geometry import Pose2D
-from trundle.messages import MessageMaker
 from trundle.messages.qos import LATCHED, Qos
 from trundle.mission import Episode, RunInfo, Step
 from trundle.ros2.outputs.lidar import LidarOutput
 from trundle.ros2.outputs.motion import ContactOutput, JointOutput, MotionOutput
 from trundle.ros2.outputs.output import Cadence, Output, Stencil, mark_stamp
-from trundle.ros2.role import BridgeContext, SimulationClock
-from trundle.ros2.wire import Wire
+from trundle.ros2.role import BridgeContext
 from trundle.sim import Substep
 
 CLOCK = Qos(10)
-"""Of /clock: reliable, so that readers who ask for that get it, too; time sources take it as it comes."""
+"""QoS of /clock: reliable, so that readers who ask for that get it, too; time sources take it as it comes."""
 
 _REPEAT_S = 0.5
 
@@ -32,20 +30,18 @@ class ClockOutput:
     While the time stands, it is repeated twice a second of real time, so that nodes that start meanwhile know it.
 
     Args:
-        wire: The network.
+        context: The bridge.
         topic: Its topic.
-        clock: The time.
-        rate: [Hz of simulated time].
     """
 
-    def __init__(self, wire: Wire, topic: str, clock: SimulationClock, rate: float) -> None:
+    def __init__(self, context: BridgeContext, topic: str) -> None:
+        wire = context.wire
         self._outlet = wire.outlet(topic, "rosgraph_msgs/msg/Clock", CLOCK)
-        make = MessageMaker(wire.types.codec)
-        message = make.clock(0.0)
+        message = context.maker.clock(0.0)
         mark_stamp(message.clock)
         self._bytes = Stencil(wire.types.encode(message))
         self._lock = threading.Lock()
-        self._clock, self._cadence = clock, Cadence(1.0 / rate)
+        self._clock, self._cadence = context.clock, Cadence(1.0 / context.profile.clock_rate)
         self._written_s = 0.0
         wire.every_round(self._repeat)
 
@@ -74,7 +70,7 @@ class ClockOutput:
 def publish_static_frames(context: BridgeContext, topic: str) -> None:
     """Publish where the lidars and the other frames of the profile are on the robot."""
     wire, profile, robot = context.wire, context.profile, context.mission.robot
-    frame, make = wire.names.frame, MessageMaker(wire.types.codec)
+    frame, make = wire.names.frame, context.maker
     base = frame(profile.frames.base)
     transforms = [
         make.transform(0.0, frame(fixed.parent), frame(fixed.child), Pose2D(x, y, yaw), z)
@@ -108,12 +104,10 @@ class RobotOutputs:
     def __init__(self, context: BridgeContext) -> None:
         self._context = context
         self._is_fast = False
-        wire, profile, topics = context.wire, context.profile, context.profile.topics
+        profile, topics = context.profile, context.profile.topics
         robot = context.mission.robot
         self._ticks_joints = False
-        self._clock = (
-            None if topics.clock is None else ClockOutput(wire, topics.clock, context.clock, profile.clock_rate)
-        )
+        self._clock = None if topics.clock is None else ClockOutput(context, topics.clock)
         self._joints = None if topics.joint_states is None else JointOutput(context, topics.joint_states)
         outputs: list[Output | None] = [self._clock, MotionOutput(context), self._joints]
         outputs += [

@@ -22,8 +22,13 @@ MOST_STEPS = 100_000
 
 _BY = "ros2"
 _TAKES_S = 5.0
+"""How long a run may take to apply a directive [s]: a period of a busy simulator is far shorter."""
+
 _LOOK_S = 0.005
+
 _REPORTS = 1000
+"""An action reports at most so often, however many steps it takes."""
+
 _OK, _FAILED = 1, 4
 
 
@@ -50,7 +55,7 @@ class SimulationControl:
         """The present run.
 
         Raises:
-            ControlError: If there is none yet.
+            ControlError: If the first run has not begun.
         """
         session = self._context.session
         if session is None:
@@ -77,7 +82,7 @@ class SimulationControl:
         self._do(Pause(False))
 
     def pause(self) -> None:
-        """Let the time stand; from stopped, where it does already."""
+        """Let the time stand; a stopped simulation becomes paused."""
         self._stopped_at = None
         self._do(Pause(True))
 
@@ -116,7 +121,7 @@ class SimulationControl:
 
         Args:
             from_zero: Let the clock begin at 0, too; else it goes on.
-            paused: Whether it is paused then; none means as now.
+            paused: Whether it is paused then. If None, it stays as it is.
 
         Raises:
             ControlError: If the next run does not begin in time.
@@ -140,7 +145,7 @@ class SimulationControl:
         self._context.clock.now = 0.0
 
     def place(self, pose: Pose2D) -> None:
-        """Put the robot somewhere else, at rest; map frame.
+        """Put the robot somewhere else in the map frame, at rest.
 
         Raises:
             ControlError: If it would touch something there, or the simulator cannot do it.
@@ -192,7 +197,7 @@ class StepAction:
         return self._goal is not None
 
     def accepts(self, request: Any) -> bool:
-        """Whether no other goal is carried out."""
+        """Return whether no other goal is carried out."""
         return self._goal is None
 
     def accepted(self, goal: ActionGoal) -> None:
@@ -204,11 +209,11 @@ class StepAction:
         self._ask()
 
     def cancel(self, goal: ActionGoal) -> bool:
-        """Stop after the steps that are under way."""
+        """Stop after the steps that are under way, and return whether this goal is carried out."""
         return goal is self._goal
 
     def _ask(self) -> None:
-        """Step as many as are reported at once; or end the goal, where none are left."""
+        """Step as many periods as are reported at once, or end the goal if all are driven."""
         goal, left = self._goal, self._steps - self._done
         if goal is None:
             return

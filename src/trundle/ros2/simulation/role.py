@@ -20,7 +20,7 @@ from trundle.ros2.role import BridgeContext, SimulationClock
 from trundle.ros2.wire import Inlet, Wire
 
 COMMANDS = Qos(10)
-"""Of /cmd_vel: reliable, as most publishers are; Nav2's and teleop's offer that."""
+"""QoS of /cmd_vel: reliable, as most publishers are; Nav2's and teleop's offer that."""
 
 _TWIST, _STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 
@@ -66,7 +66,7 @@ class SimulatorRole:
         self.agent.lost(why)
 
     def close(self) -> None:
-        """Do nothing more."""
+        """Do nothing: the wire is closed by the bridge."""
 
 
 class RosAgent:
@@ -105,10 +105,7 @@ class RosAgent:
     def open(self) -> None:
         """Listen to commands of both types."""
         topic, wire = self._topic, self._wire
-        self._inlets = [
-            wire.listen(topic, _TWIST, COMMANDS, self._take),
-            wire.listen(topic, _STAMPED, COMMANDS, self._take_stamped),
-        ]
+        self._inlets = [wire.listen(topic, kind, COMMANDS, self._take) for kind in (_TWIST, _STAMPED)]
         wire.every_round(self._look)
 
     def lost(self, why: str) -> None:
@@ -136,22 +133,22 @@ class RosAgent:
 
     # The listening thread -------------------------------------------------------------------------------------------
 
-    def _take(self, twist: Any, source: str) -> None:
+    def _take(self, message: Any, source: str) -> None:
+        """Take a Twist or a TwistStamped; one that is bad is dropped and reported."""
+        twist = message
         try:
-            self._offer(twist, source)
+            if message.__msgtype__ == _STAMPED:
+                check_frame(message.header.frame_id, self._frames)
+                check_stamp(message.header.stamp, self._clock.now, tolerance_s=TIMEOUT_S)
+                twist = message.twist
+            command = check_twist(twist)
         except BadInputError as error:
-            self._drop(error, source)
-
-    def _take_stamped(self, message: Any, source: str) -> None:
-        try:
-            check_frame(message.header.frame_id, self._frames)
-            check_stamp(message.header.stamp, self._clock.now, tolerance_s=TIMEOUT_S)
-            self._offer(message.twist, source)
-        except BadInputError as error:
-            self._drop(error, source)
-
-    def _offer(self, twist: Any, source: str) -> None:
-        command = check_twist(twist)
+            reason = str(error)
+            self._wire.warn(
+                f"cmd_vel: {error.kind}",
+                lambda: f"a command of {self._wire.describe_source(source)} on {self._topic} is dropped: {reason}",
+            )
+            return
         if twist.linear.y or twist.linear.z or twist.angular.x or twist.angular.y:
             self._wire.warn(
                 "cmd_vel: other directions",
@@ -170,12 +167,6 @@ class RosAgent:
 
     def _writers(self) -> int:
         return sum(inlet.writers for inlet in self._inlets)
-
-    def _drop(self, error: BadInputError, source: str) -> None:
-        self._wire.warn(
-            f"cmd_vel: {error.kind}",
-            lambda: f"a command of {self._wire.describe_source(source)} on {self._topic} is dropped: {error}",
-        )
 
     def _look(self) -> None:
         """Stop where the last publisher has gone."""
@@ -215,7 +206,7 @@ class CommandArbiter:
         self._held: _Command | None = None
 
     def offer(self, twist: Twist2D, source: str, now: float) -> bool:
-        """Take a command that came at a simulated time [s]; whether it drives the robot."""
+        """Take a command that came at a simulated time [s], and return whether it drives the robot."""
         held = self._held
         if held is not None and held.source != source and held.twist != STAND and not self._is_old(held, now):
             self._warn(
@@ -230,7 +221,7 @@ class CommandArbiter:
         return True
 
     def command(self, now: float) -> Twist2D:
-        """The command at a simulated time [s]; to stand, where there is none or it is too old."""
+        """Return the command at a simulated time [s]; without one, or if it is too old, the robot stands."""
         held = self._held
         if held is None:
             return STAND
@@ -245,7 +236,7 @@ class CommandArbiter:
         return held.twist
 
     def clear(self) -> bool:
-        """Let the robot stand until the next command; whether it was driven."""
+        """Let the robot stand until the next command, and return whether it was driven."""
         held, self._held = self._held, None
         return held is not None and held.twist != STAND
 

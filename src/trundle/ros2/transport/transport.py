@@ -77,18 +77,18 @@ class Graph:
     offers: tuple[Offer, ...] = ()
 
     def topics(self) -> Mapping[str, tuple[str, ...]]:
-        """The types of every topic, as `ros2 topic list -t` has them; one with two is a mistake."""
+        """Return the types of every topic, as `ros2 topic list -t` has them; one with two is a mistake."""
         types: dict[str, set[str]] = {}
         for one in self.endpoints:
             types.setdefault(one.topic, set()).add(one.type_name)
         return {topic: tuple(sorted(types[topic])) for topic in sorted(types)}
 
     def publishers(self, topic: str) -> tuple[Endpoint, ...]:
-        """The publishers of a topic."""
+        """Return the publishers of a topic."""
         return tuple(one for one in self.endpoints if one.kind == "publisher" and one.topic == topic)
 
     def subscriptions(self, topic: str) -> tuple[Endpoint, ...]:
-        """The subscriptions of a topic."""
+        """Return the subscriptions of a topic."""
         return tuple(one for one in self.endpoints if one.kind == "subscription" and one.topic == topic)
 
 
@@ -132,7 +132,7 @@ class Subscription(Protocol):
         ...
 
     def take(self) -> list[Sample]:
-        """The messages that arrived, oldest first, no more than the queue holds; it never waits."""
+        """Return the messages that arrived, oldest first, no more than the queue holds; it never waits."""
         ...
 
 
@@ -179,7 +179,7 @@ class ActionHandler(Protocol):
     """Serves an action. Called in the thread that calls `Transport.dispatch`; none of these may wait."""
 
     def accepts(self, data: bytes) -> bool:
-        """Whether to accept a goal."""
+        """Return whether to accept a goal."""
         ...
 
     def accepted(self, goal: GoalHandle) -> None:
@@ -187,7 +187,7 @@ class ActionHandler(Protocol):
         ...
 
     def cancel(self, goal: GoalHandle) -> bool:
-        """Whether to let the client cancel a goal; `goal.cancel_requested` is set if so."""
+        """Return whether to let the client cancel a goal; `goal.cancel_requested` is set if so."""
         ...
 
 
@@ -271,11 +271,11 @@ class Transport(Protocol):
         ...
 
     def definition(self, type_name: str) -> str:
-        """The text of a type and of all in it, as the other side has it; "" where only trundle's own is known."""
+        """Return the text of a type and of all in it, as the other side has it; "" if only trundle's own is known."""
         ...
 
     def graph(self) -> Graph:
-        """Who is on the network now."""
+        """Return who is on the network now."""
         ...
 
     def wait(self, timeout_s: float) -> bool:

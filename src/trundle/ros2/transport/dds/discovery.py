@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from trundle.messages import Qos
-from trundle.ros2.transport.dds.library import Writing
+from trundle.ros2.transport.dds.library import Writing, every_sample
 from trundle.ros2.transport.dds.mapping import (
     DISCOVERY_TOPIC,
     read_qos,
@@ -51,10 +51,10 @@ class Discovery:
     """Tells others our node and its endpoints, and reads theirs. Safe in any thread.
 
     Args:
-        participant: Ours.
+        participant: Our participant.
         idl: Makes types.
-        codec: Of our distribution.
-        namespace: Of our node ("/").
+        codec: The codec of our distribution.
+        namespace: Namespace of our node ("/").
         node: Its name.
     """
 
@@ -109,17 +109,15 @@ class Discovery:
     def drain(self) -> None:
         """Read what others said of their nodes."""
         from cyclonedds._clayer import ddspy_take
-        from cyclonedds.core import InstanceState, SampleState, ViewState
 
-        mask = SampleState.Any | ViewState.Any | InstanceState.Any
         with self._lock:
-            taken = ddspy_take(self._reader._ref, mask, INFOS_KEPT)
+            taken = ddspy_take(self._reader._ref, every_sample(), INFOS_KEPT)
             for data, info in taken if isinstance(taken, list) else ():
                 if info.valid_data:
                     self._participants.update(data)
 
     def graph(self) -> Graph:
-        """Who is on the network now."""
+        """Return who is on the network now."""
         self.drain()
         with self._lock:
             alive = [one.key.bytes for one in self._read("participant")]
@@ -155,7 +153,10 @@ class Discovery:
         )
 
     def _offers(self, found: list[_Found], owners: dict[bytes, str]) -> Iterator[Offer]:
-        """Services have a topic of requests, which servers read and clients write; of an action, one asks for goals."""
+        """Yield services and actions by their topics of requests, which servers read and clients write.
+
+        An action has several services; the one that asks for goals stands for it.
+        """
         for kind, one in found:
             parts = _SERVICE.fullmatch(one.topic_name)
             typed = _SERVICE_TYPE.fullmatch(ros_type(one.type_name))

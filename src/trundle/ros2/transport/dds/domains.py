@@ -47,13 +47,13 @@ _WRITING = "<Internal><Watermarks><WhcAdaptive>false</WhcAdaptive><WhcHigh>1 GB<
 """A writer does not wait for slow readers: its history, of limited depth, replaces what they have not fetched."""
 
 _joined: dict[int, tuple[Domain, str, int]] = {}
-"""Of each number: the domain, its configuration, and how many use it."""
+"""The domain of each number, its configuration, and how many use it."""
 
 _lock = threading.Lock()
 
 
 def domain_xml(settings: Settings) -> str:
-    """The configuration for a domain, and after it what the user's CYCLONEDDS_URI adds."""
+    """Return the configuration for a domain, and after it what the user's CYCLONEDDS_URI adds."""
     local = settings.range == "localhost"
     peers = ("localhost",) if local else settings.static_peers
     parts = (

@@ -27,7 +27,7 @@ _DDS_TYPE = re.compile(r"([A-Za-z0-9_]+)::(msg|srv|action)::dds_::([A-Za-z0-9_]+
 
 
 def dds_topic(topic: str) -> str:
-    """The name in DDS: rt/scan of /scan.
+    """Return the name in DDS: rt/scan of /scan.
 
     Raises:
         InputError: If it is not the full name of a topic.
@@ -40,7 +40,7 @@ def dds_topic(topic: str) -> str:
 
 
 def dds_type(type_name: str) -> str:
-    """The name in DDS: sensor_msgs::msg::dds_::LaserScan_ of sensor_msgs/msg/LaserScan.
+    """Return the name in DDS: sensor_msgs::msg::dds_::LaserScan_ of sensor_msgs/msg/LaserScan.
 
     Raises:
         InputError: If it is not the name of a type.
@@ -52,12 +52,12 @@ def dds_type(type_name: str) -> str:
 
 
 def ros_topic(dds_name: str) -> str:
-    """The name in ROS: /scan of rt/scan; "" for what is no topic of ROS."""
+    """Return the name in ROS: /scan of rt/scan; "" for what is no topic of ROS."""
     return dds_name[2:] if dds_name.startswith("rt/") else ""
 
 
 def ros_type(dds_name: str) -> str:
-    """The name in ROS: sensor_msgs/msg/LaserScan of sensor_msgs::msg::dds_::LaserScan_; others as they are."""
+    """Return the name in ROS: sensor_msgs/msg/LaserScan of sensor_msgs::msg::dds_::LaserScan_; others as they are."""
     parts = _DDS_TYPE.fullmatch(dds_name)
     return f"{parts[1]}/{parts[2]}/{parts[3]}" if parts else dds_name
 
@@ -88,7 +88,7 @@ class IdlTypes:
         self._made: dict[str, type[IdlStruct]] = {}
 
     def struct(self, type_name: str) -> type[IdlStruct]:
-        """The type of a message.
+        """Return the type of a message.
 
         Raises:
             UnknownNameError: If the distribution has no such type.
@@ -126,7 +126,7 @@ SPARE = 16
 
 
 def writer_qos(qos: Qos, type_hash: str) -> DdsQos:
-    """The policies of a writer."""
+    """Return the policies of a writer."""
     from cyclonedds.core import Policy
     from cyclonedds.core import Qos as DdsQos
 
@@ -137,7 +137,7 @@ def writer_qos(qos: Qos, type_hash: str) -> DdsQos:
 
 
 def reader_qos(qos: Qos, type_hash: str, *, kept: int) -> DdsQos:
-    """The policies of a reader that holds `kept` messages."""
+    """Return the policies of a reader that holds `kept` messages."""
     from cyclonedds.core import Policy
     from cyclonedds.core import Qos as DdsQos
 
@@ -145,12 +145,12 @@ def reader_qos(qos: Qos, type_hash: str, *, kept: int) -> DdsQos:
 
 
 def kept_by_reader(qos: Qos) -> int:
-    """How many messages a reader holds until they are taken."""
+    """Return how many messages a reader holds until they are taken."""
     return 4 * qos.depth + SPARE
 
 
 def user_data(qos: DdsQos | None) -> dict[str, str]:
-    """What ROS writes into the user data of an endpoint or a participant: "key=value;key=value;"."""
+    """Return what ROS writes into the user data of an endpoint or a participant: "key=value;key=value;"."""
     from cyclonedds.core import Policy
 
     found: Any = qos[Policy.Userdata] if qos is not None and Policy.Userdata in qos else None
@@ -160,7 +160,7 @@ def user_data(qos: DdsQos | None) -> dict[str, str]:
 
 
 def read_qos(qos: DdsQos | None) -> Qos:
-    """The quality of service of an endpoint, as discovery tells it."""
+    """Read the quality of service of an endpoint, as discovery tells it."""
     from cyclonedds.core import Policy
 
     def policy(kind: Any) -> Any:

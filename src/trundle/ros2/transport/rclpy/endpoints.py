@@ -88,7 +88,7 @@ class RelayedSubscription:
         return self._dropped + self.dropped_by_child
 
     def take(self) -> list[Sample]:
-        """What arrived since, oldest first."""
+        """Return what arrived since the last call, oldest first."""
         with self._lock:
             samples = list(self._samples)
             self._samples.clear()
@@ -134,15 +134,15 @@ class RelayedGoal:
             self._outbox.put_message(self._feedback, data)
 
     def succeed(self, result: bytes) -> None:
-        """End it: reached."""
+        """End the goal: it was reached."""
         self._end(child.SUCCEEDED, result)
 
     def abort(self, result: bytes) -> None:
-        """End it: not reached."""
+        """End the goal: it was not reached."""
         self._end(child.ABORTED, result)
 
     def canceled(self, result: bytes) -> None:
-        """End it: canceled by its client."""
+        """End the goal: its client canceled it."""
         self._end(child.CANCELED, result)
 
     def _end(self, how: int, result: bytes) -> None:
@@ -154,29 +154,22 @@ class RelayedGoal:
 
 
 class Requests:
-    """The handlers of services and actions, and what waits for them."""
+    """The handlers of services and actions, and what waits for them.
+
+    Attributes:
+        services, actions: The handlers, by the child's numbers.
+        waiting: Frames of the child (kind, number, payload) that wait for `dispatch`.
+    """
 
     def __init__(self) -> None:
-        self._services: dict[int, Handler] = {}
-        self._actions: dict[int, ActionHandler] = {}
+        self.services: dict[int, Handler] = {}
+        self.actions: dict[int, ActionHandler] = {}
+        self.waiting: deque[tuple[int, int, bytes]] = deque()
         self._goals: dict[int, tuple[RelayedGoal, ActionHandler]] = {}
-        self._waiting: deque[tuple[int, int, bytes]] = deque()
-
-    def add_service(self, number: int, handler: Handler) -> None:
-        """Answer the requests of a service with a handler."""
-        self._services[number] = handler
-
-    def add_action(self, number: int, handler: ActionHandler) -> None:
-        """Pass the goals of an action to a handler."""
-        self._actions[number] = handler
-
-    def add(self, kind: int, number: int, payload: bytes) -> None:
-        """Let a frame of the child wait for `dispatch`."""
-        self._waiting.append((kind, number, payload))
 
     def forget(self) -> None:
         """Drop what waits and what is under way: the child that asked is gone."""
-        self._waiting.clear()
+        self.waiting.clear()
         self._goals.clear()
 
     def dispatch(self, outbox: child.Outbox) -> None:
@@ -185,11 +178,11 @@ class Requests:
         One that fails is logged. Its client is answered all the same: with a response as ROS makes it, with a
         rejection, or with an aborted goal.
         """
-        while self._waiting:
-            kind, number, payload = self._waiting.popleft()
+        while self.waiting:
+            kind, number, payload = self.waiting.popleft()
             (subject,), data = child.NUMBER.unpack_from(payload), payload[child.NUMBER.size :]
             if kind == child.STARTED:
-                self._start(number, self._actions[subject], data, outbox)
+                self._start(number, self.actions[subject], data, outbox)
                 continue
             try:
                 answer = self._answer(kind, subject, data)
@@ -200,9 +193,9 @@ class Requests:
 
     def _answer(self, kind: int, subject: int, data: bytes) -> bytes:
         if kind == child.REQUEST:
-            return _YES + self._services[subject](data)
+            return _YES + self.services[subject](data)
         if kind == child.GOAL:
-            return _YES if self._actions[subject].accepts(data) else _NO
+            return _YES if self.actions[subject].accepts(data) else _NO
         goal, handler = self._goals[subject]
         if goal.is_over or not handler.cancel(goal):
             return _NO

@@ -8,7 +8,7 @@ import logging
 import os
 import threading
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 from trundle.errors import InputError, TransportError, TrundleError
@@ -59,12 +59,15 @@ def open_rclpy(
 class RclpyTransport:
     """A node of the user's own ROS, on any RMW and with the user's types: topics, services and actions.
 
+    What is offered, asked for or served raises InputError if this ROS does not have the type or refuses the name, and
+    TransportError if the child is gone.
+
     Args:
         python: The Python that imports rclpy.
         settings: Domain and range.
         node: Name of our node.
         namespace: Its namespace.
-        retry_s: How long to wait before each try to start the child again once it is lost; none: it is left to
+        retry_s: How long to wait before each try to start the child again once it is lost. If empty, it is left to
             `restart`.
 
     Raises:
@@ -126,53 +129,33 @@ class RclpyTransport:
         )
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> RelayedPublisher:
-        """Offer a topic.
-
-        Raises:
-            InputError: If this ROS does not have the type, or refuses the name.
-            TransportError: If the child is gone.
-        """
+        """Offer a topic; see `Transport`."""
         number = next(self._numbers)
         self._publishers[number] = publisher = RelayedPublisher(number, qos, self._link.outbox)
-        self._make("publisher", number, topic=topic, type=type_name, qos=_as_json(qos))
+        self._make("publisher", number, topic=topic, type=type_name, qos=asdict(qos))
         return publisher
 
     def subscription(self, topic: str, type_name: str, qos: Qos) -> RelayedSubscription:
-        """Subscribe to a topic.
-
-        Raises:
-            InputError: If this ROS does not have the type, or refuses the name.
-            TransportError: If the child is gone.
-        """
+        """Subscribe to a topic; see `Transport`."""
         number = next(self._numbers)
         self._subscriptions[number] = subscription = RelayedSubscription(qos)
-        self._make("subscription", number, topic=topic, type=type_name, qos=_as_json(qos))
+        self._make("subscription", number, topic=topic, type=type_name, qos=asdict(qos))
         return subscription
 
     def service(self, name: str, type_name: str, handler: Handler) -> None:
-        """Serve a service.
-
-        Raises:
-            InputError: If this ROS does not have the type, or refuses the name.
-            TransportError: If the child is gone.
-        """
+        """Serve a service; see `Transport`."""
         number = next(self._numbers)
-        self._requests.add_service(number, handler)
+        self._requests.services[number] = handler
         self._make("service", number, name=name, type=type_name)
 
     def action(self, name: str, type_name: str, handler: ActionHandler) -> None:
-        """Serve an action.
-
-        Raises:
-            InputError: If this ROS does not have the type, or refuses the name.
-            TransportError: If the child is gone.
-        """
+        """Serve an action; see `Transport`."""
         number = next(self._numbers)
-        self._requests.add_action(number, handler)
+        self._requests.actions[number] = handler
         self._make("action", number, name=name, type=type_name)
 
     def definition(self, type_name: str) -> str:
-        """The text of a type and of all in it, as this ROS has it; "" if it does not have it.
+        """Return the text of a type and of all in it, as this ROS has it; "" if it does not have it.
 
         Raises:
             TransportError: If the child is gone.
@@ -183,7 +166,7 @@ class RclpyTransport:
             return ""
 
     def graph(self) -> Graph:
-        """Who is on the network now.
+        """Return who is on the network now.
 
         Raises:
             TransportError: If the child is gone.
@@ -293,7 +276,7 @@ class RclpyTransport:
         elif kind == child.NOTE:
             _logger.warning("%s", payload.decode(errors="replace"))
         elif kind in (child.REQUEST, child.GOAL, child.STARTED, child.CANCEL):
-            self._requests.add(kind, number, payload)
+            self._requests.waiting.append((kind, number, payload))
             self._arrived.set()
         else:
             raise child.BrokenStreamError(f"a frame of kind {kind}, which is not known")
@@ -307,12 +290,8 @@ class RclpyTransport:
             self._publishers[int(number)].matched = int(matched)
 
 
-def _as_json(qos: Qos) -> dict[str, object]:
-    return {"depth": qos.depth, "reliability": qos.reliability, "durability": qos.durability}
-
-
 def read_graph(report: Mapping[str, Any]) -> Graph:
-    """The graph of a child's report, without what ROS's own tools hide: names with a part that begins with "_"."""
+    """Read the graph of a child's report, without what ROS's own tools hide: names with a part that begins with "_"."""
     ours = {full_name(*node) for node in report["ours"]}
     endpoints = [_endpoint(entry, ours) for entry in report["endpoints"] if not _is_hidden(entry["topic"])]
     offers = [_offer(entry, ours) for entry in report["offers"] if not _is_hidden(entry["name"])]
@@ -321,7 +300,7 @@ def read_graph(report: Mapping[str, Any]) -> Graph:
 
 
 def full_name(name: str, namespace: str) -> str:
-    """A node's name with its namespace ("/robot/amcl"); "" for one that is not known, as of a program without ROS."""
+    """Return a node's name with its namespace ("/robot/amcl"); "" if it is not known, as of a program without ROS."""
     if not name or name.startswith(("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")):
         return ""
     return f"{namespace.rstrip('/')}/{name}"
