@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from trundle.errors import InputError
-from trundle.messages.distros import DEFAULT, Distro
+from trundle.messages.codec import DEFAULT, Distro
 from trundle.recording.extra import check_extra
 from trundle.values import as_path
 

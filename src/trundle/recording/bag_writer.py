@@ -17,7 +17,7 @@ from mcap.writer import CompressionType, Writer
 
 from trundle.errors import OutputError
 from trundle.files.writing import atomic_path, cannot_write
-from trundle.messages.distros import OLD_BAGS
+from trundle.messages.codec import OLD_BAGS
 from trundle.messages.qos import Qos
 from trundle.version import __version__
 

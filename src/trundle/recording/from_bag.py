@@ -14,7 +14,7 @@ from trundle.costmap import Costmap
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Goal, Pose2D, Twist2D, wrap_angles
 from trundle.maps import OccupancyGrid
-from trundle.messages.distros import DEFAULT, Distro
+from trundle.messages.codec import DEFAULT, Distro
 from trundle.mission import Episode, Observer, Outcome, RunInfo, Scenario, Step
 from trundle.mission.metrics import compute_metrics, measure_truth
 from trundle.mission.trajectory import Trajectory

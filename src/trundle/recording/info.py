@@ -10,7 +10,7 @@ from pathlib import Path
 from mcap.records import Channel, Message, Metadata, Schema
 
 from trundle.errors import InputError
-from trundle.messages.distros import DEFAULT, Distro
+from trundle.messages.codec import DEFAULT, Distro
 from trundle.recording.bag_reader import BagReader, BagTopic
 from trundle.recording.extra import check_extra
 from trundle.recording.records import BagRecords, has_end

@@ -9,11 +9,9 @@ from typing import Any
 from trundle.costmap import Costmap
 from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
-from trundle.messages.codec import Codec
-from trundle.messages.distros import Distro
-from trundle.messages.makers import MessageMaker
+from trundle.messages.codec import Codec, Distro
+from trundle.messages.makers import MessageMaker, scan_topic
 from trundle.messages.qos import CLOCK, LATCHED, SENSOR, TRANSFORMS, Qos
-from trundle.messages.topic_names import scan_topic
 from trundle.mission import Step
 from trundle.observation import Scan
 from trundle.recording.bag_writer import BagWriter, Topic
