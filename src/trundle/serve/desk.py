@@ -10,13 +10,12 @@ from typing import Protocol, Self
 
 from trundle.errors import InputError, TrundleError
 from trundle.fault import find_fault, folder_of, is_of_plugin, text_of
-from trundle.mission import Episode, LiveStatus, Mission, Observer, Scenario, Session
+from trundle.mission import Episode, LiveStatus, Mission, Observer, Restart, Scenario, Session
 from trundle.mission.place import make_place
 from trundle.mission.record_file import RECORD
-from trundle.serve import messages
 from trundle.serve.choosing import choose
 from trundle.serve.hub import Hub
-from trundle.serve.messages import Message
+from trundle.serve.messages import Message, Order, Preview, Setup
 from trundle.serve.show import Show, scene_message
 from trundle.serve.steerer import Refuse, Steerer
 from trundle.serve.watch import Watch
@@ -146,12 +145,12 @@ class Desk:
         self._hub.present(Show(0, scene))
 
     def _carry_out(self, request: Message) -> None:
-        if isinstance(request, messages.Setup):
+        if isinstance(request, Setup):
             self._drive_once(choose(self._base, request))
-        elif isinstance(request, messages.RestartRun) and self._last is not None:
-            seed = self._last.seed + 1 if request.seed == "next" else request.seed
+        elif (restart := _restart_of(request)) is not None and self._last is not None:
+            seed = self._last.seed + 1 if restart.seed == "next" else restart.seed
             self._drive_once(self._last if seed is None else self._last.model_copy(update={"seed": seed}))
-        elif isinstance(request, messages.Preview):
+        elif isinstance(request, Preview):
             self.preview(choose(self._base, request))
 
     def _drive_once(self, scenario: Scenario) -> None:
@@ -188,8 +187,8 @@ class Desk:
 
     def handle(self, message: Message, client: int, refuse: Refuse) -> None:
         """Carry out a request of the driver; `refuse` gets the reason where that cannot be done."""
-        is_setup = isinstance(message, messages.Setup | messages.Preview)
-        if not is_setup and (self._steerer.runs or not isinstance(message, messages.RestartRun)):
+        is_setup = isinstance(message, Setup | Preview)
+        if not is_setup and (self._steerer.runs or _restart_of(message) is None):
             self._steerer.handle(message, client, refuse)
             return
         try:
@@ -204,9 +203,14 @@ class Desk:
     def _ask(self, message: Message) -> None:
         if self._is_busy:
             raise InputError("something runs, or is being prepared: end it first")
-        if isinstance(message, messages.RestartRun) and self._last is None:
+        if _restart_of(message) is not None and self._last is None:
             raise InputError("nothing has run yet: set up a run first")
-        if isinstance(message, messages.Setup | messages.Preview):
+        if isinstance(message, Setup | Preview):
             self._hub.choices.check(message)
         self._is_busy = True
         self._requests.put(message)
+
+
+def _restart_of(message: Message) -> Restart | None:
+    """The restart that a message asks for, if it does."""
+    return message.directive if isinstance(message, Order) and isinstance(message.directive, Restart) else None
