@@ -200,7 +200,7 @@ class PageServer:
             while True:
                 await client.wake.wait()
                 client.wake.clear()
-                while (text := client.take(self._hub.show)) is not None:
+                while (text := client.take(self._hub.feed)) is not None:
                     await connection.send(fragments(text) if is_long(text) else text)
 
     # HTTP -----------------------------------------------------------------------------------------------------------

@@ -25,7 +25,7 @@ from trundle.mission import (
 )
 from trundle.mission.steering.directives import Directive
 from trundle.serve.messages import Message, Order
-from trundle.serve.show import page_name
+from trundle.serve.run_feed import page_name
 
 MAX_BOXES, MAX_GOALS = 100, 200
 """How many a page may add to one run."""

@@ -23,7 +23,7 @@ from trundle.sim.mover_history import MoverHistory
 from trundle.viewer.cameras import Camera
 from trundle.viewer.moving import movers_at_start
 from trundle.viewer.route import goal_radius, mark_route
-from trundle.viewer.stage import AT_REST, SHOWN_GROUPS, Stage
+from trundle.viewer.scene_model import AT_REST, SHOWN_GROUPS, SceneModel
 from trundle.worlds import World
 
 _KEYS = {265: "up", 264: "down", 263: "left", 262: "right", 32: "stop"}
@@ -75,14 +75,14 @@ class NativeWindow:
         if pose is None:
             pose = world.seeds[0] if world.seeds else (0.0, 0.0)
         pose = Pose2D.of(pose)
-        self._stage = Stage(world, robot, size=(1280, 720), samples=4, shadow_size=4096)
-        self._stage.place(pose, AT_REST, movers_at_start(world, robot, pose))
+        self._scene = SceneModel(world, robot, size=(1280, 720), samples=4, shadow_size=4096)
+        self._scene.place(pose, AT_REST, movers_at_start(world, robot, pose))
         self._movers = MoverHistory()
         self._chase = chase
-        self._stage.model.vis.map.shadowclip = _SHADOWS_M / self._stage.model.stat.extent
-        camera = self._stage.aim("chase" if chase else "robot", pose)
+        self._scene.model.vis.map.shadowclip = _SHADOWS_M / self._scene.model.stat.extent
+        camera = self._scene.aim("chase" if chase else "robot", pose)
         self._keys: queue.SimpleQueue[str] = queue.SimpleQueue()
-        model, data = self._stage.model, self._stage.data
+        model, data = self._scene.model, self._scene.data
         others = set(threading.enumerate())
         self._handle: Any = mujoco.viewer.launch_passive(
             model, data, key_callback=self._on_key, show_left_ui=False, show_right_ui=False
@@ -104,16 +104,16 @@ class NativeWindow:
         self._movers.add(state.time, state.movers)
         if self.is_open:
             with self._handle.lock():
-                self._stage.place(pose, state.wheel_positions, self._movers.at(state.time))
+                self._scene.place(pose, state.wheel_positions, self._movers.at(state.time))
                 if self._chase:
-                    self._point(self._stage.aim("chase", pose))
+                    self._point(self._scene.aim("chase", pose))
             self._handle.sync()
 
     def mark_route(self, path: npt.ArrayLike | None, goal: Pose2D | None) -> None:
         """Show a path (waypoints [m], map frame, shape (N, 2) or more columns) and a goal on the floor, or neither."""
         if self.is_open:
             with self._handle.lock():
-                mark_route(self._handle.user_scn, path, goal, goal_radius(self._stage.robot.circumscribed_radius))
+                mark_route(self._handle.user_scn, path, goal, goal_radius(self._scene.robot.circumscribed_radius))
             self._handle.sync()
 
     def read_keys(self) -> list[str]:

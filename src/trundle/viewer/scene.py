@@ -13,7 +13,7 @@ from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.mover_history import ShownMovers
 from trundle.viewer.cameras import Camera
 from trundle.viewer.painters import Painter, Pixels, RendererKind, open_painter
-from trundle.viewer.stage import AT_REST, Stage
+from trundle.viewer.scene_model import AT_REST, SceneModel
 from trundle.worlds import World
 
 MAX_SIZE = 4096
@@ -54,10 +54,10 @@ class SceneRenderer:
         if not (1 <= width <= MAX_SIZE and 1 <= height <= MAX_SIZE):
             raise InputError(f"a picture's size must be 1 to {MAX_SIZE} pixels wide and high, got {width} x {height}")
         self._camera = camera
-        self._stage = Stage(
+        self._scene = SceneModel(
             world, robot, size=(width, height), path=path, goal=goal, samples=samples, shadow_size=shadow_size
         )
-        self._painter: Painter | None = open_painter(self._stage.model, (width, height))
+        self._painter: Painter | None = open_painter(self._scene.model, (width, height))
         self._kind: RendererKind = self._painter.kind
 
     @property
@@ -88,8 +88,8 @@ class SceneRenderer:
         if self._painter is None:
             raise SimulationError("this SceneRenderer is closed; create a new one")
         pose = Pose2D.of(pose)
-        self._stage.place(pose, wheel_positions, movers)
-        return self._painter.paint(self._stage.data, self._stage.aim(self._camera, pose))
+        self._scene.place(pose, wheel_positions, movers)
+        return self._painter.paint(self._scene.data, self._scene.aim(self._camera, pose))
 
     def close(self) -> None:
         """Release the driver's context; closing twice does nothing."""

@@ -108,21 +108,21 @@ def _run(mission: Mission, observers: Sequence[Observer], shown: Presentation) -
 
 def _drive_in_browser(scenario: Scenario, shown: Presentation, recorder: _Recorder, opened: ExitStack) -> Episode:
     """Show it in the browser, until it has ended and the page is closed."""
-    from trundle.serve.desk import Desk
+    from trundle.serve.run_service import RunService
 
     page = opened.enter_context(browser.serving(scenario, source=scenario.title))
     browser.announce(page, quiet=shown.quiet)
     recorder.narrate("Building the world, its map and the simulation")
     speed = 1.0 if shown.speed is None else shown.speed
-    desk = opened.enter_context(Desk(page.hub, scenario, recorder, recorder.record_failure, speed=speed))
+    service = opened.enter_context(RunService(page.hub, scenario, recorder, recorder.record_failure, speed=speed))
     try:
-        desk.drive(scenario)
+        service.drive(scenario)
     except BaseException as error:
         if not is_of_plugin(error):
             raise
-        desk.tell(error)
-    browser.linger(page, lambda is_over: desk.serve(until=is_over), quiet=shown.quiet)
-    return desk.last_episode()
+        service.tell(error)
+    browser.linger(page, lambda is_over: service.serve(until=is_over), quiet=shown.quiet)
+    return service.last_episode()
 
 
 class _Recorder:

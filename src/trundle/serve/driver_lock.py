@@ -1,4 +1,4 @@
-"""`Wheel`: which one of the clients drives."""
+"""`DriverLock`: which one of the clients drives."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ ANSWER_S = 30.0
 """A driver that has not answered a request for this long has left the page: it is granted."""
 
 
-class Wheel:
+class DriverLock:
     """One client drives, the others watch and may ask to take over.
 
     The first client drives. Where nobody drives, because the driver has left, the next one that asks does.

@@ -1,4 +1,4 @@
-"""`Show`: what pages are shown of one run, or of a world in which nothing runs yet."""
+"""`RunFeed`: what pages are shown of one run, or of a world in which nothing runs yet."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class Note:
 _Item: TypeAlias = Step | Episode | Note
 
 
-class Show:
+class RunFeed:
     """One run as the pages get it. The thread that runs it hands over what happens; the server's thread encodes it.
 
     The run only appends to lists and replaces references, so it never waits for the server or a client.

@@ -1,4 +1,4 @@
-"""`Desk`: runs the missions that the driver of the page sets up, one after another."""
+"""`RunService`: runs the missions that the driver of the page sets up, one after another."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from trundle.mission.record_file import RECORD
 from trundle.serve.choosing import choose
 from trundle.serve.hub import Hub
 from trundle.serve.messages import Message, Order, Preview, Setup
-from trundle.serve.show import Show, scene_message
+from trundle.serve.run_feed import RunFeed, scene_message
 from trundle.serve.steerer import Refuse, Steerer
 from trundle.serve.watch import Watch
 from trundle.sim import world_of
@@ -32,7 +32,7 @@ class Record(Protocol):
         ...
 
 
-class Desk:
+class RunService:
     """Runs missions in the thread that calls it, as the driver of the page says; use it in a `with` block.
 
     Args:
@@ -142,7 +142,7 @@ class Desk:
         scene, remark = scene_message(place.world, place.robot, place.grid)
         if remark:
             self._hub.announce(remark)
-        self._hub.present(Show(0, scene))
+        self._hub.present(RunFeed(0, scene))
 
     def _carry_out(self, request: Message) -> None:
         if isinstance(request, Setup):

@@ -1,4 +1,4 @@
-"""`Stage`: a static MuJoCo model of a robot in a world, for rendering."""
+"""`SceneModel`: a static MuJoCo model of a robot in a world, for rendering."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _CLEAR = 1.1  # the line of sight must be clear up to this multiple of the camer
 _AT_EDGE = 0.35  # walls within this distance of the world's edge are outer walls [m]
 
 
-class Stage:
+class SceneModel:
     """A robot in a world, to be posed and drawn.
 
     Args:
