@@ -14,6 +14,7 @@ from trundle.maps import OccupancyGrid
 from trundle.maps.frame import GridFrame
 from trundle.maps.images.png import encode_png
 from trundle.page.encoding import rounded
+from trundle.pictures.cells import merge_cells
 
 UNKNOWN_GREY, FREE_GREY = 205, 254
 """Of cells of a map; occupied ones are 0, as in ROS maps."""
@@ -62,11 +63,4 @@ def _picture(frame: GridFrame, values: npt.NDArray[np.uint8], factor: int) -> di
 def _shrunk(values: npt.NDArray[np.uint8]) -> tuple[npt.NDArray[np.uint8], int]:
     """Values in cells of so many times the size that they are few enough, and that factor."""
     factor = math.ceil(math.sqrt(values.size / _MOST_CELLS))
-    return (_coarser(values, factor) if factor > 1 else values), factor
-
-
-def _coarser(values: npt.NDArray[np.uint8], factor: int) -> npt.NDArray[np.uint8]:
-    """The largest value in every square of `factor` cells."""
-    rows, cols = values.shape
-    padded = np.pad(values, ((0, -rows % factor), (0, -cols % factor)))
-    return padded.reshape(padded.shape[0] // factor, factor, -1, factor).max(axis=(1, 3))
+    return (merge_cells(np.arange(256, dtype=np.uint8), values, factor) if factor > 1 else values), factor

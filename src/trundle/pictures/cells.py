@@ -93,9 +93,7 @@ def lay_cells(
 
 def _color(cells: Bytes, palette: Bytes, order: Sequence[int], merged: int) -> Bytes:
     """Colours of squares of `merged` cells a side, shape (rows, cols, 3)."""
-    ranks = np.empty(256, np.uint8)
-    ranks[list(order)] = np.arange(256, dtype=np.uint8)
-    return palette[list(order)][merge_cells(ranks, cells, merged)]
+    return palette[keep_last(cells, order, merged)]
 
 
 def _corners(shape: tuple[int, ...], yaw: float) -> FloatArray:
@@ -129,6 +127,14 @@ def _look_up(colors: Bytes, x: FloatArray, y: FloatArray, yaw: float) -> tuple[B
     picture = np.full((*inside.shape, 3), PAGE, dtype=np.uint8)
     picture[inside] = colors[row[inside], col[inside]]
     return picture, inside
+
+
+def keep_last(cells: Bytes, order: Sequence[int], factor: int) -> Bytes:
+    """Return of every square of `factor` cells a side the value that comes last in `order`, which has all 256."""
+    if factor == 1:
+        return cells
+    values = np.array(order, dtype=np.uint8)
+    return values[merge_cells(np.argsort(values).astype(np.uint8), cells, factor)]
 
 
 def merge_cells(ranks: Bytes, cells: Bytes, factor: int) -> Bytes:

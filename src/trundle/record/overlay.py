@@ -31,11 +31,10 @@ from trundle.pictures.colors import (
     Rgb,
     speed_color,
 )
-from trundle.record.map_view import MapView, empty_floor
+from trundle.record.map_view import MapView, speed_zones, view_run, zone_marks
 from trundle.record.mover_trails import MoverTrails
 from trundle.record.page import Mark, compose_page, draw_tag
 from trundle.record.stripes import draw_striped
-from trundle.record.zones import speed_zones, zone_marks
 from trundle.robots import Robot
 
 _SPEED_LEVELS = 24
@@ -71,8 +70,7 @@ def draw_plan(
         speed_mask: The speed limits, or None.
         before: The path before smoothing, drawn thin on top, or None.
     """
-    zones = speed_zones(speed_mask, robot)
-    view = MapView(costmap, path.poses[:, :2], zones=zones)
+    view = MapView(costmap, path.poses[:, :2], zones=speed_zones(speed_mask, robot))
     view.line(path.poses[:, :2], PLANNED, 7)
     marks = list(_LEGEND)
     if before is not None:
@@ -90,7 +88,7 @@ def draw_plan(
         title=title or f"{robot.name} · {path.planner}",
         status=None,
         lines=lines or [f"{path.length:.2f} m{cost}"],
-        legend=[*marks, *zone_marks(costmap, zones)],
+        legend=[*marks, *zone_marks(view.costmap, view.zones)],
         pixels_per_metre=view.pixels_per_metre,
     )
 
@@ -107,8 +105,8 @@ def draw_paths(
         title: Headline; None means the robot's name.
         speed_mask: The speed limits, or None.
     """
-    zones = speed_zones(speed_mask, robot)
-    view = MapView(costmap, np.concatenate([path.poses[:, :2] for path in paths.values()]), zones=zones)
+    seen = np.concatenate([path.poses[:, :2] for path in paths.values()])
+    view = MapView(costmap, seen, zones=speed_zones(speed_mask, robot))
     colors = [SEVERAL[index % len(SEVERAL)] for index in range(len(paths))]
     draw_striped(view, [(path.poses[:, :2], color) for path, color in zip(paths.values(), colors, strict=True)])
     legend = [Mark("line", color, name) for name, color in zip(paths, colors, strict=True)]
@@ -123,7 +121,7 @@ def draw_paths(
         title=title or robot.name,
         status=None,
         lines=[" · ".join(f"{name} {path.length:.2f} m" for name, path in paths.items())],
-        legend=[*legend, *zone_marks(costmap, zones)],
+        legend=[*legend, *zone_marks(view.costmap, view.zones)],
         pixels_per_metre=view.pixels_per_metre,
     )
 
@@ -148,11 +146,7 @@ def draw_run(
         movers: Where the movers were, or None; they are drawn as they are at the end, with trails of eight seconds.
     """
     trajectory = episode.trajectory
-    goals = np.array([goal[:2] for goal in episode.goals]).reshape(-1, 2)
-    seen = [trajectory.poses[:, :2], goals, *(path.poses[:, :2] for path in episode.paths)]
-    zones = speed_zones(speed_mask, robot)
-    costmap = empty_floor(np.concatenate(seen), robot) if costmap is None else costmap
-    view = MapView(costmap, np.concatenate(seen), zones=zones)
+    view = view_run(costmap, robot, episode, speed_mask)
     kept = _kept_paths(trajectory)
     for index, path in enumerate(episode.paths):
         view.line(path.poses[:, :2], PLANNED, 11 if index in kept else 2)
@@ -175,12 +169,13 @@ def draw_run(
     tags = [(episode.start.as_tuple(), "start", START)]
     tags += [(goal, name, GOAL) for goal, name in zip(episode.goals, names, strict=True)]
     _draw_tags(view, robot, picture, tags)
+    moving = [Mark("line", WARNING, "moving")] if movers else []
     return compose_page(
         picture,
         title=episode.name,
         status=(episode.outcome.value.replace("_", " "), _STATUS.get(episode.outcome, WARNING)),
         lines=describe(episode),
-        legend=[*_LEGEND, *([Mark("line", WARNING, "moving")] if movers else []), *zone_marks(costmap, zones)],
+        legend=[*_LEGEND, *moving, *zone_marks(view.costmap, view.zones)],
         pixels_per_metre=view.pixels_per_metre,
         top_speed=top_speed,
     )

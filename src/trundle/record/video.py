@@ -21,9 +21,8 @@ from trundle.geometry import FloatArray, Pose2D
 from trundle.mission import Episode, RunInfo
 from trundle.pictures.colors import GOAL, INK, PAGE, PLANNED, ROBOT, SAMPLED, START, WARNING
 from trundle.pictures.text import font
-from trundle.record.map_view import MapView, empty_floor
+from trundle.record.map_view import view_run
 from trundle.record.sample_history import SampleHistory, Samples
-from trundle.record.zones import speed_zones
 from trundle.sim.mover_history import MoverHistory, ShownMovers
 
 FRAMES_PER_SECOND = 30
@@ -211,11 +210,8 @@ class DrawnFrames:
     def __init__(self, run: RunInfo, episode: Episode) -> None:
         self.samples: Samples | None = None
         self._robot = run.robot
-        goals = np.array([goal[:2] for goal in episode.goals]).reshape(-1, 2)
-        seen = [episode.trajectory.poses[:, :2], goals, *(path.poses[:, :2] for path in episode.paths)]
-        zones = speed_zones(run.speed_mask, run.robot)
-        costmap = empty_floor(np.concatenate(seen), run.robot) if run.costmap is None else run.costmap
-        view = MapView(costmap, np.concatenate(seen), long_side=DRAWN_SIDE, max_side=MAX_DRAWN_SIDE, zones=zones)
+        sides = {"long_side": DRAWN_SIDE, "max_side": MAX_DRAWN_SIDE}
+        view = view_run(run.costmap, run.robot, episode, run.speed_mask, **sides)
         for path in episode.paths:
             view.line(path.poses[:, :2], PLANNED, 6)
         view.disc(episode.start.as_tuple()[:2], 6, START)
