@@ -8,7 +8,7 @@ from trundle.mission.episode import Episode
 from trundle.mission.observers import RunInfo, Step
 from trundle.mission.steering.report import SteeringReport
 from trundle.navigation.behaviors import BehaviorRun
-from trundle.page.rows import goal_of
+from trundle.page.run_lines import goal_of
 from trundle.path import Path
 
 KINDS = ("start", "plan", "replan", "blocked", "recovery", "monitor", "contact", "goal", "steer", "end")

@@ -12,9 +12,8 @@ from trundle.mission.episode import Episode
 from trundle.mission.observers import RunInfo, Step
 from trundle.mission.steering.directives import DropBox
 from trundle.observation import Scan
-from trundle.page.encoding import unpack_array
+from trundle.page.encoding import costmap_png, unpack_array
 from trundle.page.frames import frame_of
-from trundle.page.maps import costmap_png
 from trundle.page.run_lines import RunLines
 from trundle.page.scene import solid_instances
 

@@ -13,9 +13,8 @@ from trundle.mission.episode import Episode
 from trundle.mission.metrics import distances_to_polyline
 from trundle.mission.truth import CLEARANCE_CAP
 from trundle.page.encoding import finite, rounded
-from trundle.page.rows import goal_of
 from trundle.page.run_data import dropped_boxes
-from trundle.page.run_lines import path_of
+from trundle.page.run_lines import goal_of, path_of
 from trundle.robots import Robot
 from trundle.sim.clearance import map_world
 from trundle.worlds import World

@@ -15,7 +15,7 @@ from trundle.maps import OccupancyGrid
 from trundle.mission import Episode, LiveStatus, RunInfo, SteeringReport, Step
 from trundle.observation import Scan
 from trundle.page import RunLines
-from trundle.page.rows import goal_of
+from trundle.page.run_lines import goal_of
 from trundle.robots import Robot
 from trundle.serve.encoding import encode, encode_message
 from trundle.serve.run_log import RunLog
