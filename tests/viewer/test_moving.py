@@ -7,9 +7,8 @@ from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim import MoverState, RobotState
 from trundle.sim.mover_history import MoverHistory, ShownMovers
-from trundle.viewer.moving import movers_at_start
 from trundle.viewer.scene import SceneRenderer
-from trundle.viewer.scene_model import SceneModel
+from trundle.viewer.scene_model import SceneModel, movers_at_start
 from trundle.worlds import World
 from trundle.worlds.movers import Crowd, Mover, Waypoints
 

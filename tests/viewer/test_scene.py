@@ -10,8 +10,7 @@ from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot
 from trundle.viewer import gl
 from trundle.viewer.cameras import CAMERAS, Camera
-from trundle.viewer.offscreen import render
-from trundle.viewer.scene import SceneRenderer
+from trundle.viewer.scene import SceneRenderer, render
 from trundle.viewer.scene_model import SceneModel
 from trundle.worlds import World
 

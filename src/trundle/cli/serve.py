@@ -52,7 +52,7 @@ def serve(
         port: Port to listen on; default: 8765, or a free one where that is taken.
         open_: Open the page in the browser, where there is one.
     """
-    from trundle.record.failed_run import record_failure
+    from trundle.record.run_folder import record_failure
     from trundle.serve.run_service import RunService
 
     factor = options.parse_speed(speed)

@@ -11,19 +11,18 @@ from trundle.lazy import lazy_names
 
 if TYPE_CHECKING:
     from trundle.page.encoding import costmap_png, grid_png
-    from trundle.page.events import Events
     from trundle.page.frames import frame_of
     from trundle.page.html import csp, render
     from trundle.page.report import report_folder
     from trundle.page.run_data import RunData
-    from trundle.page.run_lines import COLUMNS, RunLines, info_of, row_of
+    from trundle.page.run_lines import COLUMNS, Events, RunLines, info_of, row_of
     from trundle.page.scene import scene_of
 
 __getattr__ = lazy_names(
     __name__,
     {
         "COLUMNS": "trundle.page.run_lines",
-        "Events": "trundle.page.events",
+        "Events": "trundle.page.run_lines",
         "RunData": "trundle.page.run_data",
         "RunLines": "trundle.page.run_lines",
         "costmap_png": "trundle.page.encoding",

@@ -1,7 +1,8 @@
-"""`Plan`: a drawing of lines and shapes in the plane, with north up, over a grid of round metres."""
+"""`Plan`: a drawing of lines, shapes and paths in the plane, with north up, over a grid of round metres."""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -11,8 +12,8 @@ from PIL import Image
 
 from trundle.geometry import FloatArray, Pose2D
 from trundle.pictures.canvas import SMOOTH, Canvas
-from trundle.pictures.colors import PAGE, PAPER_LINE, Rgb
-from trundle.pictures.text import scale_length
+from trundle.pictures.colors import BACKED, GOAL, LINE, PAGE, PAPER_LINE, START, Rgb
+from trundle.pictures.figure import make_figure, scale_length
 
 _LONG_SIDE = 720
 _LEAST_RATIO = 0.3  # of the shorter to the longer side
@@ -112,3 +113,21 @@ class Plan(Canvas):
     def paste(self, pixels: npt.NDArray[np.uint8], covered: npt.NDArray[np.bool_]) -> None:
         """Put colours of pixels, as many as `inner_points` has, where they are covered."""
         self._image.paste(Image.fromarray(pixels), (0, 0), Image.fromarray(covered.astype(np.uint8) * 255))
+
+
+def draw_path(poses: FloatArray, backward: npt.NDArray[np.bool_], title: str, lines: Sequence[str]) -> Image.Image:
+    """Draw poses (x, y, yaw), shape (N, 3), and in another colour the legs that are driven backwards."""
+    plan = Plan(poses[:, :2])
+    draw_legs(plan, poses, backward)
+    start, goal = Pose2D(*poses[0].tolist()), Pose2D(*poses[-1].tolist())
+    plan.marker(goal, GOAL)
+    plan.marker(start, START)
+    return make_figure(plan.finish(), plan.pixels_per_metre, title, lines)
+
+
+def draw_legs(plan: Plan, poses: FloatArray, backward: npt.NDArray[np.bool_], *, width: float = 5.0) -> None:
+    """Draw the legs of a path, shape (N, 3): forward ones in `LINE`, backward ones in `BACKED`."""
+    turns = np.flatnonzero(np.diff(backward.astype(np.int8))) + 1
+    for first, last in itertools.pairwise([0, *turns.tolist(), len(poses) - 1]):
+        color = BACKED if len(backward) and backward[first] else LINE
+        plan.line(poses[first : last + 1, :2], color, width)

@@ -10,7 +10,7 @@ from PIL import Image, ImageDraw
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, wrap_angle, wrap_angles
 from trundle.pictures.colors import BAD, FAINT, GOAL, INK, PAGE, START
-from trundle.pictures.text import font, plain
+from trundle.pictures.figure import font, plain
 from trundle.record.chart import Chart, Curve, draw_chart
 from trundle.record.motion import Motion
 

@@ -15,7 +15,7 @@ from trundle.maps.grid import OccupancyGrid
 from trundle.pictures.colors import BAD, FAINT, GOOD, INK, PAGE, WARNING, Rgb
 from trundle.pictures.colors import OCCUPIED as WALL
 from trundle.pictures.colors import UNKNOWN as DARK
-from trundle.pictures.text import font, plain
+from trundle.pictures.figure import font, plain
 from trundle.record.map_view import MapView
 from trundle.record.page import Mark, compose_page, draw_tag
 

@@ -9,7 +9,7 @@ from typing import Literal
 from PIL import Image, ImageDraw
 
 from trundle.pictures.colors import BESIDE, FAINT, HAIRLINE, INK, PAGE, Rgb, speed_color
-from trundle.pictures.text import Font, draw_scale, font, plain, scale_length, shorten, text_length
+from trundle.pictures.figure import Font, draw_scale, font, plain, scale_length, shorten, text_length
 
 _EDGE = 28
 _LEAST_WIDTH = 900

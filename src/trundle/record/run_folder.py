@@ -1,15 +1,17 @@
-"""`RunFolder`: writes the results of a run atomically, so that a kill at any moment leaves no partial file."""
+"""`RunFolder`: the folder of a run, also of one whose plug-in raised before there was a session."""
 
 from __future__ import annotations
 
 import io
 import json
 import logging
+import math
 import os
 import platform
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Self
@@ -17,17 +19,22 @@ from typing import Self
 from PIL import Image
 
 from trundle.errors import OutputError, TrundleError
+from trundle.fault import find_fault, note_folder
 from trundle.files.writing import write_bytes, write_text
-from trundle.mission import Episode, RunInfo, Scenario, Step
+from trundle.geometry import Pose2D, Twist2D
+from trundle.mission import Episode, Outcome, RunInfo, Scenario, Step
+from trundle.mission.goal_fields import make_goal
 from trundle.mission.path_file import save_paths
+from trundle.mission.running.episode_maker import AgentTotals, make_episode
+from trundle.mission.running.preparation import describe_run, standing_at
+from trundle.mission.running.run_log import RunLog
 from trundle.mission.steering.file import DIRECTIVES_FILE, save_directives
 from trundle.page.report import REPORT, report_scene, write_report
 from trundle.page.run_data import RunData
 from trundle.record.folder_claim import FolderClaim
-from trundle.record.mover_trails import MoverTrails
-from trundle.record.overlay import draw_run
-from trundle.record.sample_history import SampleHistory
-from trundle.record.video import MakeFrames, Report, write_video
+from trundle.record.overlay import MoverTrails, draw_run
+from trundle.record.video import MakeFrames, Report, SampleHistory, write_video
+from trundle.robots import Robot
 from trundle.version import __version__
 
 _LOGGER = logging.getLogger(__name__)
@@ -251,3 +258,73 @@ def _versions() -> dict[str, str]:
         with suppress(PackageNotFoundError):
             versions[package] = version(package)
     return versions
+
+
+def record_failure(
+    error: BaseException,
+    scenario: Scenario,
+    out: str | os.PathLike[str] | None = None,
+    *,
+    overwrite: bool = False,
+    page: bool = True,
+) -> Path:
+    """Write the folder of a run that an exception ended before it began, and note it in the exception.
+
+    Args:
+        error: What a plug-in raised, such as the constructor of a planner.
+        scenario: What was to be run.
+        out: The folder; None means a new one under runs.
+        overwrite: Replace an existing run in it.
+        page: Whether to write report.html.
+
+    Returns:
+        The folder.
+
+    Raises:
+        OutputError: If it cannot be written.
+    """
+    with RunFolder(
+        out, name=scenario.title, overwrite=overwrite, scenario=scenario, page=page, overlay=False, video=False
+    ) as folder:
+        episode, info = _failed_episode(error, scenario)
+        folder.on_start(info)
+        folder.on_end(episode)
+    note_folder(error, folder.path)
+    return folder.path
+
+
+def _failed_episode(error: BaseException, scenario: Scenario) -> tuple[Episode, RunInfo]:
+    start = Pose2D(0.0, 0.0) if scenario.start is None else Pose2D.of(scenario.start)
+    given = scenario.goals if scenario.goals is not None else () if scenario.goal is None else (scenario.goal,)
+    info = describe_run(
+        None,
+        Robot.load(scenario.robot),
+        scenario.title,
+        start,
+        tuple(make_goal(goal) for goal in given),
+        (),
+        time_limit_s=math.inf if scenario.time_limit_s is None else scenario.time_limit_s,
+        seed=scenario.seed,
+        world=None,
+    )
+    info = replace(info, planner=scenario.planner.name, controller=scenario.controller.name)
+    log = RunLog()
+    state, estimate = standing_at(start)
+    log.add(state, Twist2D(), estimate, 0, None)
+    fault = find_fault(error)
+    episode = make_episode(
+        info,
+        log,
+        AgentTotals(),
+        Outcome.ERROR,
+        str(fault),
+        goals_reached=0,
+        behaviors=(),
+        directives=(),
+        world=None,
+        boxes=(),
+        wall_s=0.0,
+        measure=None,
+        fault=fault,
+    )
+    return episode, info

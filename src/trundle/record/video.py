@@ -15,15 +15,49 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw
 
+from trundle.control.controller import Rollouts
 from trundle.errors import InputError, OutputError
 from trundle.files.writing import write_bytes
 from trundle.geometry import FloatArray, Pose2D
 from trundle.mission import Episode, RunInfo
 from trundle.pictures.colors import GOAL, INK, PAGE, PLANNED, ROBOT, SAMPLED, START, WARNING
-from trundle.pictures.text import font
+from trundle.pictures.figure import font
 from trundle.record.map_view import view_run
-from trundle.record.sample_history import SampleHistory, Samples
 from trundle.sim.mover_history import MoverHistory, ShownMovers
+
+Samples: TypeAlias = npt.NDArray[np.float32]
+"""Places (x, y) [m], map frame, shape (N, T, 2), of N samples."""
+
+LINES = 12
+"""How many samples are kept of a step."""
+_POINTS = 15  # of each sample, about
+
+
+class SampleHistory:
+    """Collects what a controller considered best in each step; nothing for steps without samples.
+
+    A step takes about 1.5 kB.
+    """
+
+    def __init__(self) -> None:
+        self._steps: dict[int, Samples] = {}
+
+    def __len__(self) -> int:
+        return len(self._steps)
+
+    def add(self, index: int, rollouts: Rollouts | None) -> None:
+        """Add the samples of a step, by its index; step 0 begins another run."""
+        if index == 0:
+            self._steps.clear()
+        if rollouts is None:
+            return
+        stride = max(1, rollouts.poses.shape[1] // _POINTS)
+        self._steps[index] = rollouts.poses[:LINES, ::stride, :2].astype(np.float32)
+
+    def at(self, index: int) -> Samples | None:
+        """The samples of a step, the best first; none where it had none."""
+        return self._steps.get(index)
+
 
 FRAMES_PER_SECOND = 30
 MAX_FRAMES = 300

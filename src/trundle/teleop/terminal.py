@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from trundle.mission import Observer
     from trundle.record.drive_log import DriveLog
     from trundle.sim import Simulator
-    from trundle.teleop.text_map import TextMap
+    from trundle.teleop.screen import TextMap
 
 _HELP = """\
 w/s, i/k or up/down: forward, back
