@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from trundle.errors import InputError
 from trundle.mission import DropBox, Restart, SetGoal, Speed
-from trundle.serve.messages import Order, Setup, parse_message
+from trundle.serve.messages import Order, Setup, encode, encode_items, parse_message
 
 
 def test_messages_of_the_page_are_read() -> None:
@@ -89,3 +89,10 @@ def test_whatever_comes_is_a_message_or_refused(kind: str, fields: dict[str, obj
     except InputError:
         return
     assert message.type == kind
+
+
+def test_numbers_that_json_does_not_have_are_null():
+    text = encode({"a": [1.5, math.nan, (math.inf,)], "b": -math.inf})
+    assert json.loads(text) == {"a": [1.5, None, [None]], "b": None}
+    assert "\n" not in text
+    assert encode_items([1, math.nan]) == "1,null"

@@ -1,7 +1,9 @@
-"""The messages of a page, checked against a schema, since all of them come from outside."""
+"""The messages between pages and the server. What a page sends comes from outside: it is checked against a schema."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, InstanceOf, TypeAdapter, ValidationError, model_validator
@@ -9,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, InstanceOf, TypeAdapter, Vali
 from trundle.errors import InputError
 from trundle.mission.steering.checks import CheckedDirective
 from trundle.mission.steering.directives import read_directive
+from trundle.page.encoding import to_json
 from trundle.values import as_sequence, check_number, show_value
 
 MAX_BYTES = 16_384
@@ -124,3 +127,31 @@ def parse_message(text: str) -> Message:
         where = ".".join(str(part) for part in first["loc"])[:80]
         what = str(first.get("ctx", {}).get("error") or first["msg"])
         raise InputError(f"message refused: {where + ': ' if where else ''}{what[:200]}") from None
+
+
+def encode(value: object) -> str:
+    """JSON on one line; numbers that are not finite, which JSON does not have, become null."""
+    try:
+        return to_json(value)
+    except ValueError:
+        return to_json(_finite(value))
+
+
+def encode_message(kind: str, **fields: object) -> str:
+    """A message of this type."""
+    return encode({"type": kind, **fields})
+
+
+def encode_items(values: Sequence[object]) -> str:
+    """The items of a JSON array, without its brackets."""
+    return encode(list(values))[1:-1]
+
+
+def _finite(value: object) -> object:
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return value

@@ -1,25 +1,32 @@
-"""`RunFeed`: what pages are shown of one run, or of a world in which nothing runs yet."""
+"""`RunFeed`: what pages are shown of one run, or of a world in which nothing runs, and the observer that fills it."""
 
 from __future__ import annotations
 
 import math
 import time
 from collections import deque
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from trundle import page
 from trundle.costmap import Costmap
 from trundle.errors import WorldError
 from trundle.maps import OccupancyGrid
-from trundle.mission import Episode, LiveStatus, RunInfo, SteeringReport, Step
+from trundle.mission import Episode, LiveStatus, Observer, RunInfo, Steering, SteeringReport, Step
 from trundle.observation import Scan
 from trundle.page import RunLines
 from trundle.page.run_lines import goal_of
+from trundle.page.scene import solid_instances
 from trundle.robots import Robot
-from trundle.serve.encoding import encode, encode_message
-from trundle.serve.run_log import RunLog
+from trundle.serve.messages import encode, encode_items, encode_message
 from trundle.worlds import World
+
+if TYPE_CHECKING:
+    from trundle.serve.hub import Hub
+
+REPORT = "report.html"
 
 FRAME_PERIOD_S = 0.0495
 """At most 20 frames in a second, at the server's ticks."""
@@ -27,6 +34,54 @@ FRAME_PERIOD_S = 0.0495
 COSTMAP_PERIOD_S = 0.5
 _MOST_AT_ONCE = 200
 """Steps that are encoded at once, so that a run at full speed goes on in between."""
+
+_BATCH_BYTES = 256 * 1024
+"""A client that catches up gets messages of about this size."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Chunk:
+    first: int
+    rows: str
+    paths: str
+    events: str
+
+    def __len__(self) -> int:
+        return len(self.rows) + len(self.paths) + len(self.events)
+
+
+class RunLog:
+    """What a run has told so far, encoded once for all clients, each of which has a cursor in it."""
+
+    def __init__(self) -> None:
+        self._chunks: list[_Chunk] = []
+        self._rows = 0
+
+    def add(self, rows: Sequence[object], paths: Sequence[object], events: Sequence[object]) -> None:
+        """Append what is new."""
+        if rows or paths or events:
+            self._chunks.append(_Chunk(self._rows, *map(encode_items, (rows, paths, events))))
+            self._rows += len(rows)
+
+    def read(self, cursor: int) -> tuple[str, int] | None:
+        """The `log` message for a client whose cursor is here, and its next cursor; None where it has everything.
+
+        Cursors start at 0. A page takes "from": 0 for the beginning of everything: a message that goes on before there
+        are rows has none.
+        """
+        size, end = 0, cursor
+        while end < len(self._chunks) and (end == cursor or size + len(self._chunks[end]) <= _BATCH_BYTES):
+            size += len(self._chunks[end])
+            end += 1
+        if end == cursor:
+            return None
+        part = self._chunks[cursor:end]
+        rows = ",".join(chunk.rows for chunk in part if chunk.rows)
+        paths = ",".join(chunk.paths for chunk in part if chunk.paths)
+        events = ",".join(chunk.events for chunk in part if chunk.events)
+        first = f'"from":{part[0].first},' if cursor == 0 or part[0].first else ""
+        text = f'{{"type":"log",{first}"rows":[{rows}],"paths":[{paths}],"events":[{events}]}}'
+        return text, end
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,3 +240,103 @@ def scene_message(world: World | None, robot: Robot, grid: OccupancyGrid | None)
         scene = page.scene_of(None, robot, grid)
         return encode_message("scene", scene=scene), f"the page shows the map alone: {error}"
     return encode_message("scene", scene=scene), scene["note"]
+
+
+class Watch:
+    """Shows one run to the pages; it takes next to no time of the run's thread.
+
+    Args:
+        hub: Where the pages are.
+        number: Of the run, from 1.
+        folder: Where the run is recorded, so that pages get its files; None where it is not.
+        world: The simulated world now, with what was added to it.
+        steering: What the pages steer it by; None where they cannot.
+    """
+
+    def __init__(
+        self,
+        hub: Hub,
+        number: int,
+        folder: Path | None,
+        *,
+        world: Callable[[], World | None] | None = None,
+        steering: Steering | None = None,
+    ) -> None:
+        self._hub, self._number, self._folder, self._world, self._steering = hub, number, folder, world, steering
+        self._feed: RunFeed | None = None
+        self._solids = 0
+
+    @property
+    def wants_rollouts(self) -> bool:
+        """Whether a page shows the samples of the controller."""
+        return len(self._hub) > 0
+
+    def on_start(self, run: RunInfo) -> None:
+        """Show the world and the start."""
+        self._solids = 0 if run.world is None else len(run.world.solids)
+        scene, remark = scene_message(run.world, run.robot, run.grid)
+        if remark:
+            self._hub.announce(remark)
+        if self._folder is not None:
+            self._hub.folders[self._number] = self._folder.resolve()
+        orders = None if self._steering is None else self._steering.run
+        self._feed = RunFeed(self._number, scene, run, orders)
+        self._hub.present(self._feed)
+
+    def on_step(self, step: Step) -> None:
+        """Hand over the step, and what was added to the world."""
+        feed = self._feed
+        if feed is None:
+            return
+        if step.steering is not None and step.steering.boxes > len(feed.solids):
+            self._add_solids(feed)
+        feed.add(step)
+
+    def on_end(self, episode: Episode) -> None:
+        """Hand over the end; the outcome is shown once it is `recorded`."""
+        if self._feed is not None:
+            self._feed.add(episode)
+
+    @property
+    def recorded(self) -> Observer:
+        """The observer to be notified after those that write the folder: it shows the outcome, with its files."""
+        return _Recorded(self._tell_end)
+
+    def _tell_end(self, episode: Episode) -> None:
+        feed, folder = self._feed, self._folder
+        if feed is None:
+            return
+        has_report = folder is not None and (folder / REPORT).is_file()
+        feed.end = encode_message(
+            "end",
+            outcome=episode.outcome.value,
+            message=episode.message,
+            folder=None if folder is None else str(folder),
+            files=None if folder is None else f"/runs/{self._number}/",
+            replay=f"/runs/{self._number}/{REPORT}" if has_report else None,
+        )
+
+    def _add_solids(self, feed: RunFeed) -> None:
+        world = None if self._world is None else self._world()
+        if world is None:
+            return
+        for solid in world.solids[self._solids :]:
+            feed.solids.append(encode_message("solid", instances=solid_instances([solid])))
+        self._solids = len(world.solids)
+
+
+class _Recorded:
+    """Calls back at the end."""
+
+    def __init__(self, tell: Callable[[Episode], None]) -> None:
+        self._tell = tell
+
+    def on_start(self, run: RunInfo) -> None:
+        """Do nothing."""
+
+    def on_step(self, step: Step) -> None:
+        """Do nothing."""
+
+    def on_end(self, episode: Episode) -> None:
+        """Call back."""
+        self._tell(episode)

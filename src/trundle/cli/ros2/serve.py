@@ -203,8 +203,8 @@ def _page(
     if not shows:
         yield None, None
         return
+    from trundle.serve.run_feed import Watch
     from trundle.serve.steerer import Steerer
-    from trundle.serve.watch import Watch
     from trundle.sim import world_of
 
     with browser.serving(scenario, source=source) as page:
