@@ -25,7 +25,7 @@ from trundle.serve.choosing import Choices
 from trundle.serve.hub import Hub
 from trundle.serve.server import Page, PageServer
 from trundle.serve.steerer import Steerer
-from trundle.serve.run_feed import Watch
+from trundle.serve.watch import Watch
 
 
 def resident_mb() -> float:

@@ -76,8 +76,8 @@ def recover(
         file: The MCAP file, such as run.partial.mcap.
         out: The new file; default: run.mcap for run.partial.mcap, and name.recovered.mcap for others.
     """
-    from trundle.recording import check_extra
     from trundle.recording import recover as recover_file
+    from trundle.recording.extra import check_extra
 
     check_extra("a recording")
     done = recover_file(file, out, overwrite=overwrite)

@@ -5,12 +5,9 @@ Needs rosbags and mcap: `pip install "trundle[record]"`. Each name is imported o
 
 from __future__ import annotations
 
-import importlib.util
 from typing import TYPE_CHECKING
 
-from trundle.errors import MissingExtraError
 from trundle.lazy import lazy_names
-from trundle.messages.codec import INSTALL
 
 if TYPE_CHECKING:
     from trundle.recording.from_bag import RunFromBag, read_run
@@ -32,14 +29,3 @@ __getattr__ = lazy_names(
 )
 
 __all__ = ["BagInfo", "Recorder", "Recovered", "RunFromBag", "read_info", "read_run", "recover"]
-
-
-def check_extra(purpose: str = "a recording") -> None:
-    """Check that the libraries of recordings are installed.
-
-    Raises:
-        MissingExtraError: If one is not; the message gives the install command.
-    """
-    for package in ("mcap", "rosbags", "zstandard"):
-        if importlib.util.find_spec(package) is None:
-            raise MissingExtraError(purpose, package, INSTALL)

@@ -11,7 +11,7 @@ from typing import Any, Self
 
 from trundle.errors import InputError
 from trundle.messages.distros import DEFAULT, Distro
-from trundle.recording import check_extra
+from trundle.recording.extra import check_extra
 from trundle.values import as_path
 
 ADVICE = "trundle record recover {path} makes a complete file of what can be read"

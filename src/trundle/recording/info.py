@@ -11,8 +11,8 @@ from mcap.records import Channel, Message, Metadata, Schema
 
 from trundle.errors import InputError
 from trundle.messages.distros import DEFAULT, Distro
-from trundle.recording import check_extra
 from trundle.recording.bag_reader import BagReader, BagTopic
+from trundle.recording.extra import check_extra
 from trundle.recording.records import BagRecords, has_end
 from trundle.recording.run_record import RunRecord, parse_records, read_record
 from trundle.values import as_path

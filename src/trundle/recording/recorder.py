@@ -18,7 +18,7 @@ from trundle.maps import OccupancyGrid
 from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
 from trundle.messages.distros import DEFAULT, DISTROS, Distro
 from trundle.mission import Episode, RunInfo, Scenario, Step
-from trundle.recording import check_extra
+from trundle.recording.extra import check_extra
 from trundle.recording.run_record import END_RECORD, RUN_RECORD, describe_run
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from trundle.errors import InputError, OutputError
 from trundle.files.writing import cannot_write, output_path
 from trundle.messages.distros import Distro
 from trundle.messages.qos import Qos
-from trundle.recording import check_extra
 from trundle.recording.bag_writer import BagWriter, Topic
+from trundle.recording.extra import check_extra
 from trundle.recording.recorder import FLUSH_S, check_free, partial_name
 
 _LOGGER = logging.getLogger(__name__)

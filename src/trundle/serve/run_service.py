@@ -16,8 +16,9 @@ from trundle.mission.record_file import RECORD
 from trundle.serve.choosing import choose
 from trundle.serve.hub import Hub
 from trundle.serve.messages import Message, Order, Preview, Setup
-from trundle.serve.run_feed import RunFeed, Watch, scene_message
+from trundle.serve.run_feed import RunFeed, scene_message
 from trundle.serve.steerer import Refuse, Steerer
+from trundle.serve.watch import Watch
 from trundle.sim import world_of
 
 _LOOK_S = 0.2

@@ -165,8 +165,6 @@ def open_window(world: World, robot: Robot, pose: Pose2D) -> NativeWindow:
     Raises:
         InputError: If there is no screen.
     """
-    from trundle.viewer.native import NativeWindow, has_screen
-
     if not has_screen():
         raise InputError("--view needs a screen with OpenGL, but none was found; run without it")
     return NativeWindow(world, robot, pose, chase=True)

@@ -173,7 +173,7 @@ def _target(out: Path | None, *, record: bool, overwrite: bool) -> Path | None:
         if out is not None:
             raise InputError(f"--out {out} is for a recording: give --record with it")
         return None
-    from trundle.recording import check_extra
+    from trundle.recording.extra import check_extra
 
     check_extra("--record")
     from trundle.recording.recorder import check_free
@@ -203,8 +203,8 @@ def _page(
     if not shows:
         yield None, None
         return
-    from trundle.serve.run_feed import Watch
     from trundle.serve.steerer import Steerer
+    from trundle.serve.watch import Watch
     from trundle.sim import world_of
 
     with browser.serving(scenario, source=source) as page:

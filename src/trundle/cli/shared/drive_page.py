@@ -75,8 +75,8 @@ def drive_in_browser(
     """
     from trundle.mission import Session
     from trundle.navigation import CommandScript
-    from trundle.serve.run_feed import Watch
     from trundle.serve.steerer import Steerer
+    from trundle.serve.watch import Watch
     from trundle.sim import world_of
 
     script = None if commands is None else CommandScript(commands, period_s=period_s)

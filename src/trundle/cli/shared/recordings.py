@@ -58,7 +58,7 @@ class FolderRecording:
         self._recorder: Recorder | None = None
         if choice is None:
             return
-        from trundle.recording import check_extra
+        from trundle.recording.extra import check_extra
         from trundle.recording.recorder import check_free
 
         check_extra("--record")
