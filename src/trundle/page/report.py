@@ -34,7 +34,7 @@ from trundle.worlds import World
 REPORT = "report.html"
 
 _MOST_SCENE_BYTES = 8_000_000
-"""Of a report's scene before it is compressed: meshes beyond are drawn as boxes."""
+"""Size of a report's scene at most, before it is compressed: meshes beyond are drawn as boxes."""
 
 _FIGURES = (
     ("time_s", "time", "{:.1f} s"),
@@ -107,12 +107,12 @@ def write_page(file: str | os.PathLike[str], boot: Mapping[str, Any]) -> None:
 
 
 def repeat_command(folder: str | os.PathLike[str]) -> str:
-    """The command that repeats a run from its folder."""
+    """Return the command that repeats a run from its folder."""
     return f"trundle run {shlex.quote(os.fspath(Path(folder) / 'scenario.yaml'))}"
 
 
 def report_scene(world: World | None, robot: Robot, grid: OccupancyGrid | None) -> dict[str, Any]:
-    """The scene of a report; of a world that is too large, its map alone, with a note."""
+    """Return the scene of a report; of a world that is too large, its map alone, with a note."""
     try:
         return scene_of(world, robot, grid, most_bytes=_MOST_SCENE_BYTES)
     except TrundleError as error:
@@ -120,7 +120,7 @@ def report_scene(world: World | None, robot: Robot, grid: OccupancyGrid | None) 
 
 
 def _figures(record: Mapping[str, Any]) -> list[list[str]]:
-    """Label and text of every figure that the record has."""
+    """Return label and text of every figure that the record has."""
     found = [
         [label, form.format(value)]
         for name, label, form in _FIGURES
@@ -153,7 +153,7 @@ def report_folder(folder: str | os.PathLike[str], out: str | os.PathLike[str] | 
 
     Args:
         folder: The run's folder.
-        out: The file; None means `report.html` in the folder.
+        out: The file. By default, it is `report.html` in the folder.
 
     Returns:
         The file.
@@ -180,7 +180,7 @@ def report_folder(folder: str | os.PathLike[str], out: str | os.PathLike[str] | 
 
 
 def _read_report(file: Path, record: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]] | None:
-    """Run and scene of a run's report; none where there is none, or it is damaged or of another run."""
+    """Return run and scene of a run's report, or None if there is no report, or it is damaged or another run's."""
     if not is_file(file):
         return None
     try:
@@ -198,7 +198,7 @@ def _read_report(file: Path, record: Mapping[str, Any]) -> tuple[dict[str, Any],
 
 
 def _scenario_of(place: Path) -> tuple[Scenario | None, str]:
-    """The scenario of a run, or why there is none."""
+    """Return the scenario of a run, or the reason why there is none."""
     if not is_file(place / "scenario.yaml"):
         return None, "the folder has no scenario.yaml"
     try:
@@ -208,7 +208,7 @@ def _scenario_of(place: Path) -> tuple[Scenario | None, str]:
 
 
 def _surroundings(place: Path, record: Mapping[str, Any]) -> tuple[World | None, Robot, OccupancyGrid | None, str]:
-    """World, robot and map of a run, and what could not be had of them."""
+    """Return world, robot and map of a run, and a note of which of them could not be loaded."""
     scenario, problem = _scenario_of(place)
     if scenario is not None:
         try:
@@ -235,7 +235,7 @@ _RESOLUTION_M = 0.05
 
 
 def run_of(episode: Episode, robot: Robot, world: World | None, grid: OccupancyGrid | None) -> dict[str, Any]:
-    """What `RunData.run_dict` gives, without what only an observer sees: scans, movers and wall times."""
+    """Return what `RunData.run_dict` does, without what only an observer sees: scans, movers and wall times."""
     time = episode.trajectory.time
     return {
         "info": {
@@ -295,7 +295,7 @@ def _rows(episode: Episode, robot: Robot, clearances: FloatArray | None) -> list
 
 
 def _clearances(episode: Episode, robot: Robot, world: World | None, grid: OccupancyGrid | None) -> FloatArray | None:
-    """Distance [m] from the footprint to solids at each row, to within a cell; none where nothing is known."""
+    """Return the distance [m] from the footprint to solids at each row, to within a cell; None if nothing is known."""
     poses = episode.trajectory.poses
     if world is not None and world.solids:
         margin = CLEARANCE_CAP + robot.circumscribed_radius
@@ -322,5 +322,5 @@ def _events(episode: Episode) -> list[dict[str, Any]]:
 
 
 def _first(rows: Any) -> int | None:
-    """The first row that holds; none where none does."""
+    """Return the index of the first row that is true, or None if there is none."""
     return int(rows.argmax()) if rows.any() else None

@@ -83,7 +83,7 @@ class RunData:
             self._dropped = dropped_boxes(episode)
 
     def run_dict(self) -> dict[str, Any]:
-        """{"info", "rows", "paths", "events", "frames", "costmaps", "contacts", "solids"}.
+        """Return {"info", "rows", "paths", "events", "frames", "costmaps", "contacts", "solids"}.
 
         See `RunLines` and `frame_of`.
         """
@@ -116,7 +116,7 @@ class RunData:
 
 
 def encode_costmaps(costmaps: Sequence[tuple[float, Costmap]], most_bytes: int) -> list[dict[str, Any]]:
-    """Costmaps at times as {"t", …} of `costmap_png`; of too many, every second one.
+    """Return costmaps at times as {"t", …} of `costmap_png`; of too many, every second one.
 
     One of the same extent as one before, "base" in the list, has as its picture what the costs are above those of the
     base, modulo 256.
@@ -143,7 +143,7 @@ def _encode_in_turn(costmaps: Sequence[tuple[float, Costmap]]) -> Iterator[tuple
 
 
 def dropped_boxes(episode: Episode) -> list[dict[str, Any]]:
-    """{"t", "instances"} of each box that was dropped into a run."""
+    """Return {"t", "instances"} of each box that was dropped into a run."""
     return [
         {"t": round(given.time, 4), "instances": solid_instances([given.directive.solid("box")])}
         for given in episode.directives
@@ -152,7 +152,7 @@ def dropped_boxes(episode: Episode) -> list[dict[str, Any]]:
 
 
 def _compact(scan: Mapping[str, Any]) -> dict[str, Any]:
-    """A scan of a frame with "deltas", the differences from point to point [cm], instead of its points."""
+    """Return a scan of a frame with "deltas", the differences from point to point [cm], instead of its points."""
     points = unpack_array(scan["points"]).astype(np.int64)
     cells = points // _APART_CM
     kept = np.ones(len(points), dtype=np.bool_)
@@ -172,11 +172,11 @@ class _Thinned(Generic[_Item]):
         self._due = 0.0
 
     def is_due(self, time: float) -> bool:
-        """Whether one is wanted now [s]."""
+        """Return whether an item is wanted at this time [s]."""
         return time >= self._due - 1e-9
 
     def add(self, time: float, item: _Item, size: int) -> None:
-        """Keep one."""
+        """Keep an item of a size."""
         self._items.append((time, item, size))
         self._size += size
         while self._size > self._most and len(self._items) > 1:
@@ -187,12 +187,12 @@ class _Thinned(Generic[_Item]):
 
     @property
     def kept(self) -> list[tuple[float, _Item]]:
-        """Those that are left, in order, each with its time [s]."""
+        """The items that are left, in order, each with its time [s]."""
         return [(time, item) for time, item, _ in self._items]
 
 
 def _weight(frame: Mapping[str, Any]) -> int:
-    """About how many bytes a frame takes as JSON."""
+    """Estimate how many bytes a frame takes as JSON."""
     scans = sum(3 * len(scan["deltas"]) + 80 for scan in frame["scans"])
     rollouts = sum(12 * len(line) for line in frame["rollouts"])
     return 100 + scans + rollouts + 40 * (len(frame["movers"]) + len(frame["tracks"]) + len(frame["contacts"]))

@@ -47,7 +47,7 @@ true one."""
 
 
 def info_of(info: RunInfo) -> dict[str, Any]:
-    """What the page shows of a run's start."""
+    """Return what the page shows of a run's start."""
     return {
         "name": info.name,
         "robot": info.robot.name,
@@ -62,18 +62,18 @@ def info_of(info: RunInfo) -> dict[str, Any]:
 
 
 def goal_of(goal: Sequence[float]) -> list[float | None]:
-    """A goal as [x, y, yaw], with None for any yaw."""
+    """Return a goal as [x, y, yaw], with None for any yaw."""
     yaw = goal[2] if len(goal) > 2 else None
     return [round(float(goal[0]), 4), round(float(goal[1]), 4), finite(yaw)]
 
 
 def row_of(step: Step, *, clearance: float | None = None, cross_track: float | None = None) -> list[Any]:
-    """A step as a row of `COLUMNS`.
+    """Return a step as a row of `COLUMNS`.
 
     Args:
         step: The step.
-        clearance: Distance [m] from the footprint to the nearest solid; none where it is not known.
-        cross_track: Distance [m] from base_link to the path that is followed; none without one.
+        clearance: Distance [m] from the footprint to the nearest solid; None if it is not known.
+        cross_track: Distance [m] from base_link to the path that is followed; None without a path.
     """
     state, sent = step.state, step.sent
     pose, twist = state.pose, state.twist if state.odometry_twist is None else state.odometry_twist
@@ -122,7 +122,7 @@ class RunLines:
 
     @property
     def events(self) -> list[dict[str, Any]]:
-        """What happened so far."""
+        """The events so far."""
         return self._events.found
 
     def note(self, time: float, kind: str, text: str) -> None:
@@ -147,7 +147,7 @@ class RunLines:
 
 
 def path_of(path: Path, time: float) -> dict[str, Any]:
-    """A path that is followed from a time [s] on."""
+    """Return a path that is followed from a time [s] on."""
     return {"t": round(time, 4), "points": pack_array(path.poses[:, :2], "f4")}
 
 
@@ -163,7 +163,7 @@ class _Room:
             self._map = map_world(info.world, info.robot, points, resolution=resolution, margin=margin)
 
     def around(self, pose: Pose2D) -> float | None:
-        """[m], at most 2 m; none where nothing is known."""
+        """Return the clearance [m] at a pose, at most 2 m, or None if nothing is known."""
         if self._map is None:
             return None
         return float(self._map.clearance(np.array([pose.as_tuple()]), CLEARANCE_CAP)[0])
@@ -180,7 +180,7 @@ class _Line:
         self._share = np.conj(self._along) / np.where(squared > 0.0, squared, 1.0)
 
     def distance(self, x: float, y: float) -> float:
-        """Distance [m] from a point."""
+        """Return the distance [m] from a point."""
         offsets = complex(x, y) - self._starts
         shares = (offsets * self._share).real.clip(0.0, 1.0)
         return float(np.abs(offsets - shares * self._along).min())

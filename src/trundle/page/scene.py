@@ -37,16 +37,16 @@ def scene_of(
     *,
     most_bytes: int = MOST_BYTES,
 ) -> dict[str, Any]:
-    """A world, a robot and a map as plain values; arrays are {"b64", "dtype", "shape"}.
+    """Return a world, a robot and a map as plain values; arrays are {"b64", "dtype", "shape"}.
 
     Solids that repeat a shape are instances of it, meshes are merged by colour: a world of any size takes few draw
     calls. Meshes that do not fit into `most_bytes`, the largest first, are drawn as their bounding boxes, and "note"
     says so.
 
     Args:
-        world: The world; none draws only the map.
+        world: The world. If None, only the map is drawn.
         robot: The robot.
-        grid: The map; none draws no map.
+        grid: The map. If None, no map is drawn.
         most_bytes: The most bytes for the solids.
 
     Raises:
@@ -69,14 +69,14 @@ def scene_of(
 
 
 def solid_instances(solids: Sequence[Solid]) -> list[dict[str, Any]]:
-    """Solids without meshes as instances, such as a box that is dropped into a run."""
+    """Return solids without meshes as instances, such as a box that is dropped into a run."""
     return _draw(solids, MOST_BYTES, "the world")[0]
 
 
 def _draw(
     solids: Sequence[Solid], most_bytes: int, what: str
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]], int]:
-    """Instances, merged meshes, and how many solids are drawn as boxes instead of their meshes."""
+    """Return instances, merged meshes, and how many solids are drawn as boxes instead of their meshes."""
     instances = _Instances()
     meshes: list[tuple[Solid, Mesh]] = []
     for solid in solids:
@@ -155,7 +155,7 @@ class _Instances:
 
 
 def color_bytes(color: Color) -> tuple[int, int, int, int]:
-    """Red, green, blue and opacity from 0 to 255."""
+    """Return red, green, blue and opacity from 0 to 255."""
     red, green, blue, alpha = (round(255.0 * min(1.0, max(0.0, value))) for value in color)
     return red, green, blue, alpha
 
@@ -165,7 +165,7 @@ def _size_of(mesh: Mesh) -> int:
 
 
 def _merge(meshes: Sequence[tuple[Solid, Mesh]]) -> list[dict[str, Any]]:
-    """Meshes merged by colour, in the map frame."""
+    """Return meshes merged by colour, in the map frame."""
     groups: dict[tuple[int, ...], list[tuple[Solid, Mesh]]] = {}
     step = 1
     while True:
@@ -195,13 +195,13 @@ def _merged(color: Sequence[int], members: Sequence[tuple[Solid, Mesh]]) -> dict
 
 
 def _mover(name: str, parts: Sequence[Solid]) -> dict[str, Any]:
-    """A mover: its parts are in its own frame, x forward, origin on the floor."""
+    """Return a mover: its parts are in its own frame, x forward, origin on the floor."""
     instances, meshes, _ = _draw(parts, MOST_BYTES, f"the mover {name!r}")
     return {"name": name, "kind": parts[0].kind, "instances": instances, "meshes": meshes}
 
 
 def _bounds(solids: Sequence[Solid], grid: OccupancyGrid | None) -> list[float]:
-    """Lowest and highest corner [m] of what is drawn: that of the solids, of the map without them, or some metres."""
+    """Return the lowest and highest corner [m] of what is drawn: the solids, else the map, else some metres."""
     if solids:
         lows, highs = solids_bounds(solids)
         return rounded([*lows.min(axis=0), *highs.max(axis=0)])
@@ -217,7 +217,7 @@ MOST_BOXES = 40_000
 
 
 def boxes_of(cells: OccupancyCells) -> npt.NDArray[np.float64]:
-    """Boxes (x, y, width, depth) [m] in the frame of the cells, (x, y) the middle, that cover the blocked cells.
+    """Return boxes (x, y, width, depth) [m] in the frame of the cells, (x, y) the middle, that cover the blocked cells.
 
     Of a map that needs more than 40,000 boxes, cells are joined to larger ones until it does not.
     """
@@ -229,7 +229,7 @@ def boxes_of(cells: OccupancyCells) -> npt.NDArray[np.float64]:
 
 
 def _rectangles(blocked: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
-    """Disjoint rectangles (row, col, end of rows, end of columns) of the blocked cells: equal runs of rows joined."""
+    """Join equal runs of blocked cells to disjoint rectangles (row, col, end of rows, end of columns)."""
     edges = np.diff(np.pad(blocked, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     rows, starts = np.nonzero(edges == 1)
     ends = np.nonzero(edges == -1)[1]
@@ -243,7 +243,7 @@ def _rectangles(blocked: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
 
 
 def _halved(blocked: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """Cells of twice the size, blocked where one of the four is."""
+    """Return cells of twice the size, blocked where one of the four is."""
     rows, cols = (math.ceil(count / 2) * 2 for count in blocked.shape)
     padded = np.zeros((rows, cols), dtype=np.bool_)
     padded[: blocked.shape[0], : blocked.shape[1]] = blocked

@@ -41,7 +41,7 @@ class Canvas(ABC):
 
     @abstractmethod
     def to_pixels(self, points: npt.ArrayLike) -> FloatArray:
-        """Where points [m], shape (N, 2), map frame, are in the finished picture [px]; y goes down."""
+        """Return where points [m], shape (N, 2), map frame, are in the finished picture [px]; y goes down."""
 
     def finish(self) -> Image.Image:
         """Return the finished picture; the canvas can still be drawn on."""
@@ -72,10 +72,10 @@ class Canvas(ABC):
         self._draw.polygon(self._large(pose.transform_points(shape)), fill=color)
 
     def _large(self, points: npt.ArrayLike) -> Points:
-        """Where points [m] are on what is drawn on."""
+        """Return where points [m] are on what is drawn on."""
         return as_points(self.to_pixels(points) * SMOOTH)
 
 
 def as_points(pixels: FloatArray) -> Points:
-    """Pixels of shape (N, 2) as Pillow takes them."""
+    """Return pixels of shape (N, 2) as Pillow takes them."""
     return [(x, y) for x, y in pixels.tolist()]

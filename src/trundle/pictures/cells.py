@@ -92,12 +92,12 @@ def lay_cells(
 
 
 def _color(cells: Bytes, palette: Bytes, order: Sequence[int], merged: int) -> Bytes:
-    """Colours of squares of `merged` cells a side, shape (rows, cols, 3)."""
+    """Return colours of squares of `merged` cells a side, shape (rows, cols, 3)."""
     return palette[keep_last(cells, order, merged)]
 
 
 def _corners(shape: tuple[int, ...], yaw: float) -> FloatArray:
-    """Corners of a grid about its origin, turned by its yaw, in cells, shape (4, 2)."""
+    """Return corners of a grid about its origin, turned by its yaw, in cells, shape (4, 2)."""
     rows, cols = shape
     corners = np.array([[0.0, 0.0], [cols, 0.0], [cols, rows], [0.0, rows]])
     return corners @ _rotation(yaw).T
@@ -109,7 +109,7 @@ def _rotation(yaw: float) -> FloatArray:
 
 
 def _look_up(colors: Bytes, x: FloatArray, y: FloatArray, yaw: float) -> tuple[Bytes, npt.NDArray[np.bool_]]:
-    """Colours of the cells under a lattice of points, the page's beside the grid; and where there are cells.
+    """Return colours of the cells under a lattice of points, the page's beside the grid; and where there are cells.
 
     Returns:
         Shapes (len(y), len(x), 3) and (len(y), len(x)).

@@ -42,7 +42,7 @@ def shorten(text: str, letters: Font, room: float) -> str:
 
 
 def scale_length(pixels_per_metre: float) -> float:
-    """Length of the scale bar [m]: a round one, of 70 pixels or more where it can be."""
+    """Return the length of the scale bar [m]: a round one, of 70 pixels or more where it can be."""
     lengths = [one * power for power in (1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4) for one in (1, 2, 5)]
     return next((one for one in lengths if one * pixels_per_metre >= 70), lengths[-1])
 

@@ -67,7 +67,7 @@ class Plan(Canvas):
             self._draw.line((0, y, width, y), fill=PAPER_LINE, width=SMOOTH)
 
     def to_pixels(self, points: npt.ArrayLike) -> FloatArray:
-        """Where points [m], shape (N, 2), are in the finished picture [px]; y goes down."""
+        """Return where points [m], shape (N, 2), are in the finished picture [px]; y goes down."""
         numbers = np.asarray(points, dtype=np.float64).reshape(-1, 2)
         scale = self.pixels_per_metre
         return np.column_stack([(numbers[:, 0] - self._west) * scale, (self._north - numbers[:, 1]) * scale])
@@ -103,7 +103,7 @@ class Plan(Canvas):
         return self.pixels_per_metre * SMOOTH
 
     def inner_points(self) -> tuple[FloatArray, FloatArray]:
-        """Where the pixels of the drawing are before it is averaged [m]: x of the columns, y of the rows."""
+        """Return where the pixels of the drawing are before it is averaged [m]: x of the columns, y of the rows."""
         wide, high = self._image.size
         return (
             self._west + (np.arange(wide, dtype=np.float64) + 0.5) / self.inner_scale,

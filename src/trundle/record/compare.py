@@ -23,7 +23,7 @@ class Comparison:
     """Two motions at the same times.
 
     Attributes:
-        time: Of the first motion, over the time that both cover [s], shape (N,).
+        time: Times of the first motion [s] that both motions cover, shape (N,).
         position_error: Distance between the two positions [m], shape (N,).
         yaw_error: Second yaw minus the first, wrapped [rad], shape (N,).
         max_position_error_m: Largest distance [m].
@@ -137,7 +137,7 @@ def _speed_curves(
 
 
 def _at(motion: Motion, time: FloatArray) -> Motion:
-    """The motion at other times; commands are those of the control period that contains each time."""
+    """Return the motion at other times; commands are those of the control period that contains each time."""
     yaw = np.interp(time, motion.time, np.unwrap(motion.yaw))
     held = np.minimum(np.searchsorted(motion.time, time - 1e-9), len(motion.time) - 1)
     linear = {name: np.interp(time, motion.time, getattr(motion, name)) for name in ("x", "y", "v", "w")}
@@ -147,7 +147,7 @@ def _at(motion: Motion, time: FloatArray) -> Motion:
 
 
 def _aligned(first: Motion, second: Motion) -> Motion:
-    """The second motion, moved to the start of the first."""
+    """Return the second motion, moved to the start of the first."""
     turn = float(first.yaw[0] - second.yaw[0])
     cos, sin = np.cos(turn), np.sin(turn)
     x, y = second.x - second.x[0], second.y - second.y[0]

@@ -82,7 +82,7 @@ class DriveLog:
             self._ends.append(state)
 
     def legs(self) -> list[Leg]:
-        """All driven legs, in order."""
+        """Return all driven legs, in order."""
         return [
             Leg(
                 v=v,
@@ -99,7 +99,7 @@ class DriveLog:
         ]
 
     def summary(self) -> DriveSummary:
-        """Time, distance, turns and contacts of the whole drive, which must have at least one state."""
+        """Return time, distance, turns and contacts of the whole drive, which must have at least one state."""
         return DriveSummary.from_states(self._states)
 
     def save(self, path: Path) -> None:

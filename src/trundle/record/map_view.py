@@ -35,7 +35,7 @@ class MapView(Canvas):
 
     Args:
         costmap: The robot's costmap.
-        focus: Points [m] in the map frame, shape (N, 2), that must be visible; None means the whole map.
+        focus: Points [m] in the map frame, shape (N, 2), that must be visible. If None, the whole map is shown.
         long_side: Least length of the longer side, in pixels of the finished picture.
         max_side: Largest length of the longer side; larger maps have several cells per pixel.
         zones: Speed limits; keep-out zones are part of the costmap.
@@ -88,7 +88,7 @@ class MapView(Canvas):
         pixels[...] = (pixels + strength * (np.array(SLOW) - pixels.astype(np.float64))).round().astype(np.uint8)
 
     def to_pixels(self, points: npt.ArrayLike) -> FloatArray:
-        """Pixels of points [m] in the map frame, shape (N, 2), in the finished picture; y points down."""
+        """Return pixels of points [m] in the map frame, shape (N, 2), in the finished picture; y points down."""
         local = self.costmap.origin.inverse().transform_points(np.asarray(points, dtype=np.float64).reshape(-1, 2))
         cells = local / self.costmap.resolution
         _, row1, col0, _ = self._crop
@@ -153,7 +153,7 @@ class MapView(Canvas):
             self.line_pixels(ends, color, width)
 
     def _box(self, pixels: FloatArray, margin: float) -> tuple[int, int, int, int]:
-        """Whole pixels (left, top, right, bottom) around points, inside the picture and never empty."""
+        """Return whole pixels (left, top, right, bottom) around points, inside the picture and never empty."""
         low, high = pixels.min(axis=0) - margin, pixels.max(axis=0) + margin
         left = min(max(0, math.floor(low[0])), self.size[0] - 1)
         top = min(max(0, math.floor(low[1])), self.size[1] - 1)
@@ -168,13 +168,13 @@ def _enlarged(box: tuple[int, int, int, int]) -> tuple[int, int, int, int]:
 
 
 def _enlarge(picture: Image.Image, box: tuple[int, int, int, int]) -> Image.Image:
-    """A part of a finished picture, large enough to draw smooth lines on."""
+    """Return a part of a finished picture, large enough to draw smooth lines on."""
     part = picture.crop(box)
     return part.resize((part.width * SMOOTH, part.height * SMOOTH), Image.Resampling.NEAREST)
 
 
 def _find_crop(costmap: Costmap, focus: FloatArray | None) -> tuple[int, int, int, int]:
-    """First and last + 1 row and column of the part to show: the known cells, restricted to the focus."""
+    """Return first and last + 1 row and column of the part to show: the known cells, restricted to the focus."""
     rows, cols = costmap.shape
     known = costmap.data != NO_INFORMATION
     margin = math.ceil(0.5 / costmap.resolution)
@@ -227,7 +227,7 @@ def view_run(
 
 
 def _empty_floor(points: FloatArray, robot: Robot) -> Costmap:
-    """A free costmap around points [m], shape (N, 2), to draw the run of an agent on that has no costmap."""
+    """Return a free costmap around points [m], shape (N, 2), to draw the run of an agent on that has no costmap."""
     low, high = points.min(axis=0) - _LEAST_VIEW_M, points.max(axis=0) + _LEAST_VIEW_M
     edge = _FLOOR_CELL_M
     cols, rows = np.ceil((high - low) / edge).astype(int).tolist()
@@ -251,11 +251,11 @@ class SpeedZones:
         self._top_speed = top_speed
 
     def strength(self, x: npt.ArrayLike, y: npt.ArrayLike) -> FloatArray:
-        """Strength of the colour at points [m], map frame: 0 without a limit, 0.25 to 0.7 with one."""
+        """Return the strength of the colour at points [m], map frame: 0 without a limit, 0.25 to 0.7 with one."""
         return self._strength_of(self._mask.limit_at(x, y, self._top_speed))
 
     def marks(self) -> list[Mark]:
-        """Entries of the legend: the limits if they are few, else their range."""
+        """Return entries of the legend: the limits if they are few, else their range."""
         values = np.flatnonzero(np.bincount(np.maximum(self._mask.grid.data, 0).ravel(), minlength=101))
         limits = np.unique(self._mask.limits(self._top_speed)[values[values > 0]])
         if len(limits) == 0:
@@ -276,12 +276,12 @@ class SpeedZones:
 
 
 def speed_zones(mask: SpeedMask | None, robot: Robot) -> SpeedZones | None:
-    """The zones of a mask for a robot, or None without a mask."""
+    """Return the zones of a mask for a robot, or None without a mask."""
     return None if mask is None else SpeedZones(mask, robot.limits.linear_speed)
 
 
 def zone_marks(costmap: Costmap, zones: SpeedZones | None) -> list[Mark]:
-    """Entries of the legend for the existing zones."""
+    """Return the entries of the legend for the zones that there are."""
     kept_out = costmap.keepout is not None and bool((costmap.keepout == LETHAL).any())
     marks = [Mark("square", KEPT_OUT, "kept out")] if kept_out else []
     return marks + ([] if zones is None else zones.marks())

@@ -81,8 +81,8 @@ def draw_plan(
         costmap: The costmap of the plan.
         path: The path.
         robot: The robot, for its footprint.
-        title: Headline; None means the robot's and the planner's names.
-        lines: Smaller lines below it; None means length and cost.
+        title: Headline. By default, it is the robot's and the planner's names.
+        lines: Smaller lines below it. By default, they tell length and cost.
         speed_mask: The speed limits, or None.
         before: The path before smoothing, drawn thin on top, or None.
     """
@@ -118,7 +118,7 @@ def draw_paths(
         costmap: The costmap of the plans.
         robot: The robot, whose footprint is drawn at both ends.
         paths: At least one, by name; overlapping parts are striped.
-        title: Headline; None means the robot's name.
+        title: Headline. By default, it is the robot's name.
         speed_mask: The speed limits, or None.
     """
     seen = np.concatenate([path.poses[:, :2] for path in paths.values()])
@@ -155,7 +155,7 @@ def draw_run(
     The path that was followed last to each goal is wide, those that it replaced are thin.
 
     Args:
-        costmap: The costmap of the run; None draws it on an empty floor.
+        costmap: The costmap of the run. If None, the run is drawn on an empty floor.
         robot: The robot, for its footprint.
         episode: The run.
         speed_mask: The speed limits, or None.
@@ -236,14 +236,14 @@ def draw_driven(view: MapView, trajectory: Trajectory, top_speed: float, *, widt
 
 
 def thin(pixels: FloatArray, gap: float) -> list[int]:
-    """Indices of points, shape (N, 2), that are `gap` apart along the line, including the first and the last."""
+    """Return indices of points, shape (N, 2), that are `gap` apart along the line, including the first and the last."""
     driven = arc_lengths(pixels)
     marks = np.searchsorted(driven, np.arange(0.0, driven[-1], gap))
     return sorted({*marks.tolist(), len(pixels) - 1})
 
 
 def _kept_paths(trajectory: Trajectory) -> set[int]:
-    """Indices of the paths that were followed last to each goal; the others were replaced on the way."""
+    """Return indices of the paths that were followed last to each goal; the others were replaced on the way."""
     return {int(trajectory.path[trajectory.goal == goal][-1]) for goal in set(trajectory.goal.tolist())}
 
 
@@ -260,7 +260,7 @@ def _draw_outlines(view: MapView, robot: Robot, poses: FloatArray, along: FloatA
 
 
 def _heading(poses: FloatArray, before: int, after: int) -> float:
-    """Yaw between consecutive poses: a planned path turns at its corners, a driven one in between."""
+    """Return the yaw between consecutive poses: a planned path turns at its corners, a driven one in between."""
     step = poses[after, :2] - poses[before, :2]
     if np.hypot(*step) < 0.2:
         return float(poses[after, 2])
@@ -325,7 +325,7 @@ def draw_striped(view: MapView, lines: Sequence[tuple[FloatArray, Rgb]], *, widt
 
 
 def _choose(here: npt.NDArray[np.int32]) -> npt.NDArray[np.int64]:
-    """The line visible at each sample of one, from the stripe numbers of all lines there, shape (lines, samples)."""
+    """Return the line that is visible at each sample, from the stripe numbers of all lines, shape (lines, samples)."""
     on = here > 0
     first = on.argmax(axis=0)
     turn = here[first, np.arange(here.shape[1])] % on.sum(axis=0)
@@ -333,14 +333,14 @@ def _choose(here: npt.NDArray[np.int32]) -> npt.NDArray[np.int64]:
 
 
 def _resample(pixels: FloatArray) -> FloatArray:
-    """Points about a pixel apart along a line, shape (N, 2) with N ≥ 2."""
+    """Return points about a pixel apart along a line, shape (N, 2) with N ≥ 2."""
     along = arc_lengths(pixels)
     marks = np.linspace(0.0, along[-1], max(2, int(along[-1]) + 1))
     return np.column_stack([np.interp(marks, along, pixels[:, axis]) for axis in (0, 1)])
 
 
 def _stripe_numbers(samples: FloatArray, size: tuple[int, int], width: float) -> npt.NDArray[np.int32]:
-    """The number of the stripe, from 1, at every pixel that a line of this width covers, else 0; (height, width)."""
+    """Return the stripe's number, from 1, at each pixel that a line of this width covers, else 0; (height, width)."""
     image = Image.new("I", size, 0)
     draw = ImageDraw.Draw(image)
     along = arc_lengths(samples)

@@ -56,14 +56,14 @@ class RunFolder:
     Use it in a `with` block: an empty folder is removed if it was created here.
 
     Args:
-        out: The folder; None means a new `runs/<time>-<name>`.
+        out: The folder. By default, it is a new `runs/<time>-<name>`.
         name: Name of the run, for the folder's name.
         overwrite: Replace an existing run in the folder; it is deleted once the new one is complete.
         scenario: The exact scenario, written as `scenario.yaml`; None if the run has none.
         page: Whether to write `report.html`: one file with the replay, plots and figures of the run.
         overlay: Whether to draw `overlay.png`.
         video: Whether to make `video.mp4`.
-        frames: Source of the video's pictures; None means a drawn view from above.
+        frames: Source of the video's pictures. By default, they are drawn from above.
         report: Called with the progress of the video.
         extras: Additional files by name, with their writers.
 
@@ -235,7 +235,7 @@ class RunFolder:
 
 
 def with_images(names: Iterable[str]) -> tuple[str, ...]:
-    """Names of files, and of the images of those that are maps."""
+    """Return names of files, and of the images of those that are maps."""
     return tuple(
         one for name in names for one in ((name, f"{Path(name).stem}.png") if name.endswith(".yaml") else (name,))
     )
@@ -273,7 +273,7 @@ def record_failure(
     Args:
         error: What a plug-in raised, such as the constructor of a planner.
         scenario: What was to be run.
-        out: The folder; None means a new one under runs.
+        out: The folder. By default, it is a new one in `runs`.
         overwrite: Replace an existing run in it.
         page: Whether to write report.html.
 

@@ -55,7 +55,7 @@ class SampleHistory:
         self._steps[index] = rollouts.poses[:LINES, ::stride, :2].astype(np.float32)
 
     def at(self, index: int) -> Samples | None:
-        """The samples of a step, the best first; none where it had none."""
+        """Return the samples of a step, the best first, or None if it had none."""
         return self._steps.get(index)
 
 
@@ -101,9 +101,9 @@ def write_video(
         path: The .mp4 to write.
         run: The run.
         episode: Its episode.
-        frames: Source of the pictures; None means a drawn view from above.
-        movers: Where the moving obstacles were; None shows none.
-        samples: The controller's best samples, thin lines in the drawn view; None shows none.
+        frames: Source of the pictures. By default, they are drawn from above.
+        movers: Where the moving obstacles were. If None, none are shown.
+        samples: The controller's best samples, thin lines in the drawn view. If None, none are shown.
         report: Called with the progress.
 
     Returns:
@@ -135,7 +135,7 @@ def write_video(
 
 
 def playing_rate(times: FloatArray, fps: int) -> float:
-    """Playback rate: seconds of the run per second of video, for frames at these times [s]."""
+    """Return the playback rate: seconds of the run per second of video, for frames at these times [s]."""
     return float(times[-1] - times[0]) * fps / max(1, len(times) - 1) if len(times) > 1 else 1.0
 
 
@@ -162,7 +162,7 @@ def caption(frame: Pixels, time_s: float, speed: float, rate: float) -> Pixels:
 
 
 def has_encoder() -> bool:
-    """Whether PyAV is installed, which writes .mp4 files; without it a video is an animated GIF."""
+    """Return whether PyAV is installed, which writes .mp4 files; without it a video is an animated GIF."""
     try:
         return find_spec("av") is not None
     except ImportError:
@@ -170,7 +170,7 @@ def has_encoder() -> bool:
 
 
 def pick_rows(count: int) -> npt.NDArray[np.intp]:
-    """Rows to show of a trajectory of `count` rows: all of them up to 300, else 300 evenly spread, with both ends."""
+    """Return which of `count` rows of a trajectory to show: all up to 300, else 300 evenly spread, with both ends."""
     return np.linspace(0, count - 1, min(MAX_FRAMES, count)).round().astype(np.intp)
 
 

@@ -37,7 +37,7 @@ MOVERS = "/movers"
 
 
 def of_types(topics: Sequence[BagTopic], types: Sequence[str]) -> list[BagTopic]:
-    """The topics of these types that have messages."""
+    """Return the topics of these types that have messages."""
     return [topic for topic in topics if topic.type_name in types and topic.count]
 
 
@@ -50,7 +50,7 @@ def choose_topic(
     option: str = "",
     without: Sequence[str] = (),
 ) -> BagTopic | None:
-    """The topic of these types whose name fits best; None where there is none.
+    """Return the topic of these types whose name fits best, or None if there is none.
 
     Args:
         topics: All topics of a bag.
@@ -118,9 +118,9 @@ class BagContent:
 
     Attributes:
         tree: Its frames.
-        grid: The last map; None without one.
+        grid: The last map; None without a map.
         map_frame: Frame of the map.
-        odometry: Of the robot's own; None without it.
+        odometry: The robot's odometry; None without odometry.
         truth: The true poses, in trundle's recordings.
         paths: Plans with their times and frames.
         commands: Commands that were sent to the robot, with the times at which they were received.
@@ -149,7 +149,7 @@ class BagContent:
     clock: list[tuple[float, float]] = field(default_factory=list[tuple[float, float]])
 
     def stamps_of(self, received: FloatArray) -> FloatArray:
-        """Times [s] on the clock of the stamps at which something was received: the bag may have another clock."""
+        """Convert times of reception [s] to the clock of the stamps, since the bag may have another clock."""
         if not self.clock:
             return received
         pairs = np.array(sorted(self.clock))
@@ -159,12 +159,12 @@ class BagContent:
 
 @dataclass(frozen=True, slots=True)
 class TopicNames:
-    """Names of topics that the user gave; None means that they are found by type and name.
+    """Names of topics that the user gave. Those that are None are found by type and name.
 
     Attributes:
-        map: Of the map, or the YAML file of a ROS map.
-        odom: Of the odometry.
-        plan: Of the plans.
+        map: Topic of the map, or the YAML file of a ROS map.
+        odom: Topic of the odometry.
+        plan: Topic of the plans.
     """
 
     map: str | None = None
@@ -307,13 +307,13 @@ _ADD = {
 
 
 def _time_of(message: Any, received: float) -> float:
-    """Time of a message [s]: its stamp, or where that is zero the time at which it was received."""
+    """Return the time of a message [s]: its stamp, or where that is zero the time at which it was received."""
     stamp = readers.read_stamp(message.header.stamp)
     return stamp if stamp > 0.0 else received
 
 
 def make_scan(message: Any, lidar: str, mount: FloatArray) -> Scan:
-    """A scan from a message, and from where its lidar is on the robot: the pose in base_link, shape (4, 4).
+    """Return a scan from a message, and from where its lidar is on the robot: the pose in base_link, shape (4, 4).
 
     A lidar that is mounted upside down turns the other way round.
     """

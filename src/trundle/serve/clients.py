@@ -15,10 +15,10 @@ RATE_PER_S, BURST = 60.0, 120.0
 
 
 class Client:
-    """What one page has got: a cursor in everything that loses nothing, a number of what only the newest counts.
+    """Knows what one page has got: a cursor in what it must get all of, numbers for what only the newest counts.
 
     Args:
-        number: Of the client, from 1.
+        number: Number of the client, from 1.
     """
 
     def __init__(self, number: int) -> None:
@@ -43,7 +43,7 @@ class Client:
         return self._allowance >= 0.0
 
     def take(self, feed: RunFeed | None) -> str | None:
-        """The next message for the page; None where it has everything."""
+        """Return the next message for the page, or None if it has everything."""
         if self._replies:
             return self._replies.popleft()
         if feed is not self._feed:
@@ -97,10 +97,10 @@ class Client:
 
 
 def fragments(text: str) -> Iterator[str]:
-    """Parts of a long message, each of which is sent when the socket has room for it."""
+    """Return parts of a long message, each of which is sent when the socket has room for it."""
     return (text[first : first + _FRAGMENT] for first in range(0, len(text), _FRAGMENT))
 
 
 def is_long(text: str) -> bool:
-    """Whether a message is to be sent in fragments."""
+    """Return whether a message is to be sent in fragments."""
     return len(text) > _FRAGMENT

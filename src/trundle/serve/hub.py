@@ -1,4 +1,4 @@
-"""`Hub`: who is connected and who drives; passes on what pages ask for."""
+"""`Hub`: knows who is connected and who drives, and passes on what pages ask for."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ _MOST_MISTAKES = 20
 
 
 class Controls(Protocol):
-    """What carries out what the driver asks for. Called in the server's thread: it must not block."""
+    """Carries out what the driver asks for. It is called in the server's thread, and must not block."""
 
     @property
     def status(self) -> LiveStatus:
-        """What runs now."""
+        """State of what runs now."""
         ...
 
     def handle(self, message: Message, client: int, refuse: Callable[[str], None]) -> None:
@@ -34,22 +34,22 @@ class Controls(Protocol):
         ...
 
     def let_go(self, client: int) -> None:
-        """The driver has gone or handed over: what it drives by hand stops."""
+        """Stop what the driver drives by hand, because it has gone or handed over."""
         ...
 
 
 class TooManyMessagesError(InputError):
-    """A client that sends too much, or what cannot be read, and is to be disconnected."""
+    """Raised for a client that sends too much, or what cannot be read; it is to be disconnected."""
 
 
 class Hub:
-    """Between one run and many pages.
+    """Stands between one run and many pages.
 
     `present` and `announce` may be called by any thread; the rest is the server's.
 
     Args:
         choices: What a page can choose from.
-        source: What the server was started with, for the page; None where it was started with nothing.
+        source: What the server was started with, for the page; None if it was started with nothing.
 
     Attributes:
         choices: What a page can choose from.
@@ -73,7 +73,7 @@ class Hub:
         self._announced: deque[tuple[int | None, str]] = deque(maxlen=256)
 
     def __len__(self) -> int:
-        """How many clients are connected."""
+        """Return how many clients are connected."""
         return len(self._clients)
 
     # Any thread -----------------------------------------------------------------------------------------------------
@@ -94,7 +94,7 @@ class Hub:
         return len(self._clients) >= MAX_CLIENTS
 
     def connect(self) -> Client:
-        """A page has connected."""
+        """Add a page that has connected."""
         self.joined += 1
         client = Client(self.joined)
         self._clients[client.number] = client
@@ -105,7 +105,7 @@ class Hub:
         return client
 
     def disconnect(self, client: Client) -> None:
-        """A page has gone."""
+        """Remove a page that has gone."""
         del self._clients[client.number], self._mistakes[client.number]
         self.left_s = time.monotonic()
         if self._lock.leave(client.number):

@@ -86,7 +86,7 @@ _NOT_OF_PAGES = {"step": "periods", "end": "why", "goal": "goal"}
 
 
 def _read_goal(pose: Any) -> tuple[float, ...]:
-    """The goal of a page's [x, y, yaw], in which null stands for any yaw."""
+    """Return the goal of a page's [x, y, yaw], in which null stands for any yaw."""
     numbers = as_sequence(pose, "the pose of a goal")
     if len(numbers) != 3:
         raise InputError(f"the pose of a goal is [x, y, yaw], with null for any yaw, got {show_value(pose)}")
@@ -130,7 +130,7 @@ def parse_message(text: str) -> Message:
 
 
 def encode(value: object) -> str:
-    """JSON on one line; numbers that are not finite, which JSON does not have, become null."""
+    """Return JSON on one line; numbers that are not finite, which JSON does not have, become null."""
     try:
         return to_json(value)
     except ValueError:
@@ -138,12 +138,12 @@ def encode(value: object) -> str:
 
 
 def encode_message(kind: str, **fields: object) -> str:
-    """A message of this type."""
+    """Return a message of this type."""
     return encode({"type": kind, **fields})
 
 
 def encode_items(values: Sequence[object]) -> str:
-    """The items of a JSON array, without its brackets."""
+    """Return the items of a JSON array, without its brackets."""
     return encode(list(values))[1:-1]
 
 

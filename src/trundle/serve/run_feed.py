@@ -47,7 +47,7 @@ class _Chunk:
 
 
 class RunLog:
-    """What a run has told so far, encoded once for all clients, each of which has a cursor in it."""
+    """Holds what a run has told so far, encoded once for all clients, each of which has a cursor in it."""
 
     def __init__(self) -> None:
         self._chunks: list[_Chunk] = []
@@ -60,7 +60,7 @@ class RunLog:
             self._rows += len(rows)
 
     def read(self, cursor: int) -> tuple[str, int] | None:
-        """The `log` message for a client whose cursor is here, and its next cursor; None where it has everything.
+        """Return the `log` message for a client whose cursor is here, and its next cursor; None if it has everything.
 
         Cursors start at 0. A page takes "from": 0 for the beginning of everything: a message that goes on before there
         are rows has none.
@@ -93,7 +93,7 @@ class Newest:
     text: str = ""
 
     def next(self, text: str) -> Newest:
-        """The one that replaces it."""
+        """Return the one that replaces it."""
         return Newest(self.number + 1, text)
 
 
@@ -119,10 +119,10 @@ class RunFeed:
     The run only appends to lists and replaces references, so it never waits for the server or a client.
 
     Args:
-        number: Of the run, from 1; 0 where nothing has run.
+        number: Number of the run, from 1; 0 if nothing has run.
         scene: The `scene` message.
-        info: The start of the run; None where nothing runs.
-        orders: Number that orders to the run carry; None where it takes none.
+        info: The start of the run; None if nothing runs.
+        orders: Number that orders to the run carry; None if it takes no orders.
 
     Attributes:
         log: Rows, paths and events.
@@ -212,24 +212,24 @@ class RunFeed:
         return encode({"type": "frame", **page.frame_of(step, scans=tuple(self._scans.values())), **fields})
 
     def _goals_ahead(self, step: Step, steering: SteeringReport | None) -> list[Any]:
-        """The goal that the robot drives to and those after it, as [x, y, yaw]."""
+        """Return the goal that the robot drives to and those after it, as [x, y, yaw]."""
         goals = self._goals if steering is None else steering.goals
         return [goal_of(goal) for goal in goals[step.goal :]]
 
 
 def page_name(client: int) -> str:
-    """Who gave a directive, for the record."""
+    """Return the name of a page as the giver of a directive, for the record."""
     return f"page {client}"
 
 
 def page_number(name: str) -> int | None:
-    """The client that `page_name` names; None for others."""
+    """Return the client that `page_name` names, or None for other names."""
     number = name.removeprefix("page ")
     return int(number) if number != name and number.isdigit() else None
 
 
 def scene_message(world: World | None, robot: Robot, grid: OccupancyGrid | None) -> tuple[str, str]:
-    """The `scene` message, and a remark for people: why it shows the map alone, or what it leaves out; else ""."""
+    """Return the `scene` message, and a remark for people: why it shows the map alone, what it leaves out, or ""."""
     try:
         scene = page.scene_of(world, robot, grid)
     except WorldError as error:

@@ -40,7 +40,7 @@ class RunService:
         base: What the choices of a page change.
         record: Opens what records each run.
         record_failure: Records a run in which a plug-in raised before there was a session.
-        speed: Of the first run relative to real time; infinity for as fast as it can.
+        speed: Speed of the first run relative to real time; infinity for as fast as it can.
 
     Attributes:
         failure: What a plug-in raised in the last run, or None.
@@ -97,7 +97,7 @@ class RunService:
             self._is_busy = False
 
     def last_episode(self) -> Episode:
-        """The episode of the last run.
+        """Return the episode of the last run.
 
         Raises:
             BaseException: What a plug-in raised in it.
@@ -182,7 +182,7 @@ class RunService:
 
     @property
     def status(self) -> LiveStatus:
-        """What runs now."""
+        """State of what runs now."""
         return self._steerer.status
 
     def handle(self, message: Message, client: int, refuse: Refuse) -> None:
@@ -212,5 +212,5 @@ class RunService:
 
 
 def _restart_of(message: Message) -> Restart | None:
-    """The restart that a message asks for, if it does."""
+    """Return the restart that a message asks for, if it does."""
     return message.directive if isinstance(message, Order) and isinstance(message.directive, Restart) else None

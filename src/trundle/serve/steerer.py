@@ -37,7 +37,7 @@ class Steerer:
     """Drives a run, and again after restarts, and steers it as the page says.
 
     Args:
-        speed: Of the first run relative to real time; infinity for as fast as it can.
+        speed: Speed of the first run relative to real time; infinity for as fast as it can.
         restarts: Whether a page may restart it.
 
     Attributes:
@@ -55,7 +55,7 @@ class Steerer:
 
     @property
     def status(self) -> LiveStatus:
-        """What runs now."""
+        """State of what runs now."""
         return LiveStatus("idle") if self._live is None else self._live.status
 
     @property
@@ -107,7 +107,7 @@ class Steerer:
             self.steering.put(Manual(), by=page_name(client), run=run)
 
     def _directive(self, message: Message, client: int, run: int) -> Directive:
-        """The directive of a message, as far as this client may give it."""
+        """Return the directive of a message, as far as this client may give it."""
         match message.directive if isinstance(message, Order) else None:
             case SetGoal() as directive:
                 self._count("goals", MAX_GOALS)

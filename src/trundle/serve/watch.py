@@ -20,10 +20,10 @@ class Watch:
 
     Args:
         hub: Where the pages are.
-        number: Of the run, from 1.
-        folder: Where the run is recorded, so that pages get its files; None where it is not.
+        number: Number of the run, from 1.
+        folder: Where the run is recorded, so that pages get its files; None if it is not recorded.
         world: The simulated world now, with what was added to it.
-        steering: What the pages steer it by; None where they cannot.
+        steering: The steering through which pages steer it; None if they cannot.
     """
 
     def __init__(

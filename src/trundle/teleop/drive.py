@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
 
 class Keys(Protocol):
-    """Where keys come from."""
+    """Gives the commands of keys."""
 
     def read(self) -> Twist2D | None:
-        """The command of the keys that were pressed until now; None when the driver has left."""
+        """Return the command of the keys that were pressed until now; None when the driver has left."""
         ...
 
 
@@ -85,7 +85,7 @@ def drive_by_hand(
         keys: Where the keys come from; read once per control period.
         show: Shows each step.
         period_s: Length of a control period [s].
-        seed: Of the simulator.
+        seed: Seed of the simulator.
         observers: Notified of the drive, too.
 
     Raises:
@@ -122,7 +122,7 @@ class WindowKeys:
         self._window = window
 
     def read(self) -> Twist2D | None:
-        """The command of the keys that were pressed until now; None when the window is closed."""
+        """Return the command of the keys that were pressed until now; None when the window is closed."""
         if not self._window.is_open:
             return None
         for key in self._window.read_keys():

@@ -73,13 +73,13 @@ class Screen:
         self._rows_below = len(lines) - 1
 
     def _size(self) -> tuple[int, int]:
-        """Columns and rows of the terminal; defaults if unknown."""
+        """Return columns and rows of the terminal; defaults if unknown."""
         columns, rows = os.get_terminal_size(self._stream.fileno())
         return columns or 80, rows or 24
 
 
 def describe_state(state: RobotState) -> str:
-    """Time, pose, twist and contacts in one line."""
+    """Return time, pose, twist and contacts in one line."""
     pose, twist = state.pose, state.twist
     touched = "  touching " + ", ".join(sorted({c.other for c in state.contacts})) if state.contacts else ""
     speeds = f"v {twist.v:6.3f} w {twist.w:6.3f}"
@@ -136,7 +136,7 @@ class TextMap:
     def _crop(
         self, width: float, col: int, row: int, columns: int, rows: int, robot: tuple[int, int], yaw: float
     ) -> list[str]:
-        """Text of the block of characters whose lower-left one is (col, row)."""
+        """Return the text of the block of characters whose lower-left one is (col, row)."""
         cells, first_col, first_row = self._draw(width)
         every_col, every_row = round(_DOTS_M / width), round(_DOTS_M / (2.0 * width))
         lines: list[str] = []
@@ -154,7 +154,7 @@ class TextMap:
         return lines
 
     def _draw(self, width: float) -> tuple[npt.NDArray[np.bool_], int, int]:
-        """Blocked characters of the world, shape (rows, columns), and the indices of the lower-left one."""
+        """Return blocked characters of the world, shape (rows, columns), and the indices of the lower-left one."""
         if width not in self._cells:
             size = np.array([width, 2.0 * width])
             first = np.floor(self._low / size).astype(int)

@@ -40,7 +40,7 @@ _SHADOWS_M = 40.0
 
 
 def has_screen() -> bool:
-    """Whether a window with OpenGL can be opened here, tried with a hidden one."""
+    """Return whether a window with OpenGL can be opened here, tried with a hidden one."""
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return False
     import glfw
@@ -63,7 +63,7 @@ class NativeWindow:
     Args:
         world: The world.
         robot: The robot.
-        pose: Its pose, map frame; None means the world's first seed point, or the origin.
+        pose: Its pose, map frame. By default, it is the world's first seed point, or the origin.
         chase: Keep the camera behind the robot; otherwise it starts close to its front and is moved by the mouse.
 
     Raises:

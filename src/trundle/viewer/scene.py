@@ -86,7 +86,7 @@ class SceneRenderer:
         Args:
             pose: Pose of base_link in the map frame.
             wheel_positions: Angles of the drive wheels [rad].
-            movers: The moving obstacles; None leaves them where they were, at first where their motions begin.
+            movers: The moving obstacles. If None, they stay where they were, at first where their motions begin.
 
         Returns:
             RGB, shape (height, width, 3).
@@ -157,7 +157,7 @@ def render(
     Args:
         world: The world.
         robot: The robot.
-        pose: Its pose, map frame; None means the world's first seed point, or the origin.
+        pose: Its pose, map frame. By default, it is the world's first seed point, or the origin.
         size: Width and height, in pixels.
         camera: One of `CAMERAS` or a fixed `Camera`.
         path: Waypoints [m], map frame, shape (N, 2) or more columns, drawn on the floor.

@@ -122,7 +122,7 @@ class SceneModel:
 
 
 def _outer_walls(world: World, model: mujoco.MjModel) -> list[tuple[int, str, float]]:
-    """Geom, side and opacity of the walls at the edges of a world."""
+    """Return geom, side and opacity of the walls at the edges of a world."""
     low, high = world.bounds
     walls: list[tuple[int, str, float]] = []
     for solid in world.solids:
@@ -133,7 +133,7 @@ def _outer_walls(world: World, model: mujoco.MjModel) -> list[tuple[int, str, fl
 
 
 def _side(solid: Solid, low: FloatArray, high: FloatArray) -> str | None:
-    """The edge of its world that a wall lies along, if it does."""
+    """Return the edge of its world that a wall lies along, if it does."""
     if solid.kind != "wall":
         return None
     solid_low, solid_high = solid.bounds()
@@ -225,7 +225,7 @@ class MovingBodies:
 
 
 def movers_at_start(world: World, robot: Robot, pose: Pose2D) -> ShownMovers:
-    """Where the movers of a world are when a run with seed 0 begins.
+    """Return where the movers of a world are when a run with seed 0 begins.
 
     Raises:
         WorldError: If there is no room for a crowd.

@@ -153,7 +153,7 @@ class DropBox(CheckedDirective):
         return tuple(check_number("a side of a box", side, _SMALLEST_M, _LARGEST_M, "m") for side in size)
 
     def solid(self, name: str) -> Solid:
-        """The box as a solid of a world."""
+        """Return the box as a solid of a world."""
         half = self.yaw / 2.0
         turn = (math.cos(half), 0.0, 0.0, math.sin(half))
         return Solid(name, Box(self.size), Pose3D((self.x, self.y, self.size[2] / 2.0), turn), _BOX_COLOR)
@@ -195,7 +195,7 @@ class Restart(CheckedDirective):
     """End the run, and begin it again.
 
     Attributes:
-        seed: Of the next run: a seed, "next" for the one after the present seed, or None for the same.
+        seed: Seed of the next run: a number, "next" for the one after the present seed, or None for the same.
 
     Raises:
         InputError: If it is none of these.
@@ -276,7 +276,7 @@ _MAX = "max"
 
 
 def directive_name(directive: Directive) -> str:
-    """The name that a directive has in `DIRECTIVES`."""
+    """Return the name that a directive has in `DIRECTIVES`."""
     return _NAMES[type(directive)]
 
 
@@ -303,7 +303,7 @@ def read_directive(name: object, values: Mapping[str, Any]) -> Directive:
 
 
 def directive_fields(directive: Directive) -> dict[str, object]:
-    """The fields of a directive as JSON can hold them; `read_directive` makes it of them again."""
+    """Return the fields of a directive as JSON can hold them; `read_directive` makes it of them again."""
     values = {field.name: getattr(directive, field.name) for field in fields(directive)}
     return {name: _MAX if value == math.inf else value for name, value in values.items()}
 

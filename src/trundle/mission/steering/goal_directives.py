@@ -29,7 +29,7 @@ Region: TypeAlias = Literal["all", "around", "except"]
 
 
 def read_target(goal: Goal | Pose2D | Sequence[float]) -> Goal:
-    """A goal of a directive, which has no tasks.
+    """Return a goal of a directive, which has no tasks.
 
     Raises:
         InputError: If it is no goal, or a waypoint with tasks.
