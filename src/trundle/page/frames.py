@@ -16,7 +16,10 @@ _APART_M = 0.04
 """Points of a scan nearer to the one before are left out: their marks would overlap."""
 
 _MOST_CM = 32_000
+"""Points are sent as 16-bit centimetres: those farther away are drawn at 320 m."""
+
 _MOST_ROLLOUTS, _ROLLOUT_POINTS = 30, 12
+"""Samples of the controller that are drawn, and points of each: more would hide the path and the scans."""
 
 _MONITORED = {
     "slow": "slowed by the collision monitor",

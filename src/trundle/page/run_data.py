@@ -20,14 +20,18 @@ from trundle.page.scene import solid_instances
 MOST_ROWS = 36_000
 """Half an hour of control periods; of a longer run, every second row, every fourth, and so on."""
 
+# A report is one file that a browser loads at once: these bounds keep a run of a minute at some 1.5 MB, and a run of
+# any length at a few. Frames and costmaps are thinned to stay within them.
 _MOST_FRAME_BYTES = 3_000_000
 _MOST_COSTMAP_BYTES = 300_000
 _MOST_CELLS = 30_000_000
+"""Cells of all costmaps that are kept in memory until the end, a byte each."""
+
 _FRAME_S = 0.2
 _COSTMAP_S = 2.0
 _MOST_CONTACTS = 200
 _APART_CM = 8
-"""Points of a kept scan nearer to the one before are left out."""
+"""Points of a kept scan nearer to the one before are left out: twice the distance of live frames, to save space."""
 
 _LISTS = ("rows", "paths", "events", "frames", "costmaps", "contacts", "solids")
 

@@ -18,6 +18,7 @@ from trundle.pictures.plan import Plan
 _LARGEST_CELL = 64  # [px]
 _WANTED = 640  # [px]: small grids are enlarged to about this
 _ROWS_AT_ONCE = 32
+"""Rows of squares that are merged at once, so that a large grid needs little memory beside its own."""
 
 Bytes = npt.NDArray[np.uint8]
 

@@ -22,9 +22,9 @@ from trundle.robots import Robot
 
 LONG_SIDE = 1000
 MAX_SIDE = 2000
-_MOST_MARKS = 2
-_MARGIN_M = 2.0
-_LEAST_VIEW_M = 8.0
+_MOST_MARKS = 2  # limits that the legend lists one by one
+_MARGIN_M = 2.0  # around what is in focus
+_LEAST_VIEW_M = 8.0  # a short path is shown with so much around it, so that one sees where it is
 _FLOOR_CELL_M = 0.1
 _LEAST_RATIO = 0.85  # ratio of the shorter to the longer side of a view, if the map is wide enough
 _WHOLE_MAP_SHARE = 0.6  # a view of more than this share of the map shows all of it

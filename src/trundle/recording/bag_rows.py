@@ -17,7 +17,7 @@ PERIOD_S = 0.05
 """Rows are at most so close, as a run's control periods are."""
 
 _BASES = ("base_link", "base_footprint")
-_LONGEST_S = 6.0 * 3600.0
+_LONGEST_S = 6.0 * 3600.0  # of a recording: rows are made for all of it, in memory
 
 
 @dataclass(frozen=True, slots=True, eq=False)

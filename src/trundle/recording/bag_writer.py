@@ -24,7 +24,7 @@ from trundle.version import __version__
 _LOGGER = logging.getLogger(__name__)
 
 CHUNK_BYTES = 4 * 1024 * 1024
-"""A chunk ends when it is this large, besides every time it is flushed."""
+"""A chunk ends when it is this large, besides every time it is flushed: readers load and decompress whole chunks."""
 
 METADATA = "rosbag2"
 """Name of the record in which rosbag2 keeps a bag's metadata.yaml."""

@@ -9,9 +9,13 @@ from collections.abc import Iterator
 from trundle.serve.run_feed import RunFeed
 
 _FRAGMENT = 64 * 1024
+"""Characters of a part of a long message; the next part is sent once the socket has room for it."""
+
 _MOST_REPLIES = 64
+"""Replies that wait; more than these are sent only by a page that does not read, and the oldest are dropped."""
+
 RATE_PER_S, BURST = 60.0, 120.0
-"""How many messages a client may send per second, and at once."""
+"""How many messages a client may send per second, and at once. A page that drives by hand sends 11 in a second."""
 
 
 class Client:

@@ -17,6 +17,8 @@ from trundle.serve.messages import Drive, Message, Ping, encode_message, parse_m
 from trundle.serve.run_feed import RunFeed
 
 MAX_CLIENTS = 64
+"""Each client costs its socket and what waits to be sent; everything else is encoded once for all."""
+
 _MOST_MISTAKES = 20
 """A client that has sent so many messages that cannot be read is disconnected."""
 

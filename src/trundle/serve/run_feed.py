@@ -28,6 +28,8 @@ FRAME_PERIOD_S = 0.0495
 """At most 20 frames in a second, at the server's ticks."""
 
 COSTMAP_PERIOD_S = 0.5
+"""A costmap is by far the largest message, and changes slowly: two in a second leave room for the frames."""
+
 _MOST_AT_ONCE = 200
 """Steps that are encoded at once, so that a run at full speed goes on in between."""
 

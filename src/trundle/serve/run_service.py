@@ -21,7 +21,7 @@ from trundle.serve.steerer import Refuse, Steerer
 from trundle.serve.watch import Watch
 from trundle.sim import world_of
 
-_LOOK_S = 0.2
+_LOOK_S = 0.2  # how often `until` is asked while nothing is requested
 
 
 class Record(Protocol):

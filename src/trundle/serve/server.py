@@ -39,9 +39,13 @@ MAX_BODIES_BYTES = 256 * 2**20
 """Size of all answers together that wait to be read, at most."""
 
 TICK_S = 0.05
+"""Period [s] of encoding what is new: a control period at 20 Hz, so that each step in real time can be a frame."""
+
 _IDLE_TICK_S = 0.5
+"""The same while no page is connected: then only the log is encoded, so that it does not pile up."""
+
 HANDSHAKE_S = 5.0
-_PING_S = 10.0
+_PING_S = 10.0  # a page that went without a word, such as a closed lid, is noticed after two of these
 _CLOSE_S = 2.0
 _START_S = 10.0
 
