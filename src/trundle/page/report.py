@@ -53,6 +53,11 @@ _FIGURES = (
     ("real_time_factor", "real-time factor", "{:.0f}"),
 )
 
+_MOST_BYTES = 100_000_000
+_STAND_IN = "nova_carter"
+_BEFORE, _AFTER = '<script type="application/json" id="boot">', "</script>"
+_RESOLUTION_M = 0.05  # edge of the cells of the true map, on which clearances are measured
+
 
 def write_report(
     file: str | os.PathLike[str],
@@ -137,11 +142,6 @@ def _figures(record: Mapping[str, Any]) -> list[list[str]]:
         if names := record.get(name):
             found.append([label, ", ".join(str(one) for one in names)])
     return found
-
-
-_MOST_BYTES = 100_000_000
-_STAND_IN = "nova_carter"
-_BEFORE, _AFTER = '<script type="application/json" id="boot">', "</script>"
 
 
 def report_folder(folder: str | os.PathLike[str], out: str | os.PathLike[str] | None = None) -> Path:
@@ -229,9 +229,6 @@ def _surroundings(place: Path, record: Mapping[str, Any]) -> tuple[World | None,
         robot = Robot.load(_STAND_IN)
         notes.append(f"{_STAND_IN} is drawn for the robot {record.get('robot')!r}, whose file is not known")
     return None, robot, grid, "; ".join(notes)
-
-
-_RESOLUTION_M = 0.05
 
 
 def run_of(episode: Episode, robot: Robot, world: World | None, grid: OccupancyGrid | None) -> dict[str, Any]:

@@ -45,6 +45,13 @@ COLUMNS = (
 index of the goal, status, wall times [ms], angles of the drive wheels [rad], and the estimated pose where it is not the
 true one."""
 
+_RESOLUTION_M = 0.05  # edge of the cells of the true map, on which clearances are measured
+KINDS = ("start", "plan", "replan", "blocked", "recovery", "monitor", "contact", "goal", "steer", "end")
+"""Kinds of events."""
+
+_QUIET_S = 1.0
+"""The collision monitor's actions may change at every step: it is reported again only after this time."""
+
 
 def info_of(info: RunInfo) -> dict[str, Any]:
     """Return what the page shows of a run's start."""
@@ -92,9 +99,6 @@ def row_of(step: Step, *, clearance: float | None = None, cross_track: float | N
         *rounded(state.wheel_positions, 3),
         *believed,
     ]
-
-
-_RESOLUTION_M = 0.05
 
 
 class RunLines:
@@ -184,13 +188,6 @@ class _Line:
         offsets = complex(x, y) - self._starts
         shares = (offsets * self._share).real.clip(0.0, 1.0)
         return float(np.abs(offsets - shares * self._along).min())
-
-
-KINDS = ("start", "plan", "replan", "blocked", "recovery", "monitor", "contact", "goal", "steer", "end")
-"""Kinds of events."""
-
-_QUIET_S = 1.0
-"""The collision monitor's actions may change at every step: it is reported again only after this time."""
 
 
 class Events:

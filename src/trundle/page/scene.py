@@ -29,6 +29,8 @@ _MOST_COLORS = 40
 
 _AROUND_M = 5.0
 
+MOST_BOXES = 40_000
+
 
 def scene_of(
     world: World | None,
@@ -211,9 +213,6 @@ def _bounds(solids: Sequence[Solid], grid: OccupancyGrid | None) -> list[float]:
         corners = grid.origin.transform_points([(0.0, 0.0), (x, 0.0), (0.0, y), (x, y)])
         return rounded([*corners.min(axis=0), 0.0, *corners.max(axis=0), 1.0])
     return [-_AROUND_M, -_AROUND_M, 0.0, _AROUND_M, _AROUND_M, 1.0]
-
-
-MOST_BOXES = 40_000
 
 
 def boxes_of(cells: OccupancyCells) -> npt.NDArray[np.float64]:

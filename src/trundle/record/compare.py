@@ -14,7 +14,7 @@ from trundle.pictures.figure import font, plain
 from trundle.record.chart import Chart, Curve, draw_chart
 from trundle.record.motion import Motion
 
-# Starts this close are the same; otherwise the second motion is moved to the start of the first.
+# Starts this close are the same; runs that start farther apart are compared only with `align`.
 _SAME_START_M = 0.01
 _SAME_START_RAD = 0.01
 

@@ -37,25 +37,13 @@ from trundle.record.page import Mark, compose_page, draw_tag
 from trundle.robots import Robot
 from trundle.sim.mover_history import MoverHistory
 
-_FAINT, _FILL = 200, 70
-
-
-class MoverTrails(MoverHistory):
-    """Collects the movers of a run, one entry for each step, and draws them."""
-
-    def draw(self, view: MapView) -> None:
-        """Draw the outlines of the movers at the end of the run, each with its trail."""
-        if not self._times:
-            return
-        shown = self.at(self._times[-1])
-        for trail, state in zip(shown.trails, shown.states, strict=True):
-            view.line(trail, WARNING, 2)
-            view.outline(state.pose, np.array(state.outline), WARNING, 2.0, alpha=_FAINT, fill=_FILL)
-
-
 _SPEED_LEVELS = 24
 _OUTLINES = 14  # approximate number of footprints along a path
 _LEAST_GAP_M = 1.2
+_FAINT, _FILL = 200, 70  # opacity of the outlines of movers and of their insides
+_DASH = 18.0
+"""Length of a stripe [px]."""
+
 _LEGEND = (
     Mark("line", PLANNED, "planned"),
     Mark("square", OCCUPIED, "occupied"),
@@ -296,8 +284,20 @@ def _draw_tags(
         draw_tag(draw, (float(x), float(y)), text, color, apart=apart, size=picture.size)
 
 
-_DASH = 18.0
-"""Length of a stripe [px]."""
+class MoverTrails(MoverHistory):
+    """Collects the movers of a run, one entry for each step, and draws them."""
+
+    def draw(self, view: MapView) -> None:
+        """Draw the outlines of the movers at the end of the run, each with its trail."""
+        if not self._times:
+            return
+        shown = self.at(self._times[-1])
+        for trail, state in zip(shown.trails, shown.states, strict=True):
+            view.line(trail, WARNING, 2)
+            view.outline(state.pose, np.array(state.outline), WARNING, 2.0, alpha=_FAINT, fill=_FILL)
+
+
+# Stripes --------------------------------------------------------------------------------------------------------------
 
 
 def draw_striped(view: MapView, lines: Sequence[tuple[FloatArray, Rgb]], *, width: float = 5.0) -> None:

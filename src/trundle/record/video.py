@@ -25,40 +25,6 @@ from trundle.pictures.figure import font
 from trundle.record.map_view import view_run
 from trundle.sim.mover_history import MoverHistory, ShownMovers
 
-Samples: TypeAlias = npt.NDArray[np.float32]
-"""Places (x, y) [m], map frame, shape (N, T, 2), of N samples."""
-
-LINES = 12
-"""How many samples are kept of a step."""
-_POINTS = 15  # of each sample, about
-
-
-class SampleHistory:
-    """Collects what a controller considered best in each step; nothing for steps without samples.
-
-    A step takes about 1.5 kB.
-    """
-
-    def __init__(self) -> None:
-        self._steps: dict[int, Samples] = {}
-
-    def __len__(self) -> int:
-        return len(self._steps)
-
-    def add(self, index: int, rollouts: Rollouts | None) -> None:
-        """Add the samples of a step, by its index; step 0 begins another run."""
-        if index == 0:
-            self._steps.clear()
-        if rollouts is None:
-            return
-        stride = max(1, rollouts.poses.shape[1] // _POINTS)
-        self._steps[index] = rollouts.poses[:LINES, ::stride, :2].astype(np.float32)
-
-    def at(self, index: int) -> Samples | None:
-        """Return the samples of a step, the best first, or None if it had none."""
-        return self._steps.get(index)
-
-
 FRAMES_PER_SECOND = 30
 MAX_FRAMES = 300
 DRAWN_SIDE = 840  # least longer side of a drawn frame [px], where the map has fewer cells
@@ -67,6 +33,13 @@ MAX_DRAWN_SIDE = 1280  # with more cells than this, several share a pixel
 Pixels: TypeAlias = npt.NDArray[np.uint8]
 Report: TypeAlias = Callable[[str, int, int], None]
 """Called with the task, the number of finished parts, and their total."""
+
+Samples: TypeAlias = npt.NDArray[np.float32]
+"""Places (x, y) [m], map frame, shape (N, T, 2), of N samples."""
+
+LINES = 12
+"""How many samples are kept of a step."""
+_POINTS = 15  # of each sample, about
 
 
 class FrameSource(Protocol):
@@ -277,3 +250,29 @@ class DrawnFrames:
             self._view.stamp(frame, state.pose, np.array(state.outline), WARNING)
         self._view.stamp(frame, pose, self._robot.outline, START)
         return np.asarray(frame)
+
+
+class SampleHistory:
+    """Collects what a controller considered best in each step; nothing for steps without samples.
+
+    A step takes about 1.5 kB.
+    """
+
+    def __init__(self) -> None:
+        self._steps: dict[int, Samples] = {}
+
+    def __len__(self) -> int:
+        return len(self._steps)
+
+    def add(self, index: int, rollouts: Rollouts | None) -> None:
+        """Add the samples of a step, by its index; step 0 begins another run."""
+        if index == 0:
+            self._steps.clear()
+        if rollouts is None:
+            return
+        stride = max(1, rollouts.poses.shape[1] // _POINTS)
+        self._steps[index] = rollouts.poses[:LINES, ::stride, :2].astype(np.float32)
+
+    def at(self, index: int) -> Samples | None:
+        """Return the samples of a step, the best first, or None if it had none."""
+        return self._steps.get(index)

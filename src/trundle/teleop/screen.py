@@ -30,6 +30,15 @@ _PLAIN_PERIOD_S = 1.0
 _CLEAR_LINE = "\x1b[K"
 _CLEAR_BELOW = "\x1b[J"
 
+_WIDTHS_M = (0.25, 0.5)
+"""Widths of a character [m], the finest first; in terminals a character is about twice as tall as wide."""
+
+_DOTS_M = 2.0
+_REACH_M = 250.0
+"""Distance from the start up to which obstacles are drawn [m]; it limits the memory for a large world."""
+
+_ARROWS = ">^<v"
+
 
 class Screen:
     """Shows the state of a drive on a stream.
@@ -84,16 +93,6 @@ def describe_state(state: RobotState) -> str:
     touched = "  touching " + ", ".join(sorted({c.other for c in state.contacts})) if state.contacts else ""
     speeds = f"v {twist.v:6.3f} w {twist.w:6.3f}"
     return f"{state.time:6.1f} s x{pose.x:7.2f} y{pose.y:7.2f} yaw{pose.yaw:6.2f} {speeds}{touched}"
-
-
-_WIDTHS_M = (0.25, 0.5)
-"""Widths of a character [m], the finest first; in terminals a character is about twice as tall as wide."""
-
-_DOTS_M = 2.0
-_REACH_M = 250.0
-"""Distance from the start up to which obstacles are drawn [m]; it limits the memory for a large world."""
-
-_ARROWS = ">^<v"
 
 
 class TextMap:

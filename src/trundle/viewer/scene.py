@@ -28,6 +28,12 @@ if TYPE_CHECKING:
 MAX_SIZE = 4096
 """Largest width and height of a picture, in pixels."""
 
+QUICK_S = 0.01
+"""If a small picture takes longer than this, it is rendered by the CPU instead of a GPU."""
+
+STRIDE = 2
+"""Without a GPU, frames per rendered picture."""
+
 
 class SceneRenderer:
     """Draws a robot in a world for one pose after another, with OpenGL if there is a driver, else in software.
@@ -176,13 +182,6 @@ def render(
         pixels = scene.render(at, movers=movers_at_start(world, robot, at))
         kind = scene.kind
     return Picture(pixels, kind, describe_missing_gl() if kind == "software" else "")
-
-
-QUICK_S = 0.01
-"""If a small picture takes longer than this, it is rendered by the CPU instead of a GPU."""
-
-STRIDE = 2
-"""Without a GPU, frames per rendered picture."""
 
 
 class SceneFrames:

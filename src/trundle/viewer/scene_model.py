@@ -38,6 +38,11 @@ _GROUP_MARKS = 4
 _CLEAR = 1.1  # the line of sight must be clear up to this multiple of the camera's distance
 _AT_EDGE = 0.35  # walls within this distance of the world's edge are outer walls [m]
 
+TRAIL_COLOR = (0.85, 0.42, 0.05, 1.0)
+_DOTS = 12
+_DOT_RADIUS_M, _DOT_HALF_HEIGHT_M = 0.05, 0.004
+_BELOW_M = -50.0  # where dots are kept that are not shown [m]
+
 
 class SceneModel:
     """A robot in a world, to be posed and drawn.
@@ -176,12 +181,6 @@ def _add_goal(spec: mujoco.MjSpec, goal: Pose2D, robot: Robot) -> None:
 def _add_mark(spec: mujoco.MjSpec, kind: mujoco.mjtGeom, color: tuple[float, float, float, float]) -> mujoco.MjsGeom:
     """Add a geom that does not collide."""
     return spec.worldbody.add_geom(type=kind, rgba=color, contype=0, conaffinity=0, mass=0.0, group=_GROUP_MARKS)
-
-
-TRAIL_COLOR = (0.85, 0.42, 0.05, 1.0)
-_DOTS = 12
-_DOT_RADIUS_M, _DOT_HALF_HEIGHT_M = 0.05, 0.004
-_BELOW_M = -50.0  # where dots are kept that are not shown [m]
 
 
 class MovingBodies:
