@@ -22,9 +22,9 @@ class BagTopic:
     """A topic of a bag.
 
     Attributes:
-        name: Of the topic.
-        type_name: Of its messages.
-        count: Number of them.
+        name: Name of the topic.
+        type_name: Type of its messages.
+        count: Number of its messages.
     """
 
     name: str

@@ -39,7 +39,7 @@ class RunTopics:
     Args:
         path: The file.
         robot: The robot that is driven.
-        distro: Of ROS 2.
+        distro: Distribution of ROS 2.
 
     Attributes:
         bag: What they are written to.
@@ -69,7 +69,7 @@ class RunTopics:
         self._sent = self._add("/cmd_vel", self._make.command_type, _COMMAND)
 
     def _add(self, name: str, type_name: str, qos: Qos) -> Topic:
-        """A topic; it is added when it is first needed, and only once."""
+        """Return a topic; it is added when it is first needed, and only once."""
         topic = self._topics.get(name)
         if topic is None:
             codec = self._codec

@@ -1,15 +1,15 @@
-"""`Wheel`: which one of the clients drives."""
+"""`DriverLock`: only one of the clients drives at a time."""
 
 from __future__ import annotations
 
 from typing import Literal
 
 ANSWER_S = 30.0
-"""A driver that has not answered a request for this long has left the page: it is granted."""
+"""A request that the driver has not answered for this long [s] is granted, because the driver has left the page."""
 
 
-class Wheel:
-    """One client drives, the others watch and may ask to take over.
+class DriverLock:
+    """Lets one client drive; the others watch, and may ask to take over.
 
     The first client drives. Where nobody drives, because the driver has left, the next one that asks does.
 
@@ -28,13 +28,17 @@ class Wheel:
         return len(self._clients)
 
     def join(self, client: int) -> None:
-        """A client has connected; it drives if it is alone."""
+        """Add a client that has connected; it drives if it is alone."""
         self._clients.append(client)
         if len(self._clients) == 1:
             self.driver = client
 
     def leave(self, client: int) -> bool:
-        """A client has gone; whether it was the driver. Who asked to take over drives then."""
+        """Remove a client that has gone; the one that asked to take over drives then.
+
+        Returns:
+            Whether the client was the driver.
+        """
         self._clients.remove(client)
         if self.request == client:
             self.request = None
@@ -44,7 +48,11 @@ class Wheel:
         return True
 
     def ask(self, client: int, now_s: float) -> bool:
-        """A client asks to drive; whether something changed. The first that asks is answered first."""
+        """Let a client ask to drive; the first one that asks is answered first.
+
+        Returns:
+            Whether something changed.
+        """
         if client == self.driver:
             return False
         if self.driver is None:
@@ -56,7 +64,7 @@ class Wheel:
         return True
 
     def answer(self, client: int, answer: Literal["grant", "refuse"]) -> bool:
-        """The driver answers the request; whether there was one to answer."""
+        """Let the driver answer the request; return whether there was one to answer."""
         if client != self.driver or self.request is None:
             return False
         if answer == "grant":
@@ -65,7 +73,7 @@ class Wheel:
         return True
 
     def expire(self, now_s: float) -> bool:
-        """Grant a request that was not answered for `ANSWER_S`; whether one was."""
+        """Grant a request that was not answered for `ANSWER_S`; return whether one was granted."""
         if self.request is None or now_s - self._asked_s < ANSWER_S:
             return False
         self.driver, self.request = self.request, None

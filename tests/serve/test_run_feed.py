@@ -1,6 +1,6 @@
 import json
 
-from trundle.serve.run_log import RunLog
+from trundle.serve.run_feed import RunLog
 
 
 def _read_all(log: RunLog) -> list[dict]:

@@ -1,12 +1,13 @@
-"""`Show`: what pages are shown of one run, or of a world in which nothing runs yet."""
+"""`RunFeed`: what pages are shown of one run, or of a world in which nothing runs yet."""
 
 from __future__ import annotations
 
 import math
 import time
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from trundle import page
 from trundle.costmap import Costmap
@@ -15,18 +16,70 @@ from trundle.maps import OccupancyGrid
 from trundle.mission import Episode, LiveStatus, RunInfo, SteeringReport, Step
 from trundle.observation import Scan
 from trundle.page import RunLines
-from trundle.page.rows import goal_of
+from trundle.page.run_lines import goal_of
 from trundle.robots import Robot
-from trundle.serve.encoding import encode, encode_message
-from trundle.serve.run_log import RunLog
+from trundle.serve.messages import encode, encode_items, encode_message
 from trundle.worlds import World
+
+if TYPE_CHECKING:
+    pass
 
 FRAME_PERIOD_S = 0.0495
 """At most 20 frames in a second, at the server's ticks."""
 
 COSTMAP_PERIOD_S = 0.5
+"""A costmap is by far the largest message, and changes slowly: two in a second leave room for the frames."""
+
 _MOST_AT_ONCE = 200
 """Steps that are encoded at once, so that a run at full speed goes on in between."""
+
+_BATCH_BYTES = 256 * 1024
+"""A client that catches up gets messages of about this size."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Chunk:
+    first: int
+    rows: str
+    paths: str
+    events: str
+
+    def __len__(self) -> int:
+        return len(self.rows) + len(self.paths) + len(self.events)
+
+
+class RunLog:
+    """Holds what a run has told so far, encoded once for all clients, each of which has a cursor in it."""
+
+    def __init__(self) -> None:
+        self._chunks: list[_Chunk] = []
+        self._rows = 0
+
+    def add(self, rows: Sequence[object], paths: Sequence[object], events: Sequence[object]) -> None:
+        """Append what is new."""
+        if rows or paths or events:
+            self._chunks.append(_Chunk(self._rows, *map(encode_items, (rows, paths, events))))
+            self._rows += len(rows)
+
+    def read(self, cursor: int) -> tuple[str, int] | None:
+        """Return the `log` message for a client whose cursor is here, and its next cursor; None if it has everything.
+
+        Cursors start at 0. A page takes "from": 0 for the beginning of everything: a message that goes on before there
+        are rows has none.
+        """
+        size, end = 0, cursor
+        while end < len(self._chunks) and (end == cursor or size + len(self._chunks[end]) <= _BATCH_BYTES):
+            size += len(self._chunks[end])
+            end += 1
+        if end == cursor:
+            return None
+        part = self._chunks[cursor:end]
+        rows = ",".join(chunk.rows for chunk in part if chunk.rows)
+        paths = ",".join(chunk.paths for chunk in part if chunk.paths)
+        events = ",".join(chunk.events for chunk in part if chunk.events)
+        first = f'"from":{part[0].first},' if cursor == 0 or part[0].first else ""
+        text = f'{{"type":"log",{first}"rows":[{rows}],"paths":[{paths}],"events":[{events}]}}'
+        return text, end
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +95,7 @@ class Newest:
     text: str = ""
 
     def next(self, text: str) -> Newest:
-        """The one that replaces it."""
+        """Return the one that replaces it."""
         return Newest(self.number + 1, text)
 
 
@@ -62,16 +115,16 @@ class Note:
 _Item: TypeAlias = Step | Episode | Note
 
 
-class Show:
+class RunFeed:
     """One run as the pages get it. The thread that runs it hands over what happens; the server's thread encodes it.
 
     The run only appends to lists and replaces references, so it never waits for the server or a client.
 
     Args:
-        number: Of the run, from 1; 0 where nothing has run.
+        number: Number of the run, from 1; 0 if nothing has run.
         scene: The `scene` message.
-        info: The start of the run; None where nothing runs.
-        orders: Number that orders to the run carry; None where it takes none.
+        info: The start of the run; None if nothing runs.
+        orders: Number that orders to the run carry; None if it takes no orders.
 
     Attributes:
         log: Rows, paths and events.
@@ -161,24 +214,24 @@ class Show:
         return encode({"type": "frame", **page.frame_of(step, scans=tuple(self._scans.values())), **fields})
 
     def _goals_ahead(self, step: Step, steering: SteeringReport | None) -> list[Any]:
-        """The goal that the robot drives to and those after it, as [x, y, yaw]."""
+        """Return the goal that the robot drives to and those after it, as [x, y, yaw]."""
         goals = self._goals if steering is None else steering.goals
         return [goal_of(goal) for goal in goals[step.goal :]]
 
 
 def page_name(client: int) -> str:
-    """Who gave a directive, for the record."""
+    """Return the name of a page as the giver of a directive, for the record."""
     return f"page {client}"
 
 
 def page_number(name: str) -> int | None:
-    """The client that `page_name` names; None for others."""
+    """Return the client that `page_name` names, or None for other names."""
     number = name.removeprefix("page ")
     return int(number) if number != name and number.isdigit() else None
 
 
 def scene_message(world: World | None, robot: Robot, grid: OccupancyGrid | None) -> tuple[str, str]:
-    """The `scene` message, and a remark for people: why it shows the map alone, or what it leaves out; else ""."""
+    """Return the `scene` message, and a remark for people: why it shows the map alone, what it leaves out, or ""."""
     try:
         scene = page.scene_of(world, robot, grid)
     except WorldError as error:

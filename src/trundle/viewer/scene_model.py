@@ -1,4 +1,4 @@
-"""`Stage`: a static MuJoCo model of a robot in a world, for rendering."""
+"""`SceneModel`: a MuJoCo model of a robot in a world with its movers and their trails, for rendering."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from trundle.geometry import FloatArray, Pose2D
 from trundle.geometry.solids import Solid
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.mover_history import ShownMovers
+from trundle.sim.movers import MoverField
 from trundle.sim.mujoco.model import build_spec
-from trundle.sim.mujoco.world_parts import FLOOR
+from trundle.sim.mujoco.mover_bodies import place_movers
+from trundle.sim.mujoco.world_parts import FLOOR, MOVER
 from trundle.viewer.cameras import Camera, aim
-from trundle.viewer.moving import MovingBodies
 from trundle.viewer.route import (
     GOAL_COLOR,
     GOAL_HALF_HEIGHT_M,
@@ -26,6 +27,7 @@ from trundle.viewer.route import (
     path_pieces,
 )
 from trundle.worlds import World
+from trundle.worlds.movers.crowd import each_body
 
 SHOWN_GROUPS = (1, 1, 1, 0, 1, 0)
 """Geom groups in pictures: everything but the robot's colliders."""
@@ -36,8 +38,13 @@ _GROUP_MARKS = 4
 _CLEAR = 1.1  # the line of sight must be clear up to this multiple of the camera's distance
 _AT_EDGE = 0.35  # walls within this distance of the world's edge are outer walls [m]
 
+TRAIL_COLOR = (0.85, 0.42, 0.05, 1.0)
+_DOTS = 12
+_DOT_RADIUS_M, _DOT_HALF_HEIGHT_M = 0.05, 0.004
+_BELOW_M = -50.0  # where dots are kept that are not shown [m]
 
-class Stage:
+
+class SceneModel:
     """A robot in a world, to be posed and drawn.
 
     Args:
@@ -120,7 +127,7 @@ class Stage:
 
 
 def _outer_walls(world: World, model: mujoco.MjModel) -> list[tuple[int, str, float]]:
-    """Geom, side and opacity of the walls at the edges of a world."""
+    """Return geom, side and opacity of the walls at the edges of a world."""
     low, high = world.bounds
     walls: list[tuple[int, str, float]] = []
     for solid in world.solids:
@@ -131,7 +138,7 @@ def _outer_walls(world: World, model: mujoco.MjModel) -> list[tuple[int, str, fl
 
 
 def _side(solid: Solid, low: FloatArray, high: FloatArray) -> str | None:
-    """The edge of its world that a wall lies along, if it does."""
+    """Return the edge of its world that a wall lies along, if it does."""
     if solid.kind != "wall":
         return None
     solid_low, solid_high = solid.bounds()
@@ -174,3 +181,60 @@ def _add_goal(spec: mujoco.MjSpec, goal: Pose2D, robot: Robot) -> None:
 def _add_mark(spec: mujoco.MjSpec, kind: mujoco.mjtGeom, color: tuple[float, float, float, float]) -> mujoco.MjsGeom:
     """Add a geom that does not collide."""
     return spec.worldbody.add_geom(type=kind, rgba=color, contype=0, conaffinity=0, mass=0.0, group=_GROUP_MARKS)
+
+
+class MovingBodies:
+    """Adds dots for the trails of movers to a model, and then places movers and dots.
+
+    Args:
+        spec: The model with the world; its movers are bodies already.
+        world: The world.
+        group: Geom group of the dots.
+    """
+
+    def __init__(self, spec: mujoco.MjSpec, world: World, group: int) -> None:
+        self._names = [name for name, _ in each_body(world.movers)]
+        for name in self._names:
+            for dot in range(_DOTS):
+                body = spec.worldbody.add_body(name=_dot_name(name, dot), mocap=True, pos=(0.0, 0.0, _BELOW_M))
+                body.add_geom(
+                    type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+                    size=(_DOT_RADIUS_M, _DOT_HALF_HEIGHT_M, 0.0),
+                    rgba=TRAIL_COLOR,
+                    contype=0,
+                    conaffinity=0,
+                    mass=0.0,
+                    group=group,
+                )
+
+    def place(self, model: mujoco.MjModel, data: mujoco.MjData, shown: ShownMovers) -> None:
+        """Put the movers where they are, with dots evenly along each trail; those not shown stay where they are."""
+        at = {state.name: index for index, state in enumerate(shown.states)}
+        for name in self._names:
+            if name not in at:
+                continue
+            pose = shown.states[at[name]].pose
+            slots = np.array([model.body(f"{MOVER}{name}").mocapid[0]])
+            place_movers(data, slots, np.array([pose.as_tuple()]))
+            trail = shown.trails[at[name]] if at[name] < len(shown.trails) else np.zeros((0, 2))
+            picked = np.linspace(0, len(trail) - 1, _DOTS + 1).round().astype(int)[:-1] if len(trail) > _DOTS else []
+            for dot in range(_DOTS):
+                slot = int(model.body(_dot_name(name, dot)).mocapid[0])
+                data.mocap_pos[slot] = (*trail[picked[dot]], 0.004) if dot < len(picked) else (0.0, 0.0, _BELOW_M)
+
+
+def movers_at_start(world: World, robot: Robot, pose: Pose2D) -> ShownMovers:
+    """Return where the movers of a world are when a run with seed 0 begins.
+
+    Raises:
+        WorldError: If there is no room for a crowd.
+    """
+    if not world.movers:
+        return ShownMovers()
+    field = MoverField(world, robot)
+    field.reset(0, pose)
+    return ShownMovers(field.states())
+
+
+def _dot_name(name: str, dot: int) -> str:
+    return f"viewer:trail:{name}:{dot}"

@@ -1,4 +1,4 @@
-"""`Desk`: runs the missions that the driver of the page sets up, one after another."""
+"""`RunService`: runs the missions that the driver of the page sets up, one after another."""
 
 from __future__ import annotations
 
@@ -10,19 +10,18 @@ from typing import Protocol, Self
 
 from trundle.errors import InputError, TrundleError
 from trundle.fault import find_fault, folder_of, is_of_plugin, text_of
-from trundle.mission import Episode, LiveStatus, Mission, Observer, Scenario, Session
+from trundle.mission import Episode, LiveStatus, Mission, Observer, Restart, Scenario, Session
 from trundle.mission.place import make_place
 from trundle.mission.run_files import RECORD
-from trundle.serve import messages
 from trundle.serve.choosing import choose
 from trundle.serve.hub import Hub
-from trundle.serve.messages import Message
-from trundle.serve.show import Show, scene_message
+from trundle.serve.messages import Message, Order, Preview, Setup
+from trundle.serve.run_feed import RunFeed, scene_message
 from trundle.serve.steerer import Refuse, Steerer
 from trundle.serve.watch import Watch
 from trundle.sim import world_of
 
-_LOOK_S = 0.2
+_LOOK_S = 0.2  # how often `until` is asked while nothing is requested
 
 
 class Record(Protocol):
@@ -33,7 +32,7 @@ class Record(Protocol):
         ...
 
 
-class Desk:
+class RunService:
     """Runs missions in the thread that calls it, as the driver of the page says; use it in a `with` block.
 
     Args:
@@ -41,7 +40,7 @@ class Desk:
         base: What the choices of a page change.
         record: Opens what records each run.
         record_failure: Records a run in which a plug-in raised before there was a session.
-        speed: Of the first run relative to real time; infinity for as fast as it can.
+        speed: Speed of the first run relative to real time; infinity for as fast as it can.
 
     Attributes:
         failure: What a plug-in raised in the last run, or None.
@@ -98,7 +97,7 @@ class Desk:
             self._is_busy = False
 
     def last_episode(self) -> Episode:
-        """The episode of the last run.
+        """Return the episode of the last run.
 
         Raises:
             BaseException: What a plug-in raised in it.
@@ -143,15 +142,15 @@ class Desk:
         scene, remark = scene_message(place.world, place.robot, place.grid)
         if remark:
             self._hub.announce(remark)
-        self._hub.present(Show(0, scene))
+        self._hub.present(RunFeed(0, scene))
 
     def _carry_out(self, request: Message) -> None:
-        if isinstance(request, messages.Setup):
+        if isinstance(request, Setup):
             self._drive_once(choose(self._base, request))
-        elif isinstance(request, messages.RestartRun) and self._last is not None:
-            seed = self._last.seed + 1 if request.seed == "next" else request.seed
+        elif (restart := _restart_of(request)) is not None and self._last is not None:
+            seed = self._last.seed + 1 if restart.seed == "next" else restart.seed
             self._drive_once(self._last if seed is None else self._last.model_copy(update={"seed": seed}))
-        elif isinstance(request, messages.Preview):
+        elif isinstance(request, Preview):
             self.preview(choose(self._base, request))
 
     def _drive_once(self, scenario: Scenario) -> None:
@@ -183,13 +182,13 @@ class Desk:
 
     @property
     def status(self) -> LiveStatus:
-        """What runs now."""
+        """State of what runs now."""
         return self._steerer.status
 
     def handle(self, message: Message, client: int, refuse: Refuse) -> None:
         """Carry out a request of the driver; `refuse` gets the reason where that cannot be done."""
-        is_setup = isinstance(message, messages.Setup | messages.Preview)
-        if not is_setup and (self._steerer.runs or not isinstance(message, messages.RestartRun)):
+        is_setup = isinstance(message, Setup | Preview)
+        if not is_setup and (self._steerer.runs or _restart_of(message) is None):
             self._steerer.handle(message, client, refuse)
             return
         try:
@@ -204,9 +203,14 @@ class Desk:
     def _ask(self, message: Message) -> None:
         if self._is_busy:
             raise InputError("something runs, or is being prepared: end it first")
-        if isinstance(message, messages.RestartRun) and self._last is None:
+        if _restart_of(message) is not None and self._last is None:
             raise InputError("nothing has run yet: set up a run first")
-        if isinstance(message, messages.Setup | messages.Preview):
+        if isinstance(message, Setup | Preview):
             self._hub.choices.check(message)
         self._is_busy = True
         self._requests.put(message)
+
+
+def _restart_of(message: Message) -> Restart | None:
+    """Return the restart that a message asks for, if it does."""
+    return message.directive if isinstance(message, Order) and isinstance(message.directive, Restart) else None
