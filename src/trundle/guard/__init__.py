@@ -7,6 +7,6 @@ are trusted.
 """
 
 from trundle.guard.limits import ReadLimits, read_limits
-from trundle.guard.process import Child, ReadCall, in_kit, read_guarded
+from trundle.guard.reading import Child, ReadCall, in_kit, read_guarded
 
 __all__ = ["Child", "ReadCall", "ReadLimits", "in_kit", "read_guarded", "read_limits"]

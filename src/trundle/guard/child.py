@@ -1,6 +1,6 @@
 """The child process: calls functions by name, one after the other, until its input ends.
 
-Run as a script by `process.py`, so that nothing is imported before the search path is set to the parent's. Requests
+Run as a script by `reading.py`, so that nothing is imported before the search path is set to the parent's. Requests
 and replies are pickles, on standard input and on the original standard output.
 """
 
