@@ -8,6 +8,7 @@ import sys
 from collections.abc import Sequence
 
 from trundle.errors import OutputError
+from trundle.guard.process import start_process
 
 _PROGRAM = """
 import json, os, signal, sys
@@ -27,13 +28,7 @@ Writer = subprocess.Popen[bytes]
 
 def start_writer(folder: str) -> Writer:
     """Start a process that writes the reports of a folder once; what it has to say is dropped."""
-    return subprocess.Popen(
-        _command(folder, None, nice=10),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
+    return start_process(_command(folder, None, nice=10))
 
 
 def write_apart(folder: str, require: Sequence[str] | None) -> None:

@@ -1,15 +1,13 @@
-"""The parent's side: starting the child, waiting for it with a limit, and interpreting its exit."""
+"""`read_guarded`: a function that reads a file is called in a child, with limits on its time and memory."""
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import io
 import logging
 import os
 import pickle
 import selectors
-import signal
 import subprocess
 import sys
 import time
@@ -21,6 +19,7 @@ from typing import Any, Self, cast
 
 from trundle.errors import InputError
 from trundle.guard import child as code
+from trundle.guard import process as processes
 from trundle.guard.limits import GIGABYTES_VARIABLE, SECONDS_VARIABLE, ReadLimits
 
 logger = logging.getLogger(__name__)
@@ -159,7 +158,7 @@ class Child:
                 raise error(f"{what}: it is nested too deeply to be read")
             case code.ERROR:
                 problem, text = cast("tuple[Exception, str]", value)
-                if isinstance(problem, InputError) and _is_out_of_memory(str(problem)):
+                if isinstance(problem, InputError) and processes.says_out_of_memory(str(problem)):
                     raise error(f"{what}: {_too_much(limits)}") from problem
                 if not isinstance(problem, InputError | ImportError):
                     problem.add_note(f"In the process that read {what}:\n{text}")
@@ -173,9 +172,9 @@ class Child:
         pipe, self._pipe = self._pipe, None
         if process is None:
             return
-        _kill(process)
-        with contextlib.suppress(OSError):
-            cast("io.BufferedWriter", process.stdin).close()
+        if process.poll() is None:
+            processes.kill_group(process)
+        processes.close_input(process)
         if pipe is not None:
             pipe.close()
         process.wait()
@@ -183,7 +182,7 @@ class Child:
     def _ask(self, request: bytes, seconds: float) -> tuple[str, Any]:
         pipe = self._pipe or self._start()
         process = cast("subprocess.Popen[bytes]", self._process)
-        requests = cast("io.BufferedWriter", process.stdin)
+        requests = processes.input_of(process)
         pipe.deadline = time.monotonic() + START_SECONDS
         try:
             requests.write(request)
@@ -200,23 +199,15 @@ class Child:
         return reply
 
     def _start(self) -> _Pipe:
-        if not sys.executable:
-            raise OSError("this Python does not say where it is")
-        self._process = subprocess.Popen(
-            [sys.executable, "-P", os.fspath(Path(code.__file__))],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            env={**os.environ, **_ENVIRONMENT},
-            start_new_session=True,
+        package = Path(__file__).parent.parent
+        self._process = processes.start_python(
+            "trundle.guard.child:main",
+            {},
+            # Without the empty entry, which is the current folder: that may be the one of the file.
+            path=[*filter(None, sys.path), os.fspath(package.parent)],
+            environ=_ENVIRONMENT,
         )
         self._pipe = _Pipe(self._process)
-        package = Path(__file__).parent.parent
-        # Without the empty entry, which is the current folder: that may be the one of the file.
-        path = [*filter(None, sys.path), os.fspath(package.parent)]
-        requests = cast("io.BufferedWriter", self._process.stdin)
-        with contextlib.suppress(BrokenPipeError):
-            requests.write(pickle.dumps({"path": path, "parent": os.getpid()}, code.PROTOCOL))
         return self._pipe
 
     def _describe_end(self, limits: ReadLimits) -> str:
@@ -230,16 +221,12 @@ class Child:
         said = pipe.tail.decode(errors="replace")
         self.close()
         logger.debug("the process that reads files ended with %d: %s", status, said)
-        if _is_out_of_memory(said):
+        if processes.says_out_of_memory(said):
             return _too_much(limits)
         if status < 0:
-            try:
-                name = signal.Signals(-status).name
-            except ValueError:
-                name = f"signal {-status}"
+            name = processes.signal_name(-status)
             return f"the reader crashed on it ({name}): the file is damaged, or nested too deeply"
-        last = said.strip().splitlines()[-1:] or [f"status {status}"]
-        return f"the process that reads it ended: {last[0]}"
+        return f"the process that reads it ended: {processes.last_line(said) or f'status {status}'}"
 
 
 class _Pipe(io.RawIOBase):
@@ -304,7 +291,7 @@ class _Pipe(io.RawIOBase):
 
 def _pickled(what: str, request: dict[str, Any], error: type[InputError]) -> bytes:
     try:
-        return pickle.dumps(request, code.PROTOCOL)
+        return pickle.dumps(request, processes.PROTOCOL)
     except (pickle.PicklingError, TypeError, AttributeError) as problem:
         raise error(f"{what}: its options must be plain values: {problem}") from problem
 
@@ -320,23 +307,8 @@ def _repeat(remarks: Any, records: Any, stacklevel: int) -> None:
             warnings.warn_explicit(message, category, filename, line)
 
 
-def _is_out_of_memory(text: str) -> bool:
-    """Whether a library's message means that it ran out of memory."""
-    return any(sign in text for sign in ("bad_alloc", "MemoryError", "llocate memory", "Unable to allocate"))
-
-
 def _too_much(limits: ReadLimits) -> str:
     return (
         f"reading it takes more than {limits.gigabytes:g} GB of memory; raise the limit with memory_limit_gb=… or "
         f"{GIGABYTES_VARIABLE}=…, or use trusted=True if you trust the file"
     )
-
-
-def _kill(process: subprocess.Popen[bytes]) -> None:
-    if process.poll() is not None:
-        return
-    with contextlib.suppress(ProcessLookupError):
-        if hasattr(os, "killpg"):
-            os.killpg(process.pid, signal.SIGKILL)
-        else:
-            process.kill()

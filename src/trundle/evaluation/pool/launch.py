@@ -6,7 +6,6 @@ import contextlib
 import json
 import logging
 import os
-import pickle
 import signal
 import socket
 import subprocess
@@ -14,12 +13,11 @@ import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import IO, Any, Protocol
 
-from trundle.evaluation.pool import child as code
 from trundle.evaluation.pool.outcome import PoolSetupError
 from trundle.evaluation.pool.words import describe_status
+from trundle.guard import process as processes
 
 logger = logging.getLogger(__name__)
 
@@ -110,8 +108,6 @@ def describe_start(
 ) -> dict[str, Any]:
     """What a child is sent first."""
     return {
-        "path": [entry or os.getcwd() for entry in sys.path],  # noqa: PTH109 - a string is what the path holds
-        "parent": os.getpid(),
         "preload": list(preload),
         "task": task,
         "memory_bytes": memory_bytes,
@@ -127,14 +123,13 @@ class ForkServer:
         self._said: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the server
         try:
             with theirs:
-                keep = (theirs.fileno(),)
-                self._process = _popen(["serve", str(keep[0])], keep, environment, self._said.fileno())
+                self._process = _start_python("serve", start, (theirs.fileno(),), environment, self._said.fileno())
         except BaseException:
             self._control.close()
             self._said.close()
             raise
+        processes.close_input(self._process)
         self._ready = False
-        _send_start(self._process, start)
 
     def fileno(self) -> int:
         """Of the socket to the server."""
@@ -208,9 +203,9 @@ class ForkServer:
         if status == -signal.SIGKILL:  # by somebody else: a new one may do better
             return
         self._said.seek(0)
-        said = self._said.read()[-_TAIL:].decode(errors="replace").strip().splitlines()[-1:]
-        reason = ": ".join([f"their server ended with {describe_status(status)} before it was ready", *said])
-        raise PoolSetupError(f"the workers cannot be started: {reason}")
+        said = processes.last_line(self._said.read()[-_TAIL:].decode(errors="replace"))
+        reason = f"their server ended with {describe_status(status)} before it was ready"
+        raise PoolSetupError(f"the workers cannot be started: {reason}{': ' if said else ''}{said}")
 
 
 class Spawner:
@@ -227,12 +222,11 @@ class Spawner:
 
     def start(self, worker: int, ends: WorkerEnds) -> None:
         """Start a process."""
-        numbers = ends.numbers()
         try:
-            process = _popen(["work", *map(str, numbers)], numbers, self._environment, ends.output)
+            # Its input stays open: the worker ends when that does.
+            process = _start_python("work", self._start, ends.numbers(), self._environment, ends.output)
         finally:
             ends.close()
-        _send_start(process, self._start, close=False)  # the worker ends when its input does
         self._workers[worker] = process
 
     def send_signal(self, worker: int, number: int) -> None:
@@ -240,17 +234,16 @@ class Spawner:
         process = self._workers.get(worker)
         if process is None or process.poll() is not None:
             return
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            if number == signal.SIGKILL:
-                os.killpg(process.pid, number)
-            else:
-                process.send_signal(number)
+        if number == signal.SIGKILL:
+            processes.kill_group(process)
+        else:
+            process.send_signal(number)
 
     def collect(self) -> list[Ended]:
         """Those that have ended since."""
         ended = [Ended(worker, process.returncode) for worker, process in self._workers.items() if _has_ended(process)]
         for each in ended:
-            _close_input(self._workers.pop(each.worker))
+            processes.close_input(self._workers.pop(each.worker))
         return ended
 
     def processes(self) -> Mapping[int, int]:
@@ -262,50 +255,29 @@ class Spawner:
         for worker, process in self._workers.items():
             self.send_signal(worker, signal.SIGKILL)
             process.wait()
-            _close_input(process)
+            processes.close_input(process)
         self._workers.clear()
 
 
-def _popen(
-    arguments: list[str], keep: tuple[int, ...], environment: Mapping[str, str], output: int
+def _start_python(
+    function: str, start: Mapping[str, Any], descriptors: tuple[int, ...], environment: Mapping[str, str], output: int
 ) -> subprocess.Popen[bytes]:
-    if not sys.executable:
-        raise PoolSetupError("the workers cannot be started: this Python does not say where it is (sys.executable)")
     try:
-        return subprocess.Popen(
-            [sys.executable, "-P", os.fspath(Path(code.__file__)), *arguments],
-            stdin=subprocess.PIPE,
+        return processes.start_python(
+            f"trundle.evaluation.pool.child:{function}",
+            {**start, "descriptors": descriptors},
+            path=[entry or os.getcwd() for entry in sys.path],  # noqa: PTH109 - a string is what the path holds
+            environ={**ONE_THREAD, **_SAME_HASHES, **environment},
             stdout=output,
             stderr=output,
-            pass_fds=keep,
-            env={**os.environ, **ONE_THREAD, **_SAME_HASHES, **environment},
-            start_new_session=True,
+            pass_fds=descriptors,
         )
     except OSError as error:
         raise PoolSetupError(f"the workers cannot be started: {error.strerror or error}") from error
 
 
-def _send_start(process: subprocess.Popen[bytes], start: Mapping[str, Any], *, close: bool = True) -> None:
-    if process.stdin is None:
-        raise RuntimeError("the child has no standard input")
-    with contextlib.suppress(BrokenPipeError):  # it has ended, as will be found
-        content = pickle.dumps(dict(start))
-        process.stdin.write(len(content).to_bytes(code.LENGTH_BYTES, "big") + content)
-        process.stdin.flush()
-        if close:
-            process.stdin.close()
-
-
 def _has_ended(process: subprocess.Popen[bytes]) -> bool:
     if process.poll() is None:
         return False
-    # What it started may be left in its group.
-    with contextlib.suppress(ProcessLookupError, PermissionError):
-        os.killpg(process.pid, signal.SIGKILL)
+    processes.kill_group(process)  # what it started may be left
     return True
-
-
-def _close_input(process: subprocess.Popen[bytes]) -> None:
-    if process.stdin is not None:
-        with contextlib.suppress(OSError):
-            process.stdin.close()

@@ -10,11 +10,10 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from trundle.evaluation.pool.words import describe_error
+from trundle.guard.process import says_out_of_memory
 
 HAS_LIMIT = sys.platform == "linux"
 """Whether the system keeps RLIMIT_AS; elsewhere the pool watches resident memory."""
-
-_SIGNS = ("bad_alloc", "MemoryError", "llocate memory", "Unable to allocate")
 
 
 @contextlib.contextmanager
@@ -35,12 +34,7 @@ def lifted_limit() -> Iterator[None]:
 
 def is_exhaustion(error: BaseException) -> bool:
     """Whether an exception, or what caused it, means that there was no memory left."""
-    return any(isinstance(each, MemoryError) or says_exhausted(describe_error(each)) for each in _chain(error))
-
-
-def says_exhausted(text: str) -> bool:
-    """Whether what a library says means that it got no memory."""
-    return any(sign in text for sign in _SIGNS)
+    return any(isinstance(each, MemoryError) or says_out_of_memory(describe_error(each)) for each in _chain(error))
 
 
 def count_oom_kills() -> int | None:

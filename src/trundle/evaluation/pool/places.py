@@ -11,13 +11,15 @@ import traceback
 from collections.abc import Sequence
 from types import TracebackType
 
+from trundle.guard import start
+
 Frame = tuple[str, int, str]
 """File, line and function."""
 
 _LINE = re.compile(r'^  File "(.*)", line (\d+|\?\?\?) in (.*)$')
 _THREAD = re.compile(r"^(Current thread|Thread) 0x([0-9a-f]+)")
 _PACKAGE = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "")  # noqa: PTH118, PTH120, PTH100
-_POOL = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")  # noqa: PTH118, PTH120, PTH100
+_OF_POOL = (os.path.join(os.path.dirname(os.path.abspath(__file__)), ""), os.path.abspath(start.__file__))  # noqa: PTH118, PTH120, PTH100
 
 
 def frames_of(trace: TracebackType | None) -> list[Frame]:
@@ -51,7 +53,7 @@ def describe_place(frames: Sequence[Frame]) -> str | None:
         For example "trundle/path.py:12 in length, called from my_planner.py:7 in plan"; None without a frame.
     """
     frames = [frame for frame in frames if not frame[0].startswith("<frozen")]
-    own = [frame for frame in frames if not frame[0].startswith(_POOL)]
+    own = [frame for frame in frames if not frame[0].startswith(_OF_POOL)]
     if not own:
         return None
     first = next((frame for frame in own if not _is_of_python(frame[0])), own[0])

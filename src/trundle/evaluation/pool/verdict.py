@@ -10,6 +10,7 @@ from trundle.evaluation.pool import memory
 from trundle.evaluation.pool.outcome import Kind
 from trundle.evaluation.pool.places import describe_place, frames_of_dump
 from trundle.evaluation.pool.words import describe_status
+from trundle.guard.process import last_line, says_out_of_memory
 
 MOST_KILLS = 3
 """How often a job is repeated after somebody killed its worker: that is not the job's fault."""
@@ -69,10 +70,11 @@ class Judge:
             if self._has_system_killed():
                 return Verdict("out_of_memory", "killed by the system, which was out of memory", place)
             return Verdict("crashed", "killed from outside (SIGKILL)", place, killed=True)
-        words = _last_words(output)
+        line = last_line(output)[:200]
+        words = f": {line}" if line else ""
         if status >= 0:
             return Verdict("crashed", f"the process ended by itself with {describe_status(status)}{words}", place)
-        if memory.says_exhausted(output):
+        if says_out_of_memory(output):
             return Verdict("out_of_memory", f"{self.describe_limit()} ({describe_status(status)}{words})", place)
         return Verdict("crashed", f"{describe_status(status)}{words}", place)
 
@@ -85,8 +87,3 @@ class Judge:
     def _has_system_killed(self) -> bool:
         before, self._oom_kills = self._oom_kills, memory.count_oom_kills()
         return before is None or self._oom_kills is None or self._oom_kills > before
-
-
-def _last_words(output: str) -> str:
-    lines = output.strip().splitlines()
-    return f": {lines[-1].strip()[:200]}" if lines else ""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import signal
 
+from trundle.guard.process import signal_name
+
 _MOST_TEXT = 2000
 
 
@@ -21,8 +23,6 @@ def describe_status(status: int) -> str:
     """An exit code in words."""
     if status >= 0:
         return f"status {status}"
-    try:
-        name = signal.Signals(-status).name
-    except ValueError:
-        return f"signal {-status}"
-    return f"{name} ({(signal.strsignal(-status) or name).lower()})"
+    name = signal_name(-status)
+    meaning = signal.strsignal(-status) if name.startswith("SIG") else None
+    return f"{name} ({meaning.lower()})" if meaning else name
