@@ -6,6 +6,7 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -15,7 +16,7 @@ from trundle.evaluation.row import Row
 from trundle.evaluation.store.code import code_versions
 from trundle.evaluation.store.columns import encode_row
 from trundle.evaluation.store.layout import PARTS
-from trundle.evaluation.store.parts import connect, list_parts, write_part
+from trundle.evaluation.store.parts import PartWriter, connect
 from trundle.evaluation.store.remote import RemoteFolder, is_remote
 
 
@@ -118,18 +119,19 @@ class Node:
                     outcomes[row.outcome] += 1
                     errors += [row.index] if row.outcome == "error" else []
             if outcomes:
-                self._write(lines, Path(name))
+                self._write_part(lines, outcomes.total())
         left = self._source.in_flight_s() if limit else ()
         return ShardDone(outcomes.total(), dict(outcomes), tuple(errors), left)
 
-    def _write(self, lines: Path, scratch: Path) -> None:
+    def _write_part(self, lines: Path, count: int) -> None:
+        """Write rows as a part into the folder, or beside their lines and from there into the object store."""
         self._shards += 1
-        tag = f"-{self._tag}s{self._shards}"
-        with connect("writing Parquet files") as database:
-            if not is_remote(self._out):
-                write_part(database, lines, Path(self._out), tag)
-                return
-            (scratch / PARTS).mkdir()
-            write_part(database, lines, scratch, tag)
-        for part in list_parts(scratch):
-            RemoteFolder(self._out).put(part, f"{PARTS}/{part.name}")
+        remote = RemoteFolder(self._out) if is_remote(self._out) else None
+        folder = Path(self._out)
+        if remote is not None:
+            folder = lines.parent
+            (folder / PARTS).mkdir()
+        with closing(PartWriter(folder, f"-{self._tag}s{self._shards}")) as parts:
+            part = parts.write(lines, count)
+        if remote is not None:
+            remote.put(part, f"{PARTS}/{part.name}")

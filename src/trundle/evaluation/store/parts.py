@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from trundle.errors import MissingExtraError
+from trundle.errors import MissingExtraError, OutputError
 from trundle.evaluation.store.columns import LONGEST_LINE, SQL_TYPES
 from trundle.evaluation.store.ids import Keys
 from trundle.evaluation.store.layout import PARTS
@@ -59,41 +59,64 @@ def list_parts(folder: Path) -> list[Path]:
     return sorted((folder / PARTS).glob("[!.]*.parquet"))
 
 
-def write_part(database: duckdb.DuckDBPyConnection, rows: Path, folder: Path, tag: str = "") -> int:
-    """Write a file of lines as the next part of a folder, onto the disk.
+class PartWriter:
+    """Writes files of rows as the parts of a folder; DuckDB is started by the first one.
 
     Args:
-        database: A connection of `connect`.
-        rows: The lines of JSON, all of them rows.
-        folder: Of the evaluation.
-        tag: Who writes it, where several do.
-
-    Returns:
-        The number of its rows.
-
-    Raises:
-        OutputError: If it cannot be written. Nothing is left behind.
+        folder: The folder of the evaluation.
+        tag: Tells its parts from those of other writers into the same evaluation.
     """
-    import duckdb
 
-    parts = folder / PARTS
-    temporary = parts / f".writing{tag}.parquet"
-    try:
-        count = _copy(database, rows, temporary)
-        digest = digest_file(temporary)
-        sync_file(temporary)
-        taken = (int(path.name.split("-")[0]) for path in list_parts(folder) if _NAME.fullmatch(path.name))
-        number = max(taken, default=0)
-        temporary.replace(parts / f"{number + 1:06d}{tag}-{digest}.parquet")
-        sync_folder(parts)
-    except (OSError, duckdb.Error) as error:
-        if isinstance(error, OSError):
-            raise cannot_write(parts, error) from error
-        number = errno.ENOSPC if os.strerror(errno.ENOSPC) in str(error) else errno.EIO
-        raise cannot_write(parts, OSError(number, str(error).splitlines()[0])) from error
-    finally:
-        temporary.unlink(missing_ok=True)
-    return count
+    def __init__(self, folder: Path, tag: str = "") -> None:
+        self._folder = folder / PARTS
+        self._tag = tag
+        self._database: duckdb.DuckDBPyConnection | None = None
+
+    def write(self, rows: Path, count: int) -> Path:
+        """Write a file of lines as the next part, onto the disk.
+
+        Args:
+            rows: The lines of JSON, all of them rows.
+            count: How many rows they are.
+
+        Returns:
+            The part.
+
+        Raises:
+            OutputError: If it cannot be written, or gets another number of rows. If it cannot be written, nothing is
+                left behind.
+            MissingExtraError: If DuckDB is not installed.
+        """
+        if self._database is None:
+            self._database = connect("writing Parquet files")
+        import duckdb
+
+        temporary = self._folder / f".writing{self._tag}.parquet"
+        try:
+            written = _copy(self._database, rows, temporary)
+            digest = digest_file(temporary)
+            sync_file(temporary)
+            found = list_parts(self._folder.parent)
+            taken = (int(path.name.split("-")[0]) for path in found if _NAME.fullmatch(path.name))
+            part = self._folder / f"{max(taken, default=0) + 1:06d}{self._tag}-{digest}.parquet"
+            temporary.replace(part)
+            sync_folder(self._folder)
+        except (OSError, duckdb.Error) as error:
+            if isinstance(error, OSError):
+                raise cannot_write(self._folder, error) from error
+            number = errno.ENOSPC if os.strerror(errno.ENOSPC) in str(error) else errno.EIO
+            raise cannot_write(self._folder, OSError(number, str(error).splitlines()[0])) from error
+        finally:
+            temporary.unlink(missing_ok=True)
+        if written != count:
+            raise OutputError(f"{self._folder}: a part got {written} rows of {count}")
+        return part
+
+    def close(self) -> None:
+        """Stop DuckDB."""
+        if self._database is not None:
+            self._database.close()
+        self._database = None
 
 
 def _copy(database: duckdb.DuckDBPyConnection, rows: Path, target: Path) -> int:

@@ -10,7 +10,7 @@ from dataclasses import replace
 from datetime import datetime
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 
@@ -32,13 +32,10 @@ from trundle.evaluation.store.layout import (
 )
 from trundle.evaluation.store.manifest import Manifest, Stopped
 from trundle.evaluation.store.mending import Found, mend
-from trundle.evaluation.store.parts import connect, has_duckdb, write_part
+from trundle.evaluation.store.parts import PartWriter, has_duckdb
 from trundle.files.folder_lock import FolderLock
 from trundle.files.opening import exists
 from trundle.files.writing import make_folder, new_folder, write_bytes, write_text
-
-if TYPE_CHECKING:
-    import duckdb
 
 PART_ROWS = 5000
 """Rows in the journal that become a Parquet file: about 0.1 s of work."""
@@ -66,7 +63,7 @@ class Store:
         self._part_rows = part_rows
         self._journal = Journal(folder)
         self._waiting = found.waiting
-        self._database: duckdb.DuckDBPyConnection | None = None
+        self._parts = PartWriter(folder)
         self._makes_parts = has_duckdb()
         self._failed: str | None = None
         self._is_open = True
@@ -193,8 +190,7 @@ class Store:
                         self._make_part()
         finally:
             self._journal.close()
-            if self._database is not None:
-                self._database.close()
+            self._parts.close()
             self._lock.release()
 
     def __enter__(self) -> Self:
@@ -205,11 +201,7 @@ class Store:
 
     def _make_part(self) -> None:
         """Turn the journal into a Parquet file. A kill between the two steps leaves its rows in both."""
-        if self._database is None:
-            self._database = connect("writing Parquet files")
-        count = write_part(self._database, self._journal.path, self.folder)
-        if count != self._waiting:
-            raise OutputError(f"{self.folder / PARTS}: a part got {count} rows of {self._waiting}")
+        self._parts.write(self._journal.path, self._waiting)
         self._journal.renew()
         self._waiting = 0
 
