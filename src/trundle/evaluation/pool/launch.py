@@ -15,8 +15,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import IO, Any, Protocol
 
+from trundle.evaluation.pool.failures import describe_status
 from trundle.evaluation.pool.outcome import PoolSetupError
-from trundle.evaluation.pool.words import describe_status
 from trundle.guard import process as processes
 
 logger = logging.getLogger(__name__)

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from trundle.evaluation.pool.words import describe_error
+from trundle.evaluation.pool.tracebacks import describe_error
 from trundle.guard.process import says_out_of_memory
 
 HAS_LIMIT = sys.platform == "linux"

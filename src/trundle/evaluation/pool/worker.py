@@ -16,8 +16,7 @@ from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from trundle.evaluation.pool import framing, memory
-from trundle.evaluation.pool.places import frames_of
-from trundle.evaluation.pool.words import describe_error
+from trundle.evaluation.pool.tracebacks import describe_error, frames_of
 from trundle.guard.child import limit_growth
 
 DUMP_SIGNAL = signal.SIGUSR1

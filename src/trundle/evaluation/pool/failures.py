@@ -8,16 +8,15 @@ from dataclasses import dataclass
 
 from trundle.evaluation.pool import memory
 from trundle.evaluation.pool.outcome import Kind
-from trundle.evaluation.pool.places import describe_place, frames_of_dump
-from trundle.evaluation.pool.words import describe_status
-from trundle.guard.process import last_line, says_out_of_memory
+from trundle.evaluation.pool.tracebacks import describe_place, frames_of_dump
+from trundle.guard.process import last_line, says_out_of_memory, signal_name
 
 MOST_KILLS = 3
 """How often a job is repeated after somebody killed its worker: that is not the job's fault."""
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class Cause:
     """Why a job failed.
 
     Attributes:
@@ -33,7 +32,7 @@ class Verdict:
     killed: bool = False
 
 
-class Judge:
+class FailureClassifier:
     """Tells why workers ended; knows how many processes the kernel has killed for want of memory.
 
     Args:
@@ -46,37 +45,37 @@ class Judge:
         self._memory_mb = memory_mb
         self._oom_kills = memory.count_oom_kills()
 
-    def of_exception(self, text: str, frames: Sequence[tuple[str, int, str]], *, exhausted: bool) -> Verdict:
+    def of_exception(self, text: str, frames: Sequence[tuple[str, int, str]], *, exhausted: bool) -> Cause:
         """Of an exception that the worker has sent."""
         if exhausted:
-            return Verdict("out_of_memory", f"{self.describe_limit()} ({text})", describe_place(frames))
-        return Verdict("error", text, describe_place(frames))
+            return Cause("out_of_memory", f"{self.describe_limit()} ({text})", describe_place(frames))
+        return Cause("error", text, describe_place(frames))
 
-    def of_hang(self, dump: str, main_thread: int) -> Verdict:
+    def of_hang(self, dump: str, main_thread: int) -> Cause:
         """Of a job that was not done by its deadline."""
         place = describe_place(frames_of_dump(dump, main_thread))
-        return Verdict("hung", f"took longer than {self._deadline_s:g} s", place)
+        return Cause("hung", f"took longer than {self._deadline_s:g} s", place)
 
-    def of_growth(self) -> Verdict:
+    def of_growth(self) -> Cause:
         """Of a worker whose resident memory was above the limit."""
-        return Verdict("out_of_memory", self.describe_limit())
+        return Cause("out_of_memory", self.describe_limit())
 
-    def of_end(self, status: int | None, dump: str, main_thread: int, output: str) -> Verdict:
+    def of_end(self, status: int | None, dump: str, main_thread: int, output: str) -> Cause:
         """Of a worker process that ended during a job; the status is None if its server ended too."""
         place = describe_place(frames_of_dump(dump, main_thread))
         if status is None:
-            return Verdict("crashed", "the worker was killed with the server that it was forked from", killed=True)
+            return Cause("crashed", "the worker was killed with the server that it was forked from", killed=True)
         if status == -signal.SIGKILL:
             if self._has_system_killed():
-                return Verdict("out_of_memory", "killed by the system, which was out of memory", place)
-            return Verdict("crashed", "killed from outside (SIGKILL)", place, killed=True)
+                return Cause("out_of_memory", "killed by the system, which was out of memory", place)
+            return Cause("crashed", "killed from outside (SIGKILL)", place, killed=True)
         line = last_line(output)[:200]
         words = f": {line}" if line else ""
         if status >= 0:
-            return Verdict("crashed", f"the process ended by itself with {describe_status(status)}{words}", place)
+            return Cause("crashed", f"the process ended by itself with {describe_status(status)}{words}", place)
         if says_out_of_memory(output):
-            return Verdict("out_of_memory", f"{self.describe_limit()} ({describe_status(status)}{words})", place)
-        return Verdict("crashed", f"{describe_status(status)}{words}", place)
+            return Cause("out_of_memory", f"{self.describe_limit()} ({describe_status(status)}{words})", place)
+        return Cause("crashed", f"{describe_status(status)}{words}", place)
 
     def describe_limit(self) -> str:
         """The memory limit in words."""
@@ -87,3 +86,12 @@ class Judge:
     def _has_system_killed(self) -> bool:
         before, self._oom_kills = self._oom_kills, memory.count_oom_kills()
         return before is None or self._oom_kills is None or self._oom_kills > before
+
+
+def describe_status(status: int) -> str:
+    """An exit code in words."""
+    if status >= 0:
+        return f"status {status}"
+    name = signal_name(-status)
+    meaning = signal.strsignal(-status) if name.startswith("SIG") else None
+    return f"{name} ({meaning.lower()})" if meaning else name

@@ -92,3 +92,16 @@ def _is_of_python(file: str) -> bool:
 
 def _is_installed(file: str) -> bool:
     return "site-packages" in file or "dist-packages" in file
+
+
+_MOST_TEXT = 2000
+
+
+def describe_error(error: BaseException) -> str:
+    """An exception in one line, which every file can hold, however odd the bytes that it was made of."""
+    try:
+        said = str(error)
+    except Exception:  # noqa: BLE001 - classes of other people may do anything
+        said = ""
+    text = " ".join(said[:_MOST_TEXT].split()).encode(errors="replace").decode()
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__
