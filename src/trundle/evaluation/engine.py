@@ -16,16 +16,14 @@ import numpy as np
 
 from trundle.errors import InputError, TrundleError
 from trundle.evaluation.episode import EpisodeTask, facts_of, parts_of
-from trundle.evaluation.interim import InterimReports
-from trundle.evaluation.order import EpisodeOrder
 from trundle.evaluation.pool import Done, Failed, Pool
 from trundle.evaluation.pool.pool import MOST_WORKERS
+from trundle.evaluation.report.write import InterimReports
 from trundle.evaluation.row import Row
-from trundle.evaluation.schedule import GivenUp, Schedule
+from trundle.evaluation.schedule import EpisodeOrder, GivenUp, Schedule
 from trundle.evaluation.statistics import Interval, wilson
 from trundle.evaluation.store import Results, Store, code_versions
-from trundle.evaluation.store.layout import MANIFEST
-from trundle.evaluation.store.manifest import Stopped
+from trundle.evaluation.store.folder import MANIFEST, Stopped
 from trundle.evaluation.store.remote import is_remote, staged
 from trundle.evaluation.suite import EpisodeSpec, Suite
 from trundle.evaluation.suite.identity import unsampled_hash

@@ -15,14 +15,13 @@ from trundle.evaluation.engine import OnProgress, run_suite
 from trundle.evaluation.episode import EpisodeTask
 from trundle.evaluation.moved_files import check_there, find_beside, use_map
 from trundle.evaluation.report.summary import count_outcomes, summarise
-from trundle.evaluation.report.write import HTML, SUMMARY, write_reports
+from trundle.evaluation.report.write import HTML, SUMMARY, write_apart, write_reports
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics import Comparison, Gate, GateResult, Interval, Table, compare, wilson
 from trundle.evaluation.store import Results, code_versions
-from trundle.evaluation.store.layout import SUITE, WRITTEN_AFTERWARDS
+from trundle.evaluation.store.folder import SUITE, WRITTEN_AFTERWARDS
 from trundle.evaluation.store.remote import staged
 from trundle.evaluation.suite import Suite
-from trundle.evaluation.writer import write_apart
 from trundle.maps import OccupancyGrid
 from trundle.mission import Scenario
 

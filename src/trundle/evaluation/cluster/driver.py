@@ -14,8 +14,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from trundle.evaluation.cluster.connection import connect
-from trundle.evaluation.cluster.errors import ClusterError
+from trundle.evaluation.cluster.connection import ClusterError, connect
 from trundle.evaluation.cluster.node import MakeSource, Node, ShardDone
 from trundle.evaluation.store.code import describe_differences
 from trundle.evaluation.store.remote import is_remote

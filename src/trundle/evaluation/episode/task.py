@@ -11,9 +11,8 @@ from trundle.control.controller import CONTROLLERS
 from trundle.costmap import CostmapSettings
 from trundle.errors import InputError, PlanningError
 from trundle.evaluation.episode.places import KeptPlace, Places
-from trundle.evaluation.episode.trail import simplify
 from trundle.evaluation.public.reference import load_reference
-from trundle.evaluation.row import Row
+from trundle.evaluation.row import Row, simplify
 from trundle.evaluation.suite import EpisodeSpec, Suite
 from trundle.evaluation.suite.identity import digest, mission_hash, short
 from trundle.evaluation.suite.vary import move_start

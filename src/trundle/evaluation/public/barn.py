@@ -9,12 +9,17 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
 
 from trundle.errors import InputError
 from trundle.evaluation.public.conditions import Conditions
 from trundle.evaluation.public.reference import load_reference
+from trundle.evaluation.statistics import Table
+from trundle.evaluation.statistics.figures import mean_of_known
 from trundle.evaluation.suite import Suite
 from trundle.files.opening import is_file
 
@@ -50,6 +55,18 @@ def barn_suite(
         missions={"seeds": conditions.seeds, "listed": [{"start": START, "goal": GOAL}]},
         **conditions.suite_fields(),
     )
+
+
+def barn_figures(table: Table, rows: npt.NDArray[np.bool_] | None = None) -> Mapping[str, float | None]:
+    """The means of BARN: of the score over all runs, of the times [s] over those that arrived."""
+    every = np.ones(len(table), dtype=bool) if rows is None else rows
+    arrived = every & table.arrived
+    times, shortest = (table.numbers[name].astype(float) for name in ("time_s", "shortest_time_s"))
+    return {
+        "barn_score": mean_of_known(table.numbers["barn_score"][every]),
+        "mean_time_s": mean_of_known(times[arrived]),
+        "mean_shortest_time_s": mean_of_known(shortest[arrived]),
+    }
 
 
 def find_worlds(folder: str | os.PathLike[str], numbers: Sequence[int] | None = None) -> dict[int, tuple[Path, Path]]:

@@ -8,8 +8,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from trundle.evaluation.report.commands import replay_command, short_id
-from trundle.evaluation.report.table import cause
+from trundle.evaluation.report.text import cause, replay_command, short_id
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics.gates import GateResult
 from trundle.evaluation.statistics.table import MOST_FAILED, Group, Table, group_rows

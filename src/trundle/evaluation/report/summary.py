@@ -11,9 +11,9 @@ import numpy.typing as npt
 from trundle.evaluation.statistics.figures import FIGURES, Figure
 from trundle.evaluation.statistics.gates import GateResult
 from trundle.evaluation.statistics.intervals import wilson
-from trundle.evaluation.statistics.only_errors import find_only_errors
+from trundle.evaluation.statistics.pairing import find_only_errors
 from trundle.evaluation.statistics.table import LABELS, Table, group_rows
-from trundle.evaluation.store.manifest import Stopped
+from trundle.evaluation.store.folder import Stopped
 
 
 def summarise(

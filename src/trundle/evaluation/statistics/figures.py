@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from trundle.evaluation.statistics.table import Table
 from trundle.geometry import FloatArray
@@ -66,6 +67,12 @@ FIGURES = (
     Figure("planning_ms", "planning", "ms", better="less", measured=True),
 )
 BY_NAME = {figure.name: figure for figure in FIGURES}
+
+
+def mean_of_known(values: npt.NDArray[np.floating]) -> float | None:
+    """The mean of the values that are not NaN; None if there are none."""
+    known = values[~np.isnan(values)].astype(float)
+    return float(known.mean()) if len(known) else None
 
 
 def write_number(value: float) -> str:

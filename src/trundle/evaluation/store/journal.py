@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from trundle.errors import OutputError
-from trundle.evaluation.store.columns import LONGEST_LINE, decode_row
-from trundle.evaluation.store.layout import DAMAGED_LINES, JOURNAL
+from trundle.evaluation.store.folder import DAMAGED_LINES, JOURNAL
+from trundle.evaluation.store.row_encoding import LONGEST_LINE, decode_row
 from trundle.files.writing import atomic_path, cannot_write, write_bytes
 
 

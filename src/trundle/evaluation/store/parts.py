@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trundle.errors import MissingExtraError, OutputError
-from trundle.evaluation.store.columns import LONGEST_LINE, SQL_TYPES
-from trundle.evaluation.store.ids import Keys
-from trundle.evaluation.store.layout import PARTS
+from trundle.evaluation.store.folder import PARTS
+from trundle.evaluation.store.row_encoding import LONGEST_LINE, SQL_TYPES, Keys
 from trundle.files.writing import cannot_write, sync_file, sync_folder
 
 if TYPE_CHECKING:

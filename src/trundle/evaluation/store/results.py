@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from trundle.errors import InputError, MissingExtraError
 from trundle.evaluation.row import Row
-from trundle.evaluation.store.ids import Keys
-from trundle.evaluation.store.layout import SELECTION, SUITE, check_holds_evaluation
-from trundle.evaluation.store.manifest import Manifest, Stopped
+from trundle.evaluation.store.folder import SELECTION, SUITE, Manifest, Stopped, check_holds_evaluation
 from trundle.evaluation.store.parts import INSTALL, has_duckdb, list_parts
+from trundle.evaluation.store.row_encoding import Keys
 from trundle.evaluation.store.tables import JournalTable, SqlTable, Table, check_columns
 
 if TYPE_CHECKING:

@@ -16,11 +16,7 @@ import numpy as np
 
 from trundle.errors import InputError, OutputError
 from trundle.evaluation.row import Row
-from trundle.evaluation.store.columns import encode_row
-from trundle.evaluation.store.continuing import check_continues
-from trundle.evaluation.store.ids import IdSet, Keys
-from trundle.evaluation.store.journal import Journal
-from trundle.evaluation.store.layout import (
+from trundle.evaluation.store.folder import (
     DAMAGED_LINES,
     JOURNAL,
     MANIFEST,
@@ -28,11 +24,15 @@ from trundle.evaluation.store.layout import (
     SELECTION,
     SUITE,
     WRITTEN_AFTERWARDS,
+    Manifest,
+    Stopped,
+    check_continues,
     check_free_for_evaluation,
 )
-from trundle.evaluation.store.manifest import Manifest, Stopped
+from trundle.evaluation.store.journal import Journal
 from trundle.evaluation.store.mending import Found, mend
 from trundle.evaluation.store.parts import PartWriter, has_duckdb
+from trundle.evaluation.store.row_encoding import IdSet, Keys, encode_row
 from trundle.files.folder_lock import FolderLock
 from trundle.files.opening import exists
 from trundle.files.writing import make_folder, new_folder, write_bytes, write_text

@@ -11,10 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trundle.errors import InputError
-from trundle.evaluation.store.columns import SQL_TYPES, decode_row, to_key
-from trundle.evaluation.store.ids import IdSet, Keys
+from trundle.evaluation.store.folder import JOURNAL
 from trundle.evaluation.store.journal import read_journal
-from trundle.evaluation.store.layout import JOURNAL
 from trundle.evaluation.store.parts import (
     connect,
     find_fault,
@@ -26,6 +24,7 @@ from trundle.evaluation.store.parts import (
     select_parts,
     select_repeated,
 )
+from trundle.evaluation.store.row_encoding import SQL_TYPES, IdSet, Keys, decode_row, to_key
 
 Column = NDArray[Any]
 _BATCH = 5000

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from trundle.errors import InputError
-from trundle.evaluation.suite.parts import SuiteWorld
+from trundle.evaluation.suite.parts import ListedMission, Missions, SuiteWorld
 from trundle.files.opening import open_file
 from trundle.files.yaml_config import plain_value
 from trundle.files.yaml_nodes import compose
 from trundle.geometry import Goal, Pose2D
+from trundle.mission import Scenario
 from trundle.robots import Robot
 
 _DIGITS = 16
@@ -97,3 +99,42 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "model_dump"):
         return value.model_dump(mode="json")
     raise TypeError(f"{value!r} has no canonical form")
+
+
+@dataclass(frozen=True, slots=True)
+class EpisodeSpec:
+    """Everything that decides one episode of a suite.
+
+    Attributes:
+        index: Number of the episode in its suite.
+        id: Hash of everything that decides the episode; 16 hexadecimal digits.
+        world: Label of the world.
+        robot: Label of the robot.
+        planner: Label of the planner.
+        controller: Likewise; or of the agent, whose planner is `none`.
+        backend: Likewise.
+        settings: What else the suite crosses, as `name=value`, separated by spaces.
+        seed: Of the mission.
+        scenario: The scenario; without start and goal where they are sampled.
+        missions: How they are sampled.
+        listed: The mission, where it is listed.
+        vary: The values that were drawn, by name.
+        reference: Path of the file of the world's reference path, if it has one.
+        content: Hashes of the contents of the world and the robot, which a mission is identified by.
+    """
+
+    index: int
+    id: str
+    world: str
+    robot: str
+    planner: str
+    controller: str
+    backend: str
+    settings: str
+    seed: int
+    scenario: Scenario
+    missions: Missions
+    listed: ListedMission | None
+    vary: Mapping[str, float]
+    reference: str | None
+    content: tuple[str, str]

@@ -1,7 +1,8 @@
-"""Parts of a suite: its worlds, missions and limits."""
+"""Parts of a suite: its worlds, its missions with their seeds, and its limits."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +13,6 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from trundle.errors import UnknownNameError
-from trundle.evaluation.suite.seeds import Seeds, read_seeds
 from trundle.evaluation.suite.vary import Distribution, draw
 from trundle.files.choice import Choice, Option
 from trundle.files.config_fields import NotNegative, PoseNumbers, Positive
@@ -48,6 +48,62 @@ def read_lists(given: object) -> object:
         if ones and all(isinstance(one, list | tuple) for one in ones):
             return tuple(ones)
     return (given,)
+
+
+_SEED_RANGE = re.compile(r"(\d+):(\d+)(?::(\d+))?")
+_SEED_ADVICE = 'a number of seeds, a range "0:500", or a list of integers of 0 or more'
+_SEED_BOUND = 2**63
+"""Seeds are below it: a row holds them in 64 bits."""
+
+
+def read_seeds(given: object) -> range | tuple[int, ...]:
+    """Read seeds as a suite has them; a range is not expanded.
+
+    Raises:
+        ValueError: If these are no seeds; the message says what is.
+    """
+    if isinstance(given, bool):
+        raise ValueError(f"must be {_SEED_ADVICE}, got {given}")
+    if isinstance(given, int):
+        if given < 0:
+            raise ValueError(f"must be {_SEED_ADVICE}, got {given}")
+        return range(given)
+    if isinstance(given, range):
+        return given
+    if isinstance(given, str):
+        match = _SEED_RANGE.fullmatch(given.strip())
+        if match is None or match[3] == "0":
+            raise ValueError(f"must be {_SEED_ADVICE}, got {given!r}")
+        return range(int(match[1]), int(match[2]), int(match[3] or 1))
+    if not isinstance(given, list | tuple):
+        raise ValueError(f"must be {_SEED_ADVICE}, got {given!r}")
+    seeds = tuple(cast("Sequence[Any]", given))
+    if not all(isinstance(seed, int) and not isinstance(seed, bool) and seed >= 0 for seed in seeds):
+        raise ValueError(f"must be {_SEED_ADVICE}, got {given!r}")
+    if len(set(seeds)) < len(seeds):
+        twice = next(seed for seed in seeds if seeds.count(seed) > 1)
+        raise ValueError(f"seed {twice} is given twice")
+    return seeds
+
+
+def _check_seeds(given: object) -> object:
+    try:
+        seeds = read_seeds(given)
+        if (seeds.stop if isinstance(seeds, range) else max(seeds, default=0)) > _SEED_BOUND:
+            raise ValueError("seeds must be below 2^63")
+    except ValueError as error:
+        raise PydanticCustomError("seeds", "{message}", {"message": str(error)}) from None
+    if not seeds:
+        raise PydanticCustomError("no_seeds", "no seeds: the cross product has no episodes", {})
+    if isinstance(given, range):
+        return f"{given.start}:{given.stop}:{given.step}" if given.step != 1 else f"{given.start}:{given.stop}"
+    return given if isinstance(given, int | str) else seeds
+
+
+Seeds: TypeAlias = Annotated[
+    int | str | tuple[int, ...], BeforeValidator(_check_seeds, json_schema_input_type=int | str | list[int])
+]
+"""Seeds of missions: 20 (0 to 19), "0:500" (0 to 499), "0:500:5", or [1, 2, 3]."""
 
 
 class ListedMission(Config):

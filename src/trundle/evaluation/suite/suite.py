@@ -15,10 +15,10 @@ from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation.suite.check import check_suite
 from trundle.evaluation.suite.expand import Expansion
 from trundle.evaluation.suite.fields import SuiteFields
-from trundle.evaluation.suite.spec import EpisodeSpec
+from trundle.evaluation.suite.identity import EpisodeSpec
 from trundle.files.choice import shorten
 from trundle.files.field_docs import describe_fields
-from trundle.files.kinds import SUITE
+from trundle.files.kinds import MAP, SUITE, find_kind
 from trundle.files.opening import exists
 from trundle.files.writing import path_beside, write_text
 from trundle.files.yaml_config import build, load_config
@@ -41,10 +41,14 @@ if TYPE_CHECKING:
     _World: TypeAlias = str | os.PathLike[str] | WorldChoice | SuiteWorld | _Fields
     _Seeds: TypeAlias = int | str | range | Sequence[int]
 
+
 MAPS = "maps"
 """The suite of all ROS maps of a folder; see `maps_suite`."""
 
 _SUFFIXES = (".yaml", ".yml")
+
+MAPS_SEEDS = "0:20"
+_MAPS_BOXES = (5, 30)
 _PLUGINS = ("planners", "controllers", "smoothers", "agents")
 
 
@@ -204,3 +208,39 @@ def suite_names() -> list[str]:
 def shipped_folder() -> Path:
     """Where the suites are that trundle ships."""
     return Path(str(resources.files("trundle.evaluation.suite") / "shipped"))
+
+
+def maps_suite(folders: Sequence[str | os.PathLike[str]], *, seeds: object = MAPS_SEEDS, **changes: Any) -> Suite:
+    """Make the suite of all maps in some folders, and in folders in these; masks (`keepout_mask.yaml`) are left out.
+
+    In each map there are missions with roomy and with tight ends, each without boxes and with 5 to 30 of them that only
+    the lidars see.
+
+    Args:
+        folders: The folders.
+        seeds: Of the missions.
+        **changes: Other fields of the suite.
+
+    Raises:
+        InputError: If there is no folder, or no map in one.
+    """
+    if not folders:
+        raise InputError("give a folder of ROS maps: trundle evaluate maps FOLDER")
+    worlds: list[dict[str, Any]] = []
+    for folder in folders:
+        place = Path(folder)
+        if not place.is_dir():
+            raise InputError(f"{place}: this is no folder: trundle evaluate maps takes folders of ROS maps")
+        files = [path for path in sorted(place.rglob("*")) if path.suffix.lower() in _SUFFIXES]
+        found = [path for path in files if not path.stem.endswith("mask") and find_kind(path) == MAP]
+        if not found:
+            raise InputError(f"{place}: there is no ROS map in it: a YAML file with image: and resolution:")
+        for path in found:
+            label = path.relative_to(place).with_suffix("").as_posix()
+            label = label if len(folders) == 1 else f"{place.name}/{label}"
+            worlds.append({"name": str(path), "label": label, "missions": {"seeds": seeds}})
+            worlds.append(
+                {"name": str(path), "label": f"{label}, tight", "missions": {"seeds": seeds, "ends": "tight"}}
+            )
+    settings = {"name": MAPS, "lidar": True, "unmapped": [None, {"boxes": _MAPS_BOXES}], **changes}
+    return Suite.make(worlds=worlds, **settings)

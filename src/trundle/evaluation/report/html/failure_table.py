@@ -7,10 +7,9 @@ from html import escape
 
 import numpy as np
 
-from trundle.evaluation.report.commands import replay_command
-from trundle.evaluation.report.html.marks import icon, kind_of, outcome_text
+from trundle.evaluation.report.html.charts import icon, kind_of, outcome_text
 from trundle.evaluation.report.html.places import Place, cards_without_place, thumbnail, variant_labels
-from trundle.evaluation.report.table import cause
+from trundle.evaluation.report.text import cause, replay_command
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics.figures import write_number
 from trundle.evaluation.statistics.table import Table

@@ -7,16 +7,15 @@ from html import escape
 
 import numpy as np
 
-from trundle.evaluation.report.html.charts import interval_bar, outcome_bar, share_axis
-from trundle.evaluation.report.html.marks import count_text
+from trundle.evaluation.report.html.charts import count_text, interval_bar, outcome_bar, share_axis
 from trundle.evaluation.report.summary import count_complete, count_outcomes, describe_missing, stopped_as_dict
-from trundle.evaluation.report.table import clean
+from trundle.evaluation.report.text import clean
 from trundle.evaluation.statistics.figures import BY_NAME, write_number, write_share
 from trundle.evaluation.statistics.gates import Gate, GateResult
 from trundle.evaluation.statistics.intervals import no_failure_bound, wilson
-from trundle.evaluation.statistics.only_errors import find_only_errors
+from trundle.evaluation.statistics.pairing import find_only_errors
 from trundle.evaluation.statistics.table import LABELS, Table, group_rows, iterate_groups
-from trundle.evaluation.store.manifest import Stopped
+from trundle.evaluation.store.folder import Stopped
 
 _MOST_GROUPS = 40
 _MARKS = {"passed": ("✓", "good"), "failed": ("✕", "bad"), "undecided": ("?", "warn")}

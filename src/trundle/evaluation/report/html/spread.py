@@ -7,9 +7,8 @@ from html import escape
 
 import numpy as np
 
-from trundle.evaluation.report.commands import replay_command
-from trundle.evaluation.report.html.charts import distribution, line_key
-from trundle.evaluation.report.html.marks import LINE_COLORS
+from trundle.evaluation.report.html.charts import LINE_COLORS, distribution, line_key
+from trundle.evaluation.report.text import replay_command
 from trundle.evaluation.statistics.figures import BY_NAME, write_number
 from trundle.evaluation.statistics.table import VARIANT, Group, Table, group_rows, name_labels
 from trundle.geometry import FloatArray
