@@ -3,7 +3,7 @@
 from trundle.evaluation.statistics.comparison import Comparison, compare, compare_within
 from trundle.evaluation.statistics.gates import Gate, GateResult
 from trundle.evaluation.statistics.intervals import Interval, no_failure_bound, rank_correlation, wilson
-from trundle.evaluation.statistics.paired import holm, mcnemar_exact, paired_bootstrap
+from trundle.evaluation.statistics.paired_tests import holm, mcnemar_exact, paired_bootstrap
 from trundle.evaluation.statistics.table import Table
 
 __all__ = [

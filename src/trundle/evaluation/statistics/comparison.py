@@ -11,7 +11,7 @@ import numpy as np
 
 from trundle.errors import InputError
 from trundle.evaluation.statistics.figures import FIGURES, Figure
-from trundle.evaluation.statistics.paired import Mean, bootstrap_means, holm, mcnemar_exact
+from trundle.evaluation.statistics.paired_tests import Mean, bootstrap_means, holm, mcnemar_exact
 from trundle.evaluation.statistics.pairing import OnlyErrors, Pairing, find_only_errors, pair_between, pair_within
 from trundle.evaluation.statistics.table import Table
 from trundle.geometry import FloatArray
