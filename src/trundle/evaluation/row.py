@@ -1,4 +1,4 @@
-"""`Row`: what an evaluation keeps of one episode."""
+"""`Row`: what an evaluation keeps of one episode, its trail in few points among it."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ class Row:
         world: Label of the world.
         robot: Name of the robot.
         planner: Label of the planner: its name, with the options that the suite crosses.
-        controller: Likewise.
-        backend: Likewise.
-        seed: Of the mission.
+        controller: Label of the controller, likewise.
+        backend: Label of the simulator, likewise.
+        seed: Seed of the mission.
         settings: Other settings that the suite crosses, as `name=value`, separated by spaces; empty without any.
         outcome: As `trundle.Outcome`, or `crashed`, `hung`, `out_of_memory` or `error`.
         message: The outcome in words.
@@ -126,11 +126,11 @@ class Row:
 
     @classmethod
     def columns(cls) -> tuple[str, ...]:
-        """Names of the columns, in order."""
+        """Return the names of the columns, in order."""
         return tuple(field.name for field in fields(cls))
 
     def as_dict(self) -> dict[str, Any]:
-        """The row as plain values, for JSON."""
+        """Return the row as plain values, for JSON."""
         return {**asdict(self), "trail": list(self.trail), "vary": None if self.vary is None else dict(self.vary)}
 
     @classmethod
@@ -140,7 +140,7 @@ class Row:
         return cls(**{**known, "trail": tuple(known.get("trail") or ())})
 
     def unmeasured(self) -> dict[str, Any]:
-        """All but the measured columns: equal whenever and wherever the episode is run with the same code."""
+        """Return all but the measured columns: equal whenever and wherever the episode is run with the same code."""
         return {name: value for name, value in self.as_dict().items() if name not in MEASURED}
 
 
@@ -149,7 +149,7 @@ _CLOSE_M = 0.01
 
 
 def simplify(points: FloatArray, most: int = MOST_POINTS) -> tuple[float, ...]:
-    """Few points of a line from which all others are near; those that are farthest off come first.
+    """Keep few points of a line from which all others are near; those that are farthest off come first.
 
     Args:
         points: (x, y) [m], shape (N, 2), N ≥ 1.
@@ -172,7 +172,7 @@ def simplify(points: FloatArray, most: int = MOST_POINTS) -> tuple[float, ...]:
 
 
 def _farthest(points: FloatArray, first: int, last: int) -> tuple[float, int, int, int]:
-    """The point that is farthest from the straight line between two: minus its distance, and the three numbers."""
+    """Return the point that is farthest from the line between two: minus its distance, and the three numbers."""
     if last - first < 2:
         return 0.0, first, first, last
     start, along = points[first], points[last] - points[first]

@@ -1,4 +1,4 @@
-"""`EpisodeOrder`: episodes interleaved, so that those of an unfinished evaluation are a balanced sample."""
+"""Which episode a worker drives next: `EpisodeOrder` interleaves them, `Schedule` gives them out."""
 
 from __future__ import annotations
 
@@ -64,21 +64,21 @@ class EpisodeOrder:
             self._batch[order] = np.cumsum(starts)
 
     def sort(self, indices: Indices) -> Indices:
-        """Episodes by their numbers in the suite, in this order."""
+        """Return episodes, by their numbers in the suite, in this order."""
         missions, cases = np.divmod(indices, self.cases)
         return indices[np.argsort(self._rank[missions] * self.cases + cases, kind="stable")]
 
     def rank_of(self, index: int) -> int:
-        """How many missions come before the one of an episode."""
+        """Return how many missions come before the one of an episode."""
         return int(self._rank[index // self.cases])
 
     def batch_of(self, index: int) -> int:
-        """Number of the episodes that follow one another in a place, which one worker should drive."""
+        """Return the number of the batch of an episode: those in one place that one worker should drive."""
         return int(self._batch[index // self.cases])
 
 
 def _spread(count: int) -> Indices:
-    """Positions of 0, 1, …, count - 1 where each step goes on by about the golden section of their number."""
+    """Return positions of 0, 1, …, count - 1, where each step goes on by about the golden section of their number."""
     stride = round(count * (math.sqrt(5.0) - 1.0) / 2.0)
     while math.gcd(stride, count) != 1:
         stride += 1
@@ -86,7 +86,10 @@ def _spread(count: int) -> Indices:
 
 
 PROBATION = 10
-"""Missions that every combination of planner, controller, backend and settings drives before one is given up."""
+"""Missions that every combination of planner, controller, backend and settings drives before one is given up.
+
+More of them cost time where a plug-in raises at once; fewer give one up that raises in a few worlds only.
+"""
 
 _OPEN = 2
 """Batches that may be begun and not ended, for each worker: a worker that is lost leaves one behind."""
@@ -99,7 +102,7 @@ class GivenUp:
     for any number of workers, and when an evaluation is continued.
 
     Args:
-        order: Of the episodes.
+        order: The order of the episodes.
     """
 
     def __init__(self, order: EpisodeOrder) -> None:
@@ -112,7 +115,7 @@ class GivenUp:
             self._errors[index % self._order.cases] += 1
 
     def has(self, index: int) -> bool:
-        """Whether an episode is of such a combination."""
+        """Return whether an episode is of such a combination."""
         return self._errors[index % self._order.cases] >= PROBATION
 
 
@@ -120,7 +123,7 @@ class Schedule:
     """Gives episodes to workers in order; those that follow one another in a place go to one worker, which has made it.
 
     Args:
-        indices: Of the episodes, in order.
+        indices: The numbers of the episodes, in order.
         order: That order.
         workers: How many workers there are.
         is_left_out: Says of an episode that it is not to be given to any.
@@ -139,7 +142,7 @@ class Schedule:
         self.in_flight: dict[int, float] = {}
 
     def take(self, worker: int) -> int:
-        """The next episode for a worker.
+        """Return the next episode for a worker.
 
         Raises:
             StopIteration: If there are no more.
@@ -151,7 +154,7 @@ class Schedule:
                 return index
 
     def _find_batch(self, worker: int) -> deque[int]:
-        """Its own, or else a new one, or else the oldest of another worker."""
+        """Return the worker's own batch, or else a new one, or else the oldest of another worker."""
         if self._begun.get(worker):
             return self._begun[worker]
         self._begun = {owner: batch for owner, batch in self._begun.items() if batch}

@@ -136,5 +136,5 @@ def last_line(output: str) -> str:
 
 
 def says_out_of_memory(text: str) -> bool:
-    """Whether a library's message means that it ran out of memory."""
+    """Return whether a library's message means that it ran out of memory."""
     return any(sign in text for sign in _OUT_OF_MEMORY)

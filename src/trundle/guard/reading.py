@@ -52,7 +52,7 @@ class _GoneError(Exception):
 
 
 def in_kit() -> bool:
-    """Whether this is Isaac Sim's Kit, whose own USD is available in no other process."""
+    """Return whether this is Isaac Sim's Kit, whose own USD is available in no other process."""
     return "omni.kit.app" in sys.modules or "omni.kit_app" in sys.modules or "carb" in sys.modules
 
 

@@ -1,4 +1,4 @@
-"""What runs on each node of a cluster: the local pool on shards, whose rows it writes as its own parts."""
+"""`Node`: runs shards of an evaluation in the pool of one machine, and writes their rows as its own parts."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class RowSource(Protocol):
         ...
 
     def in_flight_s(self) -> tuple[float, ...]:
-        """For how long the episodes have been driven that have begun and not ended [s]."""
+        """Return for how long the episodes have been driven that have begun and not ended [s]."""
         ...
 
     def close(self) -> None:
@@ -42,7 +42,7 @@ MakeSource = Callable[[int], RowSource]
 
 @dataclass(frozen=True, slots=True)
 class ShardDone:
-    """What the driver learns of a shard: its rows are in a part.
+    """A shard whose rows are in a part: what the driver learns of it.
 
     Attributes:
         episodes: How many it has.
@@ -63,7 +63,7 @@ class Node:
     Args:
         make_source: Makes what runs the episodes.
         out: The folder of the evaluation, which all nodes share, or the URI of an object store.
-        tag: Of the parts that it writes; no other node has it.
+        tag: Part of the names of the parts that it writes; no other node has it.
         workers: Processes of its pool.
     """
 
@@ -101,7 +101,7 @@ class Node:
 
         Args:
             indices: Their numbers in the suite.
-            left_s: Time [s] after which those that have not ended are left; None means without limit.
+            left_s: Time [s] after which those that have not ended are left; by default there is no limit.
 
         Raises:
             OutputError: If the part cannot be written.

@@ -226,7 +226,7 @@ class EpisodeTask:
 
 
 def parts_of(spec: EpisodeSpec) -> tuple[str, str, str]:
-    """What is set up for an episode, in words: its place, planner and controller there, and simulator there.
+    """Name what is set up for an episode: its place, planner and controller there, and simulator there.
 
     A part that cannot be set up for one episode cannot be for another that needs the same.
     """

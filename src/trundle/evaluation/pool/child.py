@@ -52,7 +52,7 @@ class _Server:
         self._control = control
         self._start = start
         self._workers: dict[int, int] = {}
-        """Process numbers, by the pool's number of the worker."""
+        """The process numbers, by the pool's numbers of the workers."""
 
     def serve(self) -> None:
         """Fork workers until the pool is gone."""
@@ -82,7 +82,7 @@ class _Server:
                     self._end()
 
     def _answer(self, wake: tuple[int, int], selector: selectors.BaseSelector) -> bool:
-        """Do what the pool asks; False if it is gone."""
+        """Do what the pool asks; return False if the pool is gone."""
         content, given, _, _ = socket.recv_fds(self._control, _MESSAGE_BYTES, 3)
         if not content:
             return False

@@ -1,4 +1,4 @@
-"""What the end of a worker means for its job."""
+"""Why jobs fail: the causes that a pool tells apart by how a worker ends."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ class Cause:
     """Why a job failed.
 
     Attributes:
-        kind: As in `Failed`.
-        text: In one line.
+        kind: The kind of failure, as in `Failed`.
+        text: What happened, in one line.
         place: Where in the code; None if that is not known.
         killed: Whether somebody else killed the worker.
     """
@@ -33,11 +33,11 @@ class Cause:
 
 
 class FailureClassifier:
-    """Tells why workers ended; knows how many processes the kernel has killed for want of memory.
+    """Finds the causes of failures. It keeps how many processes the kernel has killed for want of memory.
 
     Args:
-        deadline_s: Of a job.
-        memory_mb: By how much a worker may grow.
+        deadline_s: Wall time that a job may take [s].
+        memory_mb: How much a worker may grow [MB].
     """
 
     def __init__(self, deadline_s: float | None, memory_mb: float | None) -> None:
@@ -46,22 +46,22 @@ class FailureClassifier:
         self._oom_kills = memory.count_oom_kills()
 
     def of_exception(self, text: str, frames: Sequence[tuple[str, int, str]], *, exhausted: bool) -> Cause:
-        """Of an exception that the worker has sent."""
+        """Return the cause for an exception that a worker has sent."""
         if exhausted:
             return Cause("out_of_memory", f"{self.describe_limit()} ({text})", describe_place(frames))
         return Cause("error", text, describe_place(frames))
 
     def of_hang(self, dump: str, main_thread: int) -> Cause:
-        """Of a job that was not done by its deadline."""
+        """Return the cause for a job that was not done by its deadline."""
         place = describe_place(frames_of_dump(dump, main_thread))
         return Cause("hung", f"took longer than {self._deadline_s:g} s", place)
 
     def of_growth(self) -> Cause:
-        """Of a worker whose resident memory was above the limit."""
+        """Return the cause for a worker whose resident memory was above the limit."""
         return Cause("out_of_memory", self.describe_limit())
 
     def of_end(self, status: int | None, dump: str, main_thread: int, output: str) -> Cause:
-        """Of a worker process that ended during a job; the status is None if its server ended too."""
+        """Return the cause for a worker that ended during a job; its status is None if its server ended too."""
         place = describe_place(frames_of_dump(dump, main_thread))
         if status is None:
             return Cause("crashed", "the worker was killed with the server that it was forked from", killed=True)
@@ -78,7 +78,7 @@ class FailureClassifier:
         return Cause("crashed", f"{describe_status(status)}{words}", place)
 
     def describe_limit(self) -> str:
-        """The memory limit in words."""
+        """Return the memory limit in words."""
         if self._memory_mb is None:
             return "out of memory"
         return f"needed more than {self._memory_mb:g} MB above the worker's size at its start"
@@ -89,7 +89,7 @@ class FailureClassifier:
 
 
 def describe_status(status: int) -> str:
-    """An exit code in words."""
+    """Return an exit code in words."""
     if status >= 0:
         return f"status {status}"
     name = signal_name(-status)

@@ -15,19 +15,21 @@ from trundle.evaluation.pool import framing
 
 _TAIL_BYTES = 4096
 _DUMP_BYTES = 1 << 18
+"""How much is kept: the end of what a worker prints, which has the reason, and the beginning of a dump, which has the
+innermost frames."""
 _CHUNK = 1 << 16
 _MOST_JOB_BYTES = 4000
 """Less than any socket keeps, so that sending never waits."""
 
 
 class State(enum.Enum):
-    """What a worker is at."""
+    """The state of a worker."""
 
     STARTING = enum.auto()
     IDLE = enum.auto()
     BUSY = enum.auto()
     LATE = enum.auto()
-    """Past its deadline: it is asked where it is, and then killed."""
+    """It is past its deadline: it is asked where it is, and then killed."""
     LOST = enum.auto()
     """Its socket has ended."""
     KILLED = enum.auto()
@@ -37,11 +39,11 @@ class Handle:
     """One worker.
 
     Attributes:
-        number: The pool's; no two workers have the same.
-        sock: To the worker; does not block.
-        output: Pipe of what it prints.
-        dump: Pipe of what faulthandler writes.
-        state: What it is at.
+        number: Its number in the pool; no two workers have the same.
+        sock: Socket to the worker, which does not block.
+        output: Pipe with what it prints.
+        dump: Pipe with what faulthandler writes.
+        state: Its state.
         job: The job that it has, if any, as the pool keeps it.
         has_served: Whether it has done a job.
         main_thread: Its identifier, once the worker is ready.
@@ -102,7 +104,7 @@ class Handle:
         return messages, size
 
     def noted(self) -> Mapping[str, Any] | None:
-        """The last note; None also if it cannot be read here."""
+        """Return the last note; None if there is none, or if it cannot be read here."""
         if self._note is None:
             return None
         try:
@@ -119,11 +121,11 @@ class Handle:
         return _read_all(self.dump, self._keep_dump)
 
     def describe_output(self) -> str:
-        """End of what it printed, as text."""
+        """Return the end of what it printed, as text."""
         return self.tail.decode(errors="replace")
 
     def describe_dump(self) -> str:
-        """What faulthandler wrote, as text."""
+        """Return what faulthandler wrote, as text."""
         return self.dumped.decode(errors="replace")
 
     def close(self) -> None:

@@ -22,7 +22,7 @@ from trundle.guard import process as processes
 logger = logging.getLogger(__name__)
 
 CAN_FORK = sys.platform == "linux"
-"""Whether workers are forked from a warm server; elsewhere system libraries do not survive a fork."""
+"""Workers are forked from a warm server on Linux; elsewhere system libraries do not survive a fork."""
 
 ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
@@ -35,12 +35,13 @@ ONE_THREAD = {
     "TRUNDLE_THREADS": "1",
     "MALLOC_ARENA_MAX": "2",
 }
-"""Set before anything is imported: there is a worker for each core already."""
+"""Variables that are set before anything is imported: there is a worker for each core already."""
 
 _SAME_HASHES = {"PYTHONHASHSEED": "0"}
-"""So that code which depends on the order of a set does the same in every worker."""
+"""With the same hashes, code that depends on the order of a set does the same in every worker."""
 
 _END_S = 1.5
+"""How long the server has to kill all workers and end [s], three times as long as it sweeps."""
 _TAIL = 4096
 
 
@@ -53,11 +54,11 @@ class WorkerEnds:
     dump: int
 
     def numbers(self) -> tuple[int, int, int]:
-        """Their descriptors."""
+        """Return their descriptors."""
         return self.sock.fileno(), self.output, self.dump
 
     def close(self) -> None:
-        """Close them here."""
+        """Close them in this process."""
         self.sock.close()
         os.close(self.output)
         os.close(self.dump)
@@ -79,7 +80,7 @@ class Launcher(Protocol):
     """Starts and kills worker processes."""
 
     def fileno(self) -> int | None:
-        """What becomes readable when there is something to `collect`; None if it has to be asked now and then."""
+        """Return a descriptor that becomes readable when there is something to `collect`; None if there is none."""
         ...
 
     def start(self, worker: int, ends: WorkerEnds) -> None:
@@ -87,15 +88,15 @@ class Launcher(Protocol):
         ...
 
     def send_signal(self, worker: int, number: int) -> None:
-        """Signal a worker; if it is to be killed, then with its process group."""
+        """Signal a worker; one that is to be killed is killed with its process group."""
         ...
 
     def collect(self) -> list[Ended]:
-        """Those that have ended since."""
+        """Return the workers that have ended since the last call."""
         ...
 
     def processes(self) -> Mapping[int, int]:
-        """Process numbers by worker, where they are known here."""
+        """Return the process numbers by worker, where they are known here."""
         ...
 
     def close(self) -> None:
@@ -106,7 +107,7 @@ class Launcher(Protocol):
 def describe_start(
     task: bytes, preload: Sequence[str], memory_bytes: int | None, ends_itself_s: float | None
 ) -> dict[str, Any]:
-    """What a child is sent first."""
+    """Return the start message of the server or of a worker, without what its launcher adds."""
     return {
         "preload": list(preload),
         "task": task,
@@ -132,7 +133,7 @@ class ForkServer:
         self._ready = False
 
     def fileno(self) -> int:
-        """Of the socket to the server."""
+        """Return the descriptor of the socket to the server."""
         return self._control.fileno()
 
     def start(self, worker: int, ends: WorkerEnds) -> None:
@@ -147,7 +148,7 @@ class ForkServer:
         self._request({"do": "signal", "worker": worker, "signal": int(number)}, ())
 
     def collect(self) -> list[Ended]:
-        """Those that have ended since.
+        """Return the workers that have ended since the last call.
 
         Raises:
             LauncherGoneError: If the server itself has.
@@ -174,7 +175,7 @@ class ForkServer:
             self._ready = True
 
     def processes(self) -> Mapping[int, int]:
-        """None: the server knows them."""
+        """Return nothing: only the server knows the processes."""
         return {}
 
     def close(self) -> None:
@@ -217,7 +218,7 @@ class Spawner:
         self._workers: dict[int, subprocess.Popen[bytes]] = {}
 
     def fileno(self) -> None:
-        """Processes that have ended are found by asking."""
+        """Return None: processes that have ended are found by asking."""
         return
 
     def start(self, worker: int, ends: WorkerEnds) -> None:
@@ -240,14 +241,14 @@ class Spawner:
             process.send_signal(number)
 
     def collect(self) -> list[Ended]:
-        """Those that have ended since."""
+        """Return the workers that have ended since the last call."""
         ended = [Ended(worker, process.returncode) for worker, process in self._workers.items() if _has_ended(process)]
         for each in ended:
             processes.close_input(self._workers.pop(each.worker))
         return ended
 
     def processes(self) -> Mapping[int, int]:
-        """Process numbers by worker."""
+        """Return the process numbers by worker."""
         return {worker: process.pid for worker, process in self._workers.items()}
 
     def close(self) -> None:

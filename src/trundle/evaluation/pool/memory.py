@@ -18,7 +18,7 @@ HAS_LIMIT = sys.platform == "linux"
 
 @contextlib.contextmanager
 def lifted_limit() -> Iterator[None]:
-    """Without the limit for a while, so that an error can be reported."""
+    """Lift the limit for a while, so that an error can be reported."""
     if not HAS_LIMIT:
         yield
         return
@@ -38,7 +38,7 @@ def is_exhaustion(error: BaseException) -> bool:
 
 
 def count_oom_kills() -> int | None:
-    """How many processes the kernel has killed for want of memory; None where it does not say."""
+    """Return how many processes the kernel has killed for want of memory; None where it does not say."""
     with contextlib.suppress(OSError), open("/proc/vmstat", encoding="ascii") as lines:  # noqa: PTH123 - of the system
         for line in lines:
             if line.startswith("oom_kill "):
@@ -47,7 +47,7 @@ def count_oom_kills() -> int | None:
 
 
 def resident_bytes(pids: Iterable[int]) -> dict[int, int]:
-    """Resident memory of processes [bytes], by number; those that have ended are left out."""
+    """Return the resident memory of processes [bytes], by number; those that have ended are left out."""
     return _read_statm(pids) if Path("/proc/self/statm").exists() else _ask_ps(pids)
 
 
@@ -61,7 +61,7 @@ def _read_statm(pids: Iterable[int]) -> dict[int, int]:
 
 
 def _ask_ps(pids: Iterable[int]) -> dict[int, int]:
-    """The same on a system without /proc."""
+    """Ask `ps` for the same, on a system without /proc."""
     wanted = ",".join(str(pid) for pid in pids)
     if not wanted:
         return {}

@@ -23,13 +23,18 @@ from trundle.values import check_count, check_number
 MOST_WORKERS = 4096
 
 SETUP_S = 300.0
-"""For starting a worker and the task's `setup` [s]."""
+"""Time limit for starting a worker and for the task's `setup` [s]: it imports and builds, on a busy machine."""
 
 _DUMP_S = 2.0
+"""How long a worker past its deadline has to write where it is [s]: native code may keep it from that."""
 _DUMPED_S = 0.05
+"""How long the rest of that may take once some of it has come [s]."""
 _LOST_S = 1.0
+"""How long a worker whose socket has ended has to end itself [s], so that its exit code says why."""
 _WATCH_S = 0.25
+"""Time between two looks at the memory of workers, where the system does not limit it [s]."""
 _MOST_UNREADY = 2
+"""Set-ups in a row that fail: one failure may be by chance, two are the task's."""
 
 
 @dataclass(slots=True)
@@ -53,12 +58,12 @@ class Pool:
     Args:
         task: What to do with each job. It is pickled, by cloudpickle where that is installed.
         workers: How many at most; no more are started than there are jobs.
-        deadline_s: Wall time of a job [s]; None means that it may take for ever.
-        memory_mb: By how much a worker may grow after its start [MB]; None means without limit.
+        deadline_s: Wall time of a job [s]. If None, a job may take for ever.
+        memory_mb: How much a worker may grow after its start [MB]. If None, there is no limit.
         preload: Modules that the server imports.
         retries: How often a job that hangs or takes too much memory is repeated.
         environment: Variables for the workers, besides those of this process.
-        fork: Fork workers from a server; None means on Linux.
+        fork: Whether workers are forked from a server; by default they are on Linux.
 
     Raises:
         InputError: If an argument is out of bounds.
@@ -117,7 +122,7 @@ class Pool:
 
         Args:
             jobs: What to do.
-            until: When to end in the same way, in terms of `time.monotonic` [s]; None means when all is done.
+            until: When to end in the same way, in terms of `time.monotonic` [s]; by default when all is done.
 
         Raises:
             PoolSetupError: If workers cannot be started, or the task's `setup` failed twice.
@@ -171,7 +176,7 @@ class Pool:
                 self._start_worker(_Try(job))
 
     def _make_room(self) -> bool:
-        """Whether there can be one more worker; an idle one makes room."""
+        """Return whether there can be one more worker; an idle one is killed for it."""
         if len(self._workers.handles) < self._most:
             return True
         if not self._idle:
@@ -244,7 +249,7 @@ class Pool:
         self._outcomes.append(Done(attempt.job, value, wall_s, cpu_s, handle.number))
 
     def _release(self, handle: Handle, *, is_worn: bool) -> None:
-        """A worker has done its job: it takes another one, or is replaced."""
+        """Let a worker that has done its job take another one, or replace it."""
         self._in_flight -= 1
         self._deadlines.clear(handle.number)
         handle.job, handle.has_served = None, True
@@ -255,7 +260,7 @@ class Pool:
             self._idle.append(handle)
 
     def _take_end(self, handle: Handle, status: int | None) -> None:
-        """A worker process has ended by itself, or somebody killed it."""
+        """Conclude the job of a worker process that has ended by itself, or that somebody killed."""
         state, attempt = handle.state, handle.job
         handle.state = State.KILLED
         self._deadlines.clear(handle.number)
@@ -271,7 +276,7 @@ class Pool:
             self._conclude(handle, attempt, cause)
 
     def _take_unready(self, handle: Handle, reason: str, *, killed: bool = False) -> None:
-        """A worker failed before its first job, which is for another one then."""
+        """Give the first job of a worker that failed before it to another one."""
         self._in_flight -= 1
         self._deadlines.clear(handle.number)
         attempt: _Try = handle.job
@@ -299,7 +304,7 @@ class Pool:
                 self._kill_and_conclude(handle, Cause("crashed", text))
 
     def _watch_memory(self) -> None:
-        """Where the system has no limit on memory, look at what workers take now and then."""
+        """Look at the memory of workers now and then, where the system does not limit it."""
         if self._next_watch is None or self._memory_bytes is None or time.monotonic() < self._next_watch:
             return
         numbers = {pid: number for number, pid in self._workers.processes().items()}
@@ -313,7 +318,7 @@ class Pool:
         self._next_watch = time.monotonic() + _WATCH_S
 
     def _soonest(self) -> float | None:
-        """When to look again, whatever happens."""
+        """Return when to look again, whatever happens."""
         return _earliest(self._deadlines.soonest(), self._next_watch)
 
     def _conclude_hang(self, handle: Handle) -> None:
@@ -354,7 +359,7 @@ class Pool:
 
 
 class _InOrder:
-    """Jobs for whoever is free first."""
+    """Jobs that go to whichever worker is free first."""
 
     def __init__(self, jobs: Iterable[Any]) -> None:
         self._jobs = iter(jobs)

@@ -1,4 +1,4 @@
-"""Places in the code, as a traceback or faulthandler names them."""
+"""Exceptions in words, and places in the code as a traceback or faulthandler names them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from types import TracebackType
 from trundle.guard import start
 
 Frame = tuple[str, int, str]
-"""File, line and function."""
+"""The file, the line and the function."""
 
 _LINE = re.compile(r'^  File "(.*)", line (\d+|\?\?\?) in (.*)$')
 _THREAD = re.compile(r"^(Current thread|Thread) 0x([0-9a-f]+)")
@@ -23,13 +23,13 @@ _OF_POOL = (os.path.join(os.path.dirname(os.path.abspath(__file__)), ""), os.pat
 
 
 def frames_of(trace: TracebackType | None) -> list[Frame]:
-    """Frames of a traceback, the innermost first."""
+    """Return the frames of a traceback, the innermost first."""
     found = [(frame.f_code.co_filename, line, frame.f_code.co_name) for frame, line in traceback.walk_tb(trace)]
     return found[::-1]
 
 
 def frames_of_dump(dump: str, main_thread: int) -> list[Frame]:
-    """Frames of the thread that failed in what faulthandler wrote, else those of the main thread; innermost first."""
+    """Return the frames in a dump of the thread that failed, or else of the main thread; the innermost first."""
     threads: dict[str, list[Frame]] = {}
     current = "current"  # where only one thread is named
     for line in dump.splitlines():
@@ -44,7 +44,7 @@ def frames_of_dump(dump: str, main_thread: int) -> list[Frame]:
 
 
 def describe_place(frames: Sequence[Frame]) -> str | None:
-    """Where that is: the innermost frame outside the standard library, and the code that trundle called, if another.
+    """Name the innermost frame outside the standard library, and the plug-in's frame that trundle called, if another.
 
     Args:
         frames: The innermost first.
@@ -66,7 +66,7 @@ def describe_place(frames: Sequence[Frame]) -> str | None:
 
 
 def _find_plugin(frames: Sequence[Frame]) -> Frame | None:
-    """The innermost frame of other code that trundle called."""
+    """Return the innermost frame of code outside trundle that trundle called."""
     for frame, caller in itertools.pairwise(frames):
         if caller[0].startswith(_PACKAGE) and not frame[0].startswith(_PACKAGE):
             return frame
@@ -78,7 +78,7 @@ def _format(frame: Frame) -> str:
 
 
 def _shorten(file: str) -> str:
-    """As it is imported: without the entry of the search path that it is in."""
+    """Return a file's path as it is imported: without the entry of the search path that it is in."""
     roots = [os.path.join(os.path.abspath(root), "") for root in sys.path if root]  # noqa: PTH118, PTH100
     inside = [root for root in roots if file.startswith(root)]
     return file.removeprefix(max(inside, key=len)) if inside else file
@@ -98,7 +98,7 @@ _MOST_TEXT = 2000
 
 
 def describe_error(error: BaseException) -> str:
-    """An exception in one line, which every file can hold, however odd the bytes that it was made of."""
+    """Return an exception in one line, which every file can hold, however odd the bytes that it was made of."""
     try:
         said = str(error)
     except Exception:  # noqa: BLE001 - classes of other people may do anything

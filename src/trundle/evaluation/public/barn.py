@@ -37,8 +37,8 @@ def barn_suite(
 
     Args:
         folder: Holds `world_N.world` of each world, and its `path_N.npy` beside it or in `path_files`.
-        conditions: What drives, and how; None means the defaults.
-        numbers: Of the worlds to drive in; None means all that are there.
+        conditions: What drives, and how; by default `Conditions()`.
+        numbers: Numbers of the worlds to drive in; by default all that are there.
 
     Raises:
         InputError: If the folder holds no such worlds, or lacks one of `numbers` or a path.
@@ -58,7 +58,7 @@ def barn_suite(
 
 
 def barn_figures(table: Table, rows: npt.NDArray[np.bool_] | None = None) -> Mapping[str, float | None]:
-    """The means of BARN: of the score over all runs, of the times [s] over those that arrived."""
+    """Return the means of BARN: of the score over all runs, of the times [s] over those that arrived."""
     every = np.ones(len(table), dtype=bool) if rows is None else rows
     arrived = every & table.arrived
     times, shortest = (table.numbers[name].astype(float) for name in ("time_s", "shortest_time_s"))

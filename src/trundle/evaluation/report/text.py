@@ -1,4 +1,4 @@
-"""The command that runs an episode again."""
+"""Rows and comparisons as text of at most 80 columns, and the causes and commands that every report has."""
 
 from __future__ import annotations
 
@@ -13,27 +13,28 @@ from trundle.evaluation.statistics.comparison import Change, Comparison, PairCom
 from trundle.evaluation.statistics.figures import write_number, write_share
 from trundle.evaluation.statistics.table import ARRIVED, LABELS
 
+_WIDTH = 80
+_LONGEST_LABELS = 34
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]+")
+_SHOWN = 8
+_SHARES = ("success",)
+
 _DIGITS = 12
-"""Of an id: enough to tell a million episodes apart."""
+"""Digits of an id that tell a million episodes apart."""
 
 
 def short_id(episode: str) -> str:
-    """As much of an id as tells it from all others."""
+    """Return as much of an id as tells it from all others."""
     return episode[:_DIGITS]
 
 
 def replay_command(folder: str, episode: str) -> str:
-    """The command that runs an episode of the evaluation in a folder again, quoted for a shell."""
+    """Return the command that runs an episode of the evaluation in a folder again, quoted for a shell."""
     return f"trundle run --from {shlex.quote(f'{folder}:{short_id(episode)}')}"
 
 
-_WIDTH = 80
-_LONGEST_LABELS = 34
-_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]+")
-
-
 def table_lines(rows: Iterable[Row], folder: str) -> list[str]:
-    """A line for each row, and below each failed one its cause and the command that runs it again.
+    """Return a line for each row, and below each failed one its cause and the command that runs it again.
 
     No line is longer than 80 columns, except for a command with a long folder, which must be copied whole.
 
@@ -63,7 +64,7 @@ def table_lines(rows: Iterable[Row], folder: str) -> list[str]:
 
 
 def cause(row: Row) -> str:
-    """Why an episode failed, in one line: what ended it, or its outcome in words, and what it touched."""
+    """Return why an episode failed, in one line: what ended it, or its outcome in words, and what it touched."""
     text = row.error or row.message or row.outcome
     if row.touched and row.touched not in text:
         text = f"{text}; touched {row.touched}"
@@ -71,7 +72,7 @@ def cause(row: Row) -> str:
 
 
 def clean(text: str) -> str:
-    """A text in one line, without what would steer a terminal."""
+    """Return a text in one line, without what would steer a terminal."""
     return _CONTROL.sub(" ", text).strip()
 
 
@@ -79,13 +80,8 @@ def _figure(value: float | None, unit: str) -> str:
     return "–" if value is None else f"{write_number(value)} {unit}"
 
 
-_WIDTH = 80
-_SHOWN = 8
-_SHARES = ("success",)
-
-
 def comparison_lines(comparison: Comparison) -> list[str]:
-    """What `trundle evaluate compare` prints: the verdict, what changed, and the missions that turned.
+    """Return what `trundle evaluate compare` prints: the verdict, what changed, and the missions that turned.
 
     No line that trundle words is longer than 80 columns; names of folders may make one so.
     """
@@ -109,7 +105,7 @@ def comparison_lines(comparison: Comparison) -> list[str]:
 
 
 def verdict(comparison: Comparison) -> str:
-    """Whether the second is worse, and in what."""
+    """Return whether the second is worse, and in what."""
     reasons = [
         f"{change.figure.text}{f' ({pair.second or pair.first})' if len(comparison.pairs) > 1 else ''}"
         for pair in comparison.pairs
@@ -122,7 +118,7 @@ def verdict(comparison: Comparison) -> str:
 
 
 def write_value(change: Change, value: float, n: int) -> str:
-    """A mean of this figure, with its unit."""
+    """Return a mean of this figure, with its unit."""
     if change.figure.name in _SHARES:
         return "–" if math.isnan(value) else write_share(value, n)
     unit = change.figure.unit
@@ -151,7 +147,7 @@ def write_p(p: float) -> str:
 
 
 def notes(count: int) -> list[str]:
-    """What the figures of a comparison rest on, in sentences."""
+    """Return what the figures of a comparison rest on, in sentences."""
     return [
         "Times, distances, clearances, replans, tracking errors and turning are compared on the missions where both "
         "arrive.",

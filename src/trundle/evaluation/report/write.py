@@ -1,4 +1,4 @@
-"""`write_reports`: report.html, junit.xml and summary.json of an evaluation."""
+"""Writing report.html, junit.xml and summary.json: at once, in a separate process, or from time to time meanwhile."""
 
 from __future__ import annotations
 
@@ -43,9 +43,9 @@ def write_reports(
     Args:
         folder: The folder.
         rows: The rows so far, in the order of the suite.
-        shown: The folder as the commands in the reports are to name it; none means as it is given.
-        name: Of the evaluation; none means the folder's.
-        total: How many episodes there are to be; none means those that there are.
+        shown: The folder as the commands in the reports are to name it; by default as it is given.
+        name: Name of the evaluation; by default that of the folder.
+        total: How many episodes there are to be; by default those that have a row.
         require: What is required.
         maps: Gives the map of a world by the key in a row's `place`; None where it is not known.
         facts: What else is to be said at the top of the page: versions, the command, when it was run.
@@ -88,7 +88,7 @@ except TrundleError as error:
 """
 
 Writer = subprocess.Popen[bytes]
-"""What writes a report beside this process."""
+"""A process that writes a report."""
 
 
 def start_writer(folder: str) -> Writer:
@@ -101,7 +101,7 @@ def write_apart(folder: str, require: Sequence[str] | None) -> None:
 
     Args:
         folder: The folder, or the URI of one in an object store.
-        require: What to judge by; none means the suite's requirements.
+        require: The requirements to judge by; by default those of the suite.
 
     Raises:
         OutputError: If they cannot be written.

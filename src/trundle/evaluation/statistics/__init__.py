@@ -1,4 +1,4 @@
-"""What rows of an evaluation say: intervals, comparisons on the same missions, gates. Pure functions of numbers."""
+"""Statistics of an evaluation's rows: intervals, comparisons on the same missions, gates. Pure functions of numbers."""
 
 from trundle.evaluation.statistics.comparison import Comparison, compare, compare_within
 from trundle.evaluation.statistics.gates import Gate, GateResult

@@ -27,7 +27,7 @@ State = Literal["passed", "failed", "undecided"]
 
 @dataclass(frozen=True, slots=True)
 class GateResult:
-    """What became of a gate.
+    """The result of a gate.
 
     Attributes:
         gate: The gate as it was written.

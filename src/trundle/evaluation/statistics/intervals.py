@@ -12,7 +12,7 @@ from trundle.errors import InputError
 from trundle.values import check_count, check_number
 
 CONFIDENCE = 0.95
-"""Of every interval, unless another one is asked for."""
+"""The confidence of every interval, unless another one is asked for."""
 
 _MOST = 10**12
 
@@ -40,12 +40,12 @@ class Interval(tuple[float, float]):
         return self[1]
 
     def holds(self, value: float) -> bool:
-        """Whether a value lies in it, its ends included; never in an interval of NaN."""
+        """Return whether a value lies in it, its ends included; never in an interval of NaN."""
         return self[0] <= value <= self[1]
 
 
 def quantile(confidence: float) -> float:
-    """How many standard deviations of a normal distribution a two-sided interval reaches to each side.
+    """Return how many standard deviations of a normal distribution a two-sided interval reaches to each side.
 
     Raises:
         InputError: If the confidence is not between 0 and 1.
@@ -61,7 +61,7 @@ def wilson(successes: int, n: int, confidence: float = CONFIDENCE) -> Interval:
     Args:
         successes: 0..n.
         n: Number of trials; without any, the share may be anything from 0 to 1.
-        confidence: Of the two-sided interval.
+        confidence: Confidence of the two-sided interval.
 
     Raises:
         InputError: If the counts are not such counts.
@@ -77,7 +77,7 @@ def no_failure_bound(n: int, confidence: float = CONFIDENCE) -> float:
 
 
 def episodes_to_decide(successes: int, n: int, wanted: float, confidence: float = CONFIDENCE) -> int | None:
-    """How many more episodes decide whether a share is at least `wanted`, if they go as those so far.
+    """Return how many more episodes decide whether a share is at least `wanted`, if they go as those so far.
 
     Returns:
         0 where the interval lies on one side of `wanted` already; None where no number would do, as the share so far
@@ -120,15 +120,15 @@ def _wilson(successes: float, n: float, z: float) -> Interval:
 
 
 def rank_correlation(x: npt.ArrayLike, y: npt.ArrayLike, confidence: float = CONFIDENCE) -> tuple[float, Interval]:
-    """Spearman's rank correlation and its interval by Fisher's transformation.
+    """Compute Spearman's rank correlation and its interval by Fisher's transformation.
 
     Its standard error is that of Bonett and Wright, "Sample size requirements for estimating Pearson, Kendall and
     Spearman correlations" (Psychometrika 65, 2000).
 
     Args:
         x: Numbers, shape (N,); pairs with a NaN are left out.
-        y: Likewise.
-        confidence: Of the interval.
+        y: Numbers, shape (N,).
+        confidence: Confidence of the interval.
 
     Returns:
         The correlation, -1..1, and its interval; NaN where one of the two does not vary, and an interval of -1 to 1 for
@@ -157,7 +157,7 @@ def rank_correlation(x: npt.ArrayLike, y: npt.ArrayLike, confidence: float = CON
 
 
 def mean_ranks(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Ranks from 1, shape (N,); equal values share the mean of theirs."""
+    """Return ranks from 1, shape (N,); equal values share the mean of theirs."""
     _, place, counts = np.unique(values, return_inverse=True, return_counts=True)
     last = np.cumsum(counts)
     return (last - (counts - 1) / 2.0)[place]

@@ -1,4 +1,4 @@
-"""Settings of which every episode ended in an exception: they are named first, and compared with nothing."""
+"""Which rows are of the same mission, so that they are compared; and settings that only raised, which are not."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class OnlyErrors:
     """Settings of which every episode so far ended in `error`.
 
     Attributes:
-        name: Of the settings.
+        name: Name of the settings.
         labels: Their planner, controller, backend and other settings.
         episodes: How many there are.
         error: The exception of the first one, with its place in the code.
@@ -37,7 +37,7 @@ class OnlyErrors:
     example: str
 
     def as_dict(self) -> dict[str, Any]:
-        """The same as plain values, for JSON."""
+        """Return the same as plain values, for JSON."""
         return {
             "labels": dict(self.labels),
             "episodes": self.episodes,
@@ -51,7 +51,7 @@ class OnlyErrors:
 
 
 def has_only_errors(table: Table, group: Group) -> bool:
-    """Whether every row of a group ended in `error`."""
+    """Return whether every row of a group ended in `error`."""
     return bool(table.named["outcome"].where(ERROR)[group.rows].all())
 
 
@@ -60,7 +60,7 @@ def _is_of(row: Row, group: Group) -> bool:
 
 
 def find_only_errors(table: Table) -> list[OnlyErrors]:
-    """The settings of which every episode so far ended in `error`."""
+    """Find the settings of which every episode so far ended in `error`."""
     found: list[OnlyErrors] = []
     for group in group_rows(table, VARIANT):
         if has_only_errors(table, group):
@@ -93,7 +93,7 @@ class Pairing:
 
 
 def pair_within(table: Table) -> list[Pairing]:
-    """Pairs of the settings of one evaluation: all of up to three, of more each with the first."""
+    """Pair the settings of one evaluation: all of up to three, of more each with the first."""
     groups = _usable_groups(table)
     few = len(groups) <= _ALL_PAIRS
     pairs = combinations(groups, 2) if few else ((groups[0], other) for other in groups[1:])
@@ -101,7 +101,7 @@ def pair_within(table: Table) -> list[Pairing]:
 
 
 def pair_between(first: Table, second: Table, *, by_ends: bool = False) -> list[Pairing]:
-    """Pairs of the settings of two evaluations: those with the same labels, or else those that differ in one respect.
+    """Pair the settings of two evaluations: those with the same labels, or else those that differ in one respect.
 
     Args:
         first: Rows of the first.
@@ -129,12 +129,12 @@ def pair_between(first: Table, second: Table, *, by_ends: bool = False) -> list[
 
 
 def _usable_groups(table: Table) -> list[Group]:
-    """The settings, without those that only raised exceptions: how good they are is not known."""
+    """Return the settings without those that only raised exceptions: how good they are is not known."""
     return [group for group in group_rows(table, VARIANT) if not has_only_errors(table, group)]
 
 
 def _match(ones: Sequence[Group], others: Sequence[Group], columns: Sequence[str]) -> list[tuple[Group, Group]]:
-    """Groups that agree in these labels."""
+    """Return the pairs of groups that agree in these labels."""
     found = [
         (one, other)
         for one in ones
@@ -173,7 +173,7 @@ def _pair(
 
 
 def _missions(table: Table, rows: Rows, *, by_ends: bool) -> tuple[npt.NDArray[Any], Rows]:
-    """The missions of these rows, each once, and the first row of each; a row that has none is left out."""
+    """Return the missions of these rows, each once, and the first row of each; a row that has none is left out."""
     keys = table.ends[rows] if by_ends else table.keys["mission"][rows]
     known = keys != (np.uint64(0) if by_ends else b"")
     missions, first = np.unique(keys[known], return_index=True)

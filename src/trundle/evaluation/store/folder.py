@@ -1,4 +1,4 @@
-"""The files of an evaluation's folder, and which folders are refused."""
+"""The folder of an evaluation: its files, what it says of itself, and whether it may be used or continued."""
 
 from __future__ import annotations
 
@@ -89,11 +89,11 @@ class Manifest:
     """What an evaluation's folder says of itself.
 
     Attributes:
-        name: Of the suite.
+        name: Name of the suite.
         total: Number of episodes of the suite.
         started: When the evaluation was started, as ISO 8601.
-        versions: Of the code that its rows are made with.
-        earlier_versions: Of other code that made some of its rows, oldest first (`--mixed`).
+        versions: Versions of the code that its rows are made with.
+        earlier_versions: Versions of other code that made some of its rows, oldest first (`--mixed`).
         stopped: Why it has ended without a row for each episode; None while it runs, after a kill, and at the end.
     """
 
@@ -130,10 +130,10 @@ _ADAPTER = TypeAdapter(Manifest)
 
 
 def check_continues(folder: Path, new: Manifest, suite_text: str, *, mixed: bool) -> Manifest:
-    """The manifest with which the evaluation in a folder goes on.
+    """Return the manifest with which the evaluation in a folder goes on.
 
     Args:
-        folder: Of the evaluation.
+        folder: The folder of the evaluation.
         new: The manifest that a new evaluation would have.
         suite_text: The suite that is to be evaluated.
         mixed: Whether its rows may be made by different code.

@@ -30,7 +30,7 @@ INSTALL = 'pip install "trundle[evaluate]"'
 
 
 def has_duckdb() -> bool:
-    """Whether DuckDB is installed."""
+    """Return whether DuckDB is installed."""
     return find_spec("duckdb") is not None
 
 
@@ -54,7 +54,7 @@ def connect(purpose: str) -> duckdb.DuckDBPyConnection:
 
 
 def list_parts(folder: Path) -> list[Path]:
-    """The Parquet files of an evaluation's folder, in order."""
+    """Return the Parquet files of an evaluation's folder, in order."""
     return sorted((folder / PARTS).glob("[!.]*.parquet"))
 
 
@@ -145,13 +145,13 @@ def find_fault(database: duckdb.DuckDBPyConnection, part: Path) -> str | None:
 
 
 def digest_file(path: Path) -> str:
-    """Sixteen digits of a file's content."""
+    """Return a hash of a file's content, sixteen digits."""
     with path.open("rb") as stream:
         return hashlib.file_digest(stream, lambda: hashlib.blake2b(digest_size=8)).hexdigest()
 
 
 def select_lines(rows: Path) -> str:
-    """SQL that gives the rows of a file of lines of JSON, which must not be empty."""
+    """Return SQL that gives the rows of a file of lines of JSON, which must not be empty."""
     columns = ", ".join(f"{quote_name(name)}: {quote(kind)}" for name, kind in SQL_TYPES.items())
     return (
         f"SELECT * FROM read_json({quote(rows)}, format = 'newline_delimited', columns = {{{columns}}}, "
@@ -160,7 +160,7 @@ def select_lines(rows: Path) -> str:
 
 
 def select_parts(parts: Sequence[Path], columns: Iterable[str] = tuple(SQL_TYPES), *, without: str = "") -> str:
-    """SQL that gives these columns of the rows of all parts; a column that a part lacks is NULL.
+    """Return SQL that gives these columns of the rows of all parts; a column that a part lacks is NULL.
 
     Args:
         parts: The files.
@@ -180,7 +180,7 @@ def select_parts(parts: Sequence[Path], columns: Iterable[str] = tuple(SQL_TYPES
 
 
 def select_repeated(parts: Sequence[Path]) -> str:
-    """SQL that gives the places of rows whose id is in another row before."""
+    """Return SQL that gives the places of rows whose id is in another row before."""
     return (
         "SELECT filename, file_row_number FROM (SELECT filename, file_row_number, "
         "row_number() OVER (PARTITION BY id ORDER BY filename, file_row_number) AS number "
@@ -193,17 +193,17 @@ def _read_parts(parts: Sequence[Path], options: str = "") -> str:
 
 
 def read_keys(database: duckdb.DuckDBPyConnection, parts: Sequence[Path]) -> tuple[Keys, NDArray[np.int64]]:
-    """Ids, as numbers, and indices of the rows of all parts."""
+    """Read the ids, as numbers, and the indices of the rows of all parts."""
     rows = select_parts(parts, ("id", "index"))
     found = database.execute(f"""SELECT ('0x' || id)::UBIGINT AS key, "index" FROM ({rows})""").fetchnumpy()
     return np.asarray(found["key"], np.uint64), np.asarray(found["index"], np.int64)
 
 
 def quote(text: str | os.PathLike[str]) -> str:
-    """A text as SQL writes it."""
+    """Return a text as SQL writes it."""
     return "'" + str(text).replace("'", "''") + "'"
 
 
 def quote_name(name: str) -> str:
-    """A name as SQL writes it."""
+    """Return a name as SQL writes it."""
     return '"' + name.replace('"', '""') + '"'

@@ -38,7 +38,7 @@ from trundle.files.opening import exists
 from trundle.files.writing import make_folder, new_folder, write_bytes, write_text
 
 PART_ROWS = 5000
-"""Rows in the journal that become a Parquet file: about 0.1 s of work."""
+"""Rows in the journal that become a Parquet file: about 0.1 s of work, during which no row is taken."""
 
 
 class Store:
@@ -84,11 +84,11 @@ class Store:
         """Start an evaluation in a folder, or continue the one that it holds.
 
         Args:
-            folder: The folder; none means a new `runs/<time>-<name>`.
-            name: Of the suite; an evaluation can be continued with a changed suite of the same name.
+            folder: The folder; by default a new `runs/<time>-<name>`.
+            name: Name of the suite; an evaluation can be continued with a changed suite of the same name.
             suite_text: The suite, as YAML.
             total: Number of its episodes.
-            versions: Of the code that makes the rows; see `code_versions`.
+            versions: Versions of the code that makes the rows; see `code_versions`.
             mixed: Continue although earlier rows were made by other code.
             overwrite: Delete the evaluation that the folder holds.
             part_rows: Rows in the journal that become a part.
@@ -130,12 +130,12 @@ class Store:
             raise
 
     def pending(self, ids: Iterable[str]) -> Sequence[int]:
-        """The indices of the suite's episodes that have no row yet.
+        """Return the indices of the suite's episodes that have no row yet.
 
         Rows in the folder that are not of the suite stay there, and `Results` leaves them out.
 
         Args:
-            ids: Of all episodes of the suite, by index. They are read only where the folder has rows.
+            ids: Ids of all episodes of the suite, by index. They are read only where the folder has rows.
         """
         if not len(self.done):
             return range(Manifest.load(self.folder).total)

@@ -36,19 +36,19 @@ class Table(Protocol):
     """Rows, by index, without duplicates; only those of the selection where there is one."""
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Return the number of rows."""
         ...
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Their values, one after the other."""
+        """Yield the values of the rows, one after the other."""
         ...
 
     def columns(self, names: Sequence[str]) -> dict[str, Column]:
-        """Columns as arrays."""
+        """Return columns as arrays."""
         ...
 
     def find(self, prefix: str, limit: int) -> list[dict[str, Any]]:
-        """The first rows whose id starts so."""
+        """Return the first rows whose id starts so."""
         ...
 
     def close(self) -> None:
@@ -83,11 +83,11 @@ class JournalTable:
         return len(self._ids)
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Their values, one after the other."""
+        """Yield the values of the rows, one after the other."""
         return self._read(range(len(self._ids)))
 
     def columns(self, names: Sequence[str]) -> dict[str, Column]:
-        """Columns as arrays."""
+        """Return columns as arrays."""
         gathered: dict[str, list[Any]] = {name: [] for name in names}
         for values in self.rows():
             for name, column in gathered.items():
@@ -95,7 +95,7 @@ class JournalTable:
         return {name: _as_array(name, column) for name, column in gathered.items()}
 
     def find(self, prefix: str, limit: int) -> list[dict[str, Any]]:
-        """The first rows whose id starts so."""
+        """Return the first rows whose id starts so."""
         places = [place for place, identity in enumerate(self._ids) if identity.startswith(prefix)]
         return list(self._read(places[:limit]))
 
@@ -135,14 +135,14 @@ class SqlTable:
         return int(self._fetch('SELECT count("index") FROM rows')[0][0])
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Their values, one after the other."""
+        """Yield the values of the rows, one after the other."""
         names = list(SQL_TYPES)
         for some in self._some_rows(_BATCH):
             for values in self._fetch(f"SELECT {_list(names)} {some}"):
                 yield dict(zip(names, values, strict=True))
 
     def columns(self, names: Sequence[str]) -> dict[str, Column]:
-        """Columns as arrays."""
+        """Return columns as arrays."""
         nested = [name for name in names if SQL_TYPES[name] not in ("VARCHAR", *_NUMBERS)]
         flat = [name for name in names if name not in nested]
         chunks: dict[str, list[Column]] = {name: [_as_array(name, [])] for name in names}
@@ -159,7 +159,7 @@ class SqlTable:
         return {name: np.concatenate(chunks.pop(name)) for name in names}
 
     def find(self, prefix: str, limit: int) -> list[dict[str, Any]]:
-        """The first rows whose id starts so."""
+        """Return the first rows whose id starts so."""
         names = list(SQL_TYPES)
         found = self._fetch(f"SELECT {_list(names)} FROM rows WHERE starts_with(id, {quote(prefix)}) LIMIT {limit}")
         return [dict(zip(names, values, strict=True)) for values in found]
@@ -233,7 +233,7 @@ def check_columns(names: Sequence[str]) -> None:
 
 
 def _as_array(name: str, values: Sequence[Any]) -> Column:
-    """An array of a column's values; a number that is missing is NaN, and makes whole numbers floats."""
+    """Return an array of a column's values; a number that is missing is NaN, and makes whole numbers floats."""
     kind = SQL_TYPES[name]
     if kind in _NUMBERS:
         is_missing = any(value is None for value in values)
@@ -247,7 +247,7 @@ def _as_array(name: str, values: Sequence[Any]) -> Column:
 
 
 def _unmask(name: str, column: Column, texts: dict[str, str]) -> Column:
-    """What `_as_array` gives, of an array in which missing values are masked; equal texts become one object."""
+    """Do as `_as_array` with an array in which missing values are masked; equal texts become one object."""
     values = np.ma.getdata(column)
     is_missing = np.ma.getmaskarray(column)
     if SQL_TYPES[name] == "VARCHAR":

@@ -1,4 +1,4 @@
-"""`SuiteFields`: what a suite's YAML says."""
+"""`SuiteFields`: what a suite's YAML says, its own fields and the settings of a scenario that it crosses."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ CROSSED = tuple(
 
 
 def _field(name: str) -> tuple[Any, Any]:
-    """Type and default of a setting, of a type that takes a list of what the scenario's field takes."""
+    """Return the type and the default of a setting; the type takes one value of the scenario's field, or a list."""
     field = Scenario.model_fields[name]
     item: Any = field.annotation
     for constraint in field.metadata:
@@ -116,7 +116,7 @@ class SuiteFields(CrossedSettings):
         planners: Planners by name, `module:name`, or `{name: …, options: {…}}`. In Python also classes, functions
             (costmap, start, goal) and objects.
         controllers: Controllers, likewise.
-        smoothers: Smoothers of the planned paths, likewise; none drives them as they are planned.
+        smoothers: Smoothers of the planned paths, likewise; by default they are driven as they are planned.
         agents: Agents, likewise, which drive instead of planners and controllers. They are compared with planners and
             controllers where these are given too.
         backends: Simulators by name.

@@ -113,7 +113,7 @@ class ListedMission(Config):
         start: (x, y) or (x, y, yaw) [m, m, rad], map frame.
         goal: (x, y), to be reached with any yaw, or (x, y, yaw). Either this or `goals`.
         goals: Several of these, to be reached in order; or waypoints with tasks, `{pose: [5, 3], wait: 2.0}`.
-        through: Whether the robot drives through the goals without stopping; none means no.
+        through: Whether the robot drives through the goals without stopping; by default it stops.
     """
 
     start: PoseNumbers
@@ -166,7 +166,7 @@ class Missions(Config):
         return seeds[seed], self.listed[listed]
 
     def rule(self, listed: ListedMission | None) -> dict[str, Any]:
-        """How start and goal are chosen, as plain values."""
+        """Return how start and goal are chosen, as plain values."""
         if listed is not None:
             return listed.model_dump(mode="json", exclude_none=True)
         return self.model_dump(mode="json", include={"ends", "min_distance"} if self.ends == "roomy" else {"ends"})
@@ -190,15 +190,15 @@ class SuiteWorld(Config):
     Attributes:
         name: Name of a generated world, or the path of a map's YAML or of a world's file; in a suite's file, relative
             to that file.
-        label: What it is called in tables; none means its name.
-        seed: Seed of a generated world; none means the mission's, so that each mission has its own world.
+        label: What it is called in tables; by default its name.
+        seed: Seed of a generated world; by default the mission's, so that each mission has its own world.
         options: Options of the generator, of the file's loader or of a map (height, unknown). Those of a world that is
             no map may be drawn by the mission's seed: `{uniform: [lowest, highest]}`, `{normal: [mean, deviation]}`.
         missions: Missions in this world, instead of the suite's.
         compat: "humble" reads the map and the masks as ROS 2 Humble does.
         keepout: Path of a keep-out mask's YAML.
         speed_mask: Path of a speed mask's YAML.
-        floor_z: Height [m] of the floor in the world's file; none means the one under most of the world.
+        floor_z: Height [m] of the floor in the world's file; by default the one under most of the world.
         reference: Path of the file of BARN's reference path in this world, `path_0.npy`: its rows have a `barn_score`.
     """
 
@@ -253,7 +253,7 @@ class SuiteWorld(Config):
         return {field: path for field, path in files.items() if path is not None}
 
     def draw_options(self, seed: int) -> dict[str, Option]:
-        """Its options with what is drawn by seed, in the order in which they stand."""
+        """Return its options with what is drawn by seed, in the order in which they stand."""
         rng = np.random.default_rng(seed)
         return {
             name: draw(value, rng) if isinstance(value, Distribution) else value for name, value in self.options.items()
@@ -300,7 +300,7 @@ class Limits(Config):
     """What an episode may take.
 
     Attributes:
-        time_limit_s: Simulated time [s]; none means `trundle.run`'s default.
+        time_limit_s: Simulated time [s]; by default that of `trundle.run`.
         wall_s: Time on the clock [s] after which an episode is stopped as `hung`.
         memory_mb: Memory [MB] that an episode may take beyond its worker's size; more is `out_of_memory`.
     """

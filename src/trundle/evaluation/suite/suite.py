@@ -136,28 +136,28 @@ class Suite(SuiteFields):
         write_text(path, self.to_yaml(path), durable=True)
 
     def to_yaml(self, path: str | os.PathLike[str]) -> str:
-        """The text that `save` writes at this path."""
+        """Return the text that `save` writes at this path."""
         plain = self.with_paths(lambda name: path_beside(name, path))._plain()
         return yaml.safe_dump(plain, sort_keys=False, default_flow_style=None, allow_unicode=True)
 
     @property
     def title(self) -> str:
-        """Its name, or what it drives in, fit for a folder's name."""
+        """Its name, or else the worlds that it drives in, fit for a folder's name."""
         if self.name is not None:
             return self.name
         return "-".join(dict.fromkeys(Path(world.name).stem for world in self.worlds[:3]))
 
     @cached_property
     def expansion(self) -> Expansion:
-        """Its episodes by number, made one by one."""
+        """Its episodes by number, each made when it is asked for."""
         return Expansion(self)
 
     def __len__(self) -> int:
-        """Number of its episodes."""
+        """Return the number of its episodes."""
         return self.expansion.total
 
     def spec(self, index: int) -> EpisodeSpec:
-        """Everything that decides one of its episodes.
+        """Return everything that decides one of its episodes.
 
         Raises:
             InputError: If there is no episode of that number.
@@ -165,7 +165,7 @@ class Suite(SuiteFields):
         return self.expansion.spec(index)
 
     def id_of(self, index: int) -> str:
-        """Hash of everything that decides one of its episodes, as `spec(index).id`, without the rest."""
+        """Return the hash of everything that decides one of its episodes, as `spec(index).id`, without the rest."""
         return self.expansion.id_of(index)
 
     def check(self) -> None:
@@ -183,7 +183,7 @@ class Suite(SuiteFields):
         return repr(self)
 
     def with_paths(self, moved: Callable[[str], str]) -> Self:
-        """The suite with other paths of its files: `moved` gives the new one of each."""
+        """Return the suite with other paths of its files: `moved` gives the new one of each."""
         worlds = [
             world.model_copy(update={field: moved(path) for field, path in world.files().items()})
             for world in self.worlds
@@ -201,12 +201,12 @@ class Suite(SuiteFields):
 
 
 def suite_names() -> list[str]:
-    """Names of the suites that trundle ships, sorted."""
+    """Return the names of the suites that trundle ships, sorted."""
     return sorted(path.stem for path in shipped_folder().glob("*.yaml"))
 
 
 def shipped_folder() -> Path:
-    """Where the suites are that trundle ships."""
+    """Return the folder of the suites that trundle ships."""
     return Path(str(resources.files("trundle.evaluation.suite") / "shipped"))
 
 
@@ -218,7 +218,7 @@ def maps_suite(folders: Sequence[str | os.PathLike[str]], *, seeds: object = MAP
 
     Args:
         folders: The folders.
-        seeds: Of the missions.
+        seeds: Seeds of the missions.
         **changes: Other fields of the suite.
 
     Raises:

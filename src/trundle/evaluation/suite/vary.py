@@ -84,7 +84,7 @@ _RANGES = {
     "odometry_heading": (0.0, 1.0),
     "odometry_slip": (0.0, 0.2),
 }
-"""What can be simulated; see `Actuation`, `OdometryErrors` and `MujocoSimulator`."""
+"""The ranges that can be simulated; see `Actuation`, `OdometryErrors` and `MujocoSimulator`."""
 
 
 class Vary(Config):
@@ -128,7 +128,7 @@ class Vary(Config):
         return value
 
     def names(self) -> tuple[str, ...]:
-        """What is varied, in the names that `draw` gives, such as `friction` and `start_pose.x`."""
+        """Return the names of what is varied, as `draw` gives them, such as `friction` and `start_pose.x`."""
         return tuple(name for name, _ in self._parts())
 
     def draw(self, seed: int) -> dict[str, float]:
@@ -149,7 +149,7 @@ class Vary(Config):
 
 
 def draw(value: Varied, rng: np.random.Generator) -> float:
-    """A fixed number itself, or one drawn."""
+    """Return a fixed number itself, or draw one."""
     return value.draw(rng) if isinstance(value, Distribution) else float(value)
 
 
@@ -190,20 +190,20 @@ def apply(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:
 
 
 def _delay(latency: Latency | None, drawn: Mapping[str, float]) -> Latency | None:
-    """Latencies with drawn values in place of those that were given."""
+    """Put drawn values in place of those that were given."""
     if not drawn:
         return latency
     return Latency(**{**({} if latency is None else latency.model_dump()), **drawn})
 
 
 def _put(errors: OdometryErrors | None, drawn: Mapping[str, float]) -> OdometryErrors | None:
-    """Errors of odometry with drawn values in place of those that were given."""
+    """Put drawn values in place of those that were given."""
     if not drawn:
         return errors
     return OdometryErrors(**{**({} if errors is None else errors.model_dump()), **drawn})
 
 
 def move_start(start: Pose2D, drawn: Mapping[str, float]) -> Pose2D:
-    """Where the robot really stands."""
+    """Return the start that a robot really has, moved by the drawn values."""
     x, y, yaw = (drawn.get(f"start_pose.{axis}", 0.0) for axis in ("x", "y", "yaw"))
     return Pose2D(start.x + x, start.y + y, wrap_angle(start.yaw + yaw)) if x or y or yaw else start

@@ -67,7 +67,7 @@ def _pair(pair: PairComparison, *, folded: bool) -> str:
 
 
 def variations(table: Table) -> str:
-    """Which variation decides: rank correlations of what was varied with success, time and clearance."""
+    """Return which variation decides: rank correlations of what was varied with success, time and clearance."""
     names = [name for name, values in table.vary.items() if np.ptp(values[~np.isnan(values)]) > 0.0]
     if not names:
         return ""

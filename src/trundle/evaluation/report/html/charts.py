@@ -1,4 +1,4 @@
-"""Marks of outcomes: each has its own shape besides its colour, on maps, in bars and in text."""
+"""Small charts as SVG; and the marks of outcomes, each with its own shape besides its colour."""
 
 from __future__ import annotations
 
@@ -35,29 +35,29 @@ LINE_COLORS = tuple("#{:02x}{:02x}{:02x}".format(*color) for color in SEVERAL[:6
 
 
 def kind_of(outcome: str) -> str:
-    """The mark of an outcome; episodes that did not end by themselves share one."""
+    """Return the mark of an outcome; episodes that did not end by themselves share one."""
     kind = _KIND.get(outcome, outcome)
     return kind if kind in _SHAPES else "broken"
 
 
 def definitions() -> str:
-    """The marks, to be used by name; once in a page."""
+    """Return the marks, to be used by name; once in a page."""
     marks = "".join(f'<g id="m-{kind}" class="c-{kind}">{shape}</g>' for kind, shape in _SHAPES.items())
     return f'<svg class="defs" aria-hidden="true"><defs>{marks}</defs></svg>'
 
 
 def icon(kind: str) -> str:
-    """A mark in a line of text."""
+    """Return a mark in a line of text."""
     return f'<svg class="icon" viewBox="-11 -11 22 22" aria-hidden="true"><use href="#m-{kind}"/></svg>'
 
 
 def outcome_text(outcome: str) -> str:
-    """An outcome in words."""
+    """Return an outcome in words."""
     return outcome.replace("_", " ")
 
 
 def count_text(counts: Mapping[str, int], *, skip: str = "") -> str:
-    """Outcomes with their marks and counts, as HTML."""
+    """Return outcomes with their marks and counts, as HTML."""
     parts = [
         f'<span class="count">{icon(kind_of(name))}{count} {escape(outcome_text(name))}</span>'
         for name, count in counts.items()
@@ -101,7 +101,7 @@ def share_axis(lows: Sequence[float]) -> tuple[tuple[float, float], str]:
 
 
 def outcome_bar(counts: Mapping[str, int]) -> str:
-    """How episodes ended, as shares of a bar, in the given order."""
+    """Draw how episodes ended, as shares of a bar, in the given order."""
     total = sum(counts.values()) or 1
     parts: list[str] = []
     left = 0.0
@@ -122,7 +122,7 @@ def distribution(series: Sequence[tuple[str, FloatArray]], unit: str) -> str:
 
     Args:
         series: Name and values; those without a value are left out.
-        unit: Of the values.
+        unit: Unit of the values.
     """
     known = [(name, np.sort(values[~np.isnan(values)])) for name, values in series]
     shown = [(place, name, values) for place, (name, values) in enumerate(known) if len(values)]

@@ -96,7 +96,7 @@ def tiles(table: Table) -> str:
 
 
 def _sensing_tiles(table: Table) -> list[tuple[str, str, str]]:
-    """What lidars, movers and localizers add: only what some episode has."""
+    """Return the figures that lidars, movers and localizers add, where some episode has them."""
     entries: list[tuple[str, str, str]] = []
     for name, title, note in (
         ("standing_contacts", "run into while standing", "episodes in which a mover touched a robot that stood"),

@@ -28,15 +28,15 @@ def render_page(
     facts: Mapping[str, str] | None = None,
     stopped: Stopped | None = None,
 ) -> str:
-    """The page: verdict first, then success, comparisons, maps with failures, distributions and variations.
+    """Return the page: verdict first, then success, comparisons, maps with failures, distributions and variations.
 
     It makes no request, has no script, and is the same for the same rows.
 
     Args:
         table: The rows so far.
-        name: Of the evaluation.
+        name: Name of the evaluation.
         folder: Its folder, for the commands.
-        total: How many episodes there are to be; none means those that there are.
+        total: How many episodes there are to be; by default those that have a row.
         gates: The results of what is required.
         maps: Gives the map of a world by the key in a row's `place`; None where it is not known.
         facts: What else is to be said at the top: versions, the command, when it was run.

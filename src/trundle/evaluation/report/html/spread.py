@@ -19,7 +19,7 @@ _ROWS = 8
 
 
 def distributions(table: Table) -> str:
-    """How times, clearances, errors and planning times are spread, a line for each setting."""
+    """Return the distributions of times, clearances, errors and planning times, a line for each setting."""
     every = group_rows(table, VARIANT)
     groups = every[:_MOST_LINES]
     charts = [_chart(table, figure, groups) for figure in _SHOWN]
