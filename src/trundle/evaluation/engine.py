@@ -192,19 +192,17 @@ def run_suite(
             if copy is not None:
                 copy.push((MANIFEST,))
         if interrupt is not None:
-            raise InterruptedEvaluationError(
+            text = (
                 f"stopped after {tally.progress.done:,} of {total:,} episodes; to continue, give the same command with "
-                f"-o {out}{_describe_flight(len(in_flight_s))}"
-            ) from interrupt
+                f"-o {out}"
+            )
+            if in_flight_s:
+                text += (
+                    f". Not counted: {len(in_flight_s):,} that had begun; slow episodes are more often among them, "
+                    "which flatters the figures"
+                )
+            raise InterruptedEvaluationError(text) from interrupt
     return out
-
-
-def _describe_flight(count: int) -> str:
-    if count == 0:
-        return ""
-    return (
-        f". Not counted: {count:,} that had begun; slow episodes are more often among them, which flatters the figures"
-    )
 
 
 def _note_rows(folder: Path, given_up: GivenUp) -> None:
@@ -301,21 +299,19 @@ class SuiteRunner:
         """Whether an episode is not to be tried: it is given up, or needs a part that failed twice in set-up."""
         if self._given_up.has(index):
             return True
-        failure = self._refusal(index) if self._unprepared else None
-        if failure is not None:
-            self._refused.append(self._noted(row_of_failure(self._suite.spec(index), failure)))
-        return failure is not None
+        if not self._unprepared:
+            return False
+        spec = self._suite.spec(index)
+        for part in parts_of(spec):
+            failures = self._unprepared.get(part, [])
+            if len(failures) >= _SETUP_TRIES:
+                self._refused.append(self._noted(row_of_failure(spec, failures[0])))
+                return True
+        return False
 
     def _noted(self, row: Row) -> Row:
         self._given_up.note(row.index, row.outcome)
         return row
-
-    def _refusal(self, index: int) -> Failed | None:
-        for part in parts_of(self._suite.spec(index)):
-            failures = self._unprepared.get(part, [])
-            if len(failures) >= _SETUP_TRIES:
-                return failures[0]
-        return None
 
     def _row_of(self, outcome: Done | Failed) -> Row:
         if isinstance(outcome, Done):

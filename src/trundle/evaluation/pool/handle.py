@@ -7,7 +7,7 @@ import enum
 import os
 import pickle
 import socket
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from trundle.errors import InputError
@@ -114,11 +114,15 @@ class Handle:
 
     def read_output(self) -> bool:
         """Keep the end of what it has printed; False at the end of the stream."""
-        return _read_all(self.output, self._keep_output)
+        part, is_open = _read_available(self.output)
+        self.tail = (self.tail + part)[-_TAIL_BYTES:]
+        return is_open
 
     def read_dump(self) -> bool:
         """Keep what faulthandler has written; False at the end of the stream."""
-        return _read_all(self.dump, self._keep_dump)
+        part, is_open = _read_available(self.dump)
+        self.dumped = (self.dumped + part)[:_DUMP_BYTES]
+        return is_open
 
     def describe_output(self) -> str:
         """Return the end of what it printed, as text."""
@@ -134,21 +138,19 @@ class Handle:
         os.close(self.output)
         os.close(self.dump)
 
-    def _keep_output(self, part: bytes) -> None:
-        self.tail = (self.tail + part)[-_TAIL_BYTES:]
 
-    def _keep_dump(self, part: bytes) -> None:
-        self.dumped = (self.dumped + part)[:_DUMP_BYTES]
+def _read_available(number: int) -> tuple[bytes, bool]:
+    """Read what has arrived on a pipe, and whether there may be more.
 
-
-def _read_all(number: int, keep: Callable[[bytes], None]) -> bool:
-    """Read what is there; False at the end of the stream. One that never stops printing is left for the next time."""
+    One that never stops printing is left for the next time.
+    """
+    parts: list[bytes] = []
     for _ in range(16):
         try:
             part = os.read(number, _CHUNK)
         except BlockingIOError:
-            return True
-        keep(part)
+            break
+        parts.append(part)
         if len(part) < _CHUNK:
-            return bool(part)
-    return True
+            return b"".join(parts), bool(part)
+    return b"".join(parts), True

@@ -13,7 +13,7 @@ import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import IO, Any, Protocol
+from typing import IO, Any
 
 from trundle.evaluation.pool.failures import describe_status
 from trundle.evaluation.pool.outcome import PoolSetupError
@@ -76,34 +76,6 @@ class LauncherGoneError(Exception):
     """The server has ended, and all workers with it; a new one has to be started."""
 
 
-class Launcher(Protocol):
-    """Starts and kills worker processes."""
-
-    def fileno(self) -> int | None:
-        """Return a descriptor that becomes readable when there is something to `collect`; None if there is none."""
-        ...
-
-    def start(self, worker: int, ends: WorkerEnds) -> None:
-        """Start a worker, which takes over its ends."""
-        ...
-
-    def send_signal(self, worker: int, number: int) -> None:
-        """Signal a worker; one that is to be killed is killed with its process group."""
-        ...
-
-    def collect(self) -> list[Ended]:
-        """Return the workers that have ended since the last call."""
-        ...
-
-    def processes(self) -> Mapping[int, int]:
-        """Return the process numbers by worker, where they are known here."""
-        ...
-
-    def close(self) -> None:
-        """Kill everything at once."""
-        ...
-
-
 def describe_start(
     task: bytes, preload: Sequence[str], memory_bytes: int | None, ends_itself_s: float | None
 ) -> dict[str, Any]:
@@ -133,18 +105,18 @@ class ForkServer:
         self._ready = False
 
     def fileno(self) -> int:
-        """Return the descriptor of the socket to the server."""
+        """Return what becomes readable when there is something to `collect`: the socket to the server."""
         return self._control.fileno()
 
     def start(self, worker: int, ends: WorkerEnds) -> None:
-        """Fork a worker; it comes once the server has imported everything."""
+        """Fork a worker, which takes over its ends; it comes once the server has imported everything."""
         try:
             self._request({"do": "start", "worker": worker}, ends.numbers())
         finally:
             ends.close()
 
     def send_signal(self, worker: int, number: int) -> None:
-        """Have the server signal it; nothing happens if it has ended."""
+        """Have the server signal a worker, if it has not ended; one that is to be killed with its process group."""
         self._request({"do": "signal", "worker": worker, "signal": int(number)}, ())
 
     def collect(self) -> list[Ended]:
@@ -222,7 +194,7 @@ class Spawner:
         return
 
     def start(self, worker: int, ends: WorkerEnds) -> None:
-        """Start a process."""
+        """Start a worker, which takes over its ends."""
         try:
             # Its input stays open: the worker ends when that does.
             process = _start_python("work", self._start, ends.numbers(), self._environment, ends.output)
@@ -231,7 +203,7 @@ class Spawner:
         self._workers[worker] = process
 
     def send_signal(self, worker: int, number: int) -> None:
-        """Signal it, if it has not ended."""
+        """Signal a worker, if it has not ended; one that is to be killed with its process group."""
         process = self._workers.get(worker)
         if process is None or process.poll() is not None:
             return
@@ -252,12 +224,16 @@ class Spawner:
         return {worker: process.pid for worker, process in self._workers.items()}
 
     def close(self) -> None:
-        """Kill all."""
+        """Kill all workers at once."""
         for worker, process in self._workers.items():
             self.send_signal(worker, signal.SIGKILL)
             process.wait()
             processes.close_input(process)
         self._workers.clear()
+
+
+Launcher = ForkServer | Spawner
+"""Starts and kills worker processes."""
 
 
 def _start_python(

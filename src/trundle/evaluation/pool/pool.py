@@ -137,7 +137,7 @@ class Pool:
             while self._in_flight:
                 if until is not None and time.monotonic() >= until:
                     return
-                for event in self._workers.wait(_earliest(self._soonest(), until)):
+                for event in self._workers.wait(_earliest(self._deadlines.soonest(), self._next_watch, until)):
                     self._attend(event)
                 self._end_late_ones()
                 self._watch_memory()
@@ -316,10 +316,6 @@ class Pool:
             if size > handle.base_bytes + self._memory_bytes:
                 self._kill_and_conclude(handle, self._causes.of_growth())
         self._next_watch = time.monotonic() + _WATCH_S
-
-    def _soonest(self) -> float | None:
-        """Return when to look again, whatever happens."""
-        return _earliest(self._deadlines.soonest(), self._next_watch)
 
     def _conclude_hang(self, handle: Handle) -> None:
         handle.read_dump()

@@ -46,7 +46,7 @@ def summarise(
         "passed": all(gate.passed for gate in gates) if gates else None,
         "gates": [gate.as_dict() for gate in gates],
         "by_group": {
-            _key(group.labels): {
+            " ".join(f"{name}={group.labels[name]}" for name in LABELS if group.labels[name]): {
                 "labels": dict(group.labels),
                 "episodes": len(group.rows),
                 **_figures(table, group.rows),
@@ -104,10 +104,6 @@ def count_complete(table: Table, rows: npt.NDArray[np.intp] | None = None) -> tu
     """Return in how many rows without a path the search was complete, and in how many it was not."""
     complete = table.numbers["complete"] if rows is None else table.numbers["complete"][rows]
     return int((complete == 1.0).sum()), int((complete == 0.0).sum())
-
-
-def _key(labels: Mapping[str, str]) -> str:
-    return " ".join(f"{name}={labels[name]}" for name in LABELS if labels[name])
 
 
 def _figures(table: Table, rows: npt.NDArray[np.intp]) -> dict[str, Any]:

@@ -97,10 +97,14 @@ def comparison_lines(comparison: Comparison) -> list[str]:
         )
     for name, left_out in (("A", comparison.only_first), ("B", comparison.only_second)):
         if left_out:
-            lines.append(f"{left_out} {_episodes(left_out)} of {name} left out: their missions are not in the other")
+            lines.append(
+                f"{left_out} {'episode' if left_out == 1 else 'episodes'} of {name} left out: their missions are not "
+                "in the other"
+            )
     for pair in comparison.pairs:
         lines += ["", *_pair_lines(comparison, pair)]
-    lines += ["", *_notes(comparison), "", *textwrap.wrap(verdict(comparison), _WIDTH)]
+    basis = [line for note in notes(comparison.count) for line in textwrap.wrap(note, _WIDTH)]
+    lines += ["", *basis, "", *textwrap.wrap(verdict(comparison), _WIDTH)]
     return lines
 
 
@@ -195,14 +199,6 @@ def _turned_lines(title: str, missions: Sequence[Turned], folder: str, *, of_sec
     return lines
 
 
-def _notes(comparison: Comparison) -> list[str]:
-    return [line for note in notes(comparison.count) for line in textwrap.wrap(note, _WIDTH)]
-
-
 def _signed(value: float) -> str:
     text = write_number(abs(value))
     return text if text in ("–", "0") else f"{'-' if value < 0.0 else '+'}{text}"
-
-
-def _episodes(count: int) -> str:
-    return "episode" if count == 1 else "episodes"

@@ -92,7 +92,10 @@ class PartWriter:
 
         temporary = self._folder / f".writing{self._tag}.parquet"
         try:
-            written = _copy(self._database, rows, temporary)
+            copied = self._database.execute(
+                f"COPY ({select_lines(rows)}) TO {quote(temporary)} "
+                "(FORMAT parquet, COMPRESSION zstd, USE_TMP_FILE false)"
+            ).fetchone()
             digest = digest_file(temporary)
             sync_file(temporary)
             found = list_parts(self._folder.parent)
@@ -107,6 +110,7 @@ class PartWriter:
             raise cannot_write(self._folder, OSError(number, str(error).splitlines()[0])) from error
         finally:
             temporary.unlink(missing_ok=True)
+        written = 0 if copied is None else int(copied[0])
         if written != count:
             raise OutputError(f"{self._folder}: a part got {written} rows of {count}")
         return part
@@ -116,13 +120,6 @@ class PartWriter:
         if self._database is not None:
             self._database.close()
         self._database = None
-
-
-def _copy(database: duckdb.DuckDBPyConnection, rows: Path, target: Path) -> int:
-    result = database.execute(
-        f"COPY ({select_lines(rows)}) TO {quote(target)} (FORMAT parquet, COMPRESSION zstd, USE_TMP_FILE false)"
-    ).fetchone()
-    return 0 if result is None else int(result[0])
 
 
 def find_fault(database: duckdb.DuckDBPyConnection, part: Path) -> str | None:

@@ -119,7 +119,8 @@ class Store:
                 manifest = check_continues(path, manifest, suite_text, mixed=mixed)
             else:
                 check_free_for_evaluation(path)
-            _write_heads(path, manifest, suite_text)
+            manifest.save(path)
+            write_text(path / SUITE, suite_text, durable=True)  # last, as it may be there from before
             found = mend(path)
             return cls(path, lock, found, part_rows)
         except BaseException:
@@ -226,12 +227,6 @@ class Store:
         content = BytesIO()
         np.save(content, keys)
         write_bytes(self.folder / SELECTION, content.getvalue(), durable=True)
-
-
-def _write_heads(folder: Path, manifest: Manifest, suite_text: str) -> None:
-    """Write what the folder says of its evaluation; the suite last, as it may be there from before."""
-    manifest.save(folder)
-    write_text(folder / SUITE, suite_text, durable=True)
 
 
 def _clear(folder: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,30 +30,6 @@ Column = NDArray[Any]
 _BATCH = 5000
 _LARGE_BATCH = 50_000
 _NUMBERS = {"DOUBLE": np.float64, "BIGINT": np.int64, "UBIGINT": np.uint64}
-
-
-class Table(Protocol):
-    """Rows, by index, without duplicates; only those of the selection where there is one."""
-
-    def __len__(self) -> int:
-        """Return the number of rows."""
-        ...
-
-    def rows(self) -> Iterator[dict[str, Any]]:
-        """Yield the values of the rows, one after the other."""
-        ...
-
-    def columns(self, names: Sequence[str]) -> dict[str, Column]:
-        """Return columns as arrays."""
-        ...
-
-    def find(self, prefix: str, limit: int) -> list[dict[str, Any]]:
-        """Return the first rows whose id starts so."""
-        ...
-
-    def close(self) -> None:
-        """Free what it holds."""
-        ...
 
 
 class JournalTable:
@@ -214,6 +190,10 @@ class SqlTable:
 
     def _fetch(self, sql: str) -> list[tuple[Any, ...]]:
         return self.database.execute(sql).fetchall()
+
+
+Table = JournalTable | SqlTable
+"""Rows, by index, without duplicates; only those of the selection where there is one."""
 
 
 def _first_places(selection: Keys) -> dict[int, int]:

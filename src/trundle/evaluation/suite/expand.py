@@ -88,6 +88,8 @@ class Expansion:
         self.controllers = _labels("controllers or agents" if suite.agents else "controllers", driving)
         self.backends = _labels("backends", [_choice_names(choice) for choice in suite.backends])
         self._first_agent = len(controllers)
+        self._rules: dict[tuple[int, int], bytes] = {}
+        self._found_digests: dict[int, bytes] = {}
         if suite.agents:
             self.planners.append(NO_PLANNER)
 
@@ -262,14 +264,6 @@ class Expansion:
         if key not in self._rules:
             self._rules[key] = digest(self._missions[world].rule(listed))
         return self._rules[key]
-
-    @cached_property
-    def _rules(self) -> dict[tuple[int, int], bytes]:
-        return {}
-
-    @cached_property
-    def _found_digests(self) -> dict[int, bytes]:
-        return {}
 
     def _world_digest(self, world: int) -> bytes:
         """Return the hash of one world's content; of one alone, as the files of others may be missing."""

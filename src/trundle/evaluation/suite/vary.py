@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Mapping
-from typing import Annotated, Self, TypeAlias
+from typing import Annotated, Self, TypeAlias, TypeVar
 
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
@@ -160,6 +160,8 @@ _ACTUATION = {"wheel_radius": "wheel_radius", "track": "track_width"}
 
 _LATENCY = {"latency_s": "command_delay_s"}
 
+_Errors = TypeVar("_Errors", Latency, OdometryErrors)
+
 _ODOMETRY = {f"odometry_{field}": field for field in OdometryErrors.model_fields}
 
 
@@ -183,24 +185,17 @@ def apply(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:
     update = {
         "backend": backend,
         "actuation": Actuation(**actuation) if actuation else scenario.actuation,
-        "latency": _delay(scenario.latency, latency),
-        "odometry": _put(scenario.odometry, odometry),
+        "latency": _replace(Latency, scenario.latency, latency),
+        "odometry": _replace(OdometryErrors, scenario.odometry, odometry),
     }
     return scenario.model_copy(update=update)
 
 
-def _delay(latency: Latency | None, drawn: Mapping[str, float]) -> Latency | None:
+def _replace(kind: type[_Errors], given: _Errors | None, drawn: Mapping[str, float]) -> _Errors | None:
     """Put drawn values in place of those that were given."""
     if not drawn:
-        return latency
-    return Latency(**{**({} if latency is None else latency.model_dump()), **drawn})
-
-
-def _put(errors: OdometryErrors | None, drawn: Mapping[str, float]) -> OdometryErrors | None:
-    """Put drawn values in place of those that were given."""
-    if not drawn:
-        return errors
-    return OdometryErrors(**{**({} if errors is None else errors.model_dump()), **drawn})
+        return given
+    return kind(**{**({} if given is None else given.model_dump()), **drawn})
 
 
 def move_start(start: Pose2D, drawn: Mapping[str, float]) -> Pose2D:

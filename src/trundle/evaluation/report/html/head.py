@@ -61,17 +61,16 @@ def tiles(table: Table) -> str:
     low, high = wilson(successes, n)
     failed = {outcome: count for outcome, count in count_outcomes(table).items() if outcome != "arrived"}
     touching = int((np.nan_to_num(table.numbers["contacts"]) > 0).sum())
+    bound = f"at 95 %, fewer than {write_share(no_failure_bound(n), n)}"
     contact_note = (
-        f"at 95 %, fewer than {write_share(no_failure_bound(n), n)} of missions touch something"
-        if touching == 0
-        else f"{write_share(touching / n, n)} of all episodes"
+        f"{bound} of missions touch something" if touching == 0 else f"{write_share(touching / n, n)} of all episodes"
     )
     clearance = BY_NAME["min_clearance_m"].values(table)
     clearance = clearance[~np.isnan(clearance)]
     spl = table.numbers["spl"]
     entries = [
         ("success", write_share(successes / n, n), f"95 % interval: {write_share(low, n)} to {write_share(high, n)}"),
-        ("failed", f"{n - successes:,}", count_text(failed) if failed else f"none in {n:,}: {_bound_text(n)}"),
+        ("failed", f"{n - successes:,}", count_text(failed) if failed else f"none in {n:,}: {bound} fail"),
         ("touched something", f"{touching:,}", contact_note),
         ("mean SPL", write_number(float(np.nanmean(spl))), "path efficiency: 1 is the shortest path; a failure is 0"),
     ]
@@ -166,10 +165,6 @@ def _gate_item(gate: GateResult) -> str:
     mark, kind = _MARKS[gate.state]
     word = {"passed": "passed", "failed": "failed", "undecided": "not decided, so not passed"}[gate.state]
     return f'<li><b class="{kind}">{mark} {word}</b>: <code>{escape(gate.gate)}</code> {escape(gate.text)}</li>'
-
-
-def _bound_text(n: int) -> str:
-    return f"at 95 %, fewer than {write_share(no_failure_bound(n), n)} fail"
 
 
 def _count(number: int, what: str) -> str:

@@ -179,7 +179,11 @@ def _world_figure(table: Table, place: Place, numbers: dict[tuple[int, int], int
     if frame is None:
         return ""
     parts = [_ground(place, frame)]
-    arrived = [row for row in table.examples.get(table.named["world"].of(int(place.rows[0])), ()) if _is_in(row, place)]
+    arrived = [
+        row
+        for row in table.examples.get(table.named["world"].of(int(place.rows[0])), ())
+        if cluster_of(row) == place.key
+    ]
     parts += [f'<path class="trail" d="{_path(row.trail, frame)}"/>' for row in arrived]
     lost = [row for row in place.located if row.trail][:_MOST_LOST]
     parts += [f'<path class="lost" d="{_path(row.trail, frame)}"/>' for row in lost]
@@ -216,10 +220,6 @@ def _frame(table: Table, place: Place) -> Frame | None:
     points = np.concatenate([*known, np.array([_failed_at(row) for row in place.located]).reshape(-1, 2)])
     points = points[~np.isnan(points).any(axis=1)]
     return Frame.around(points, margin=1.0) if len(points) else None
-
-
-def _is_in(row: Row, place: Place) -> bool:
-    return cluster_of(row) == place.key
 
 
 def _ground(place: Place, frame: Frame) -> str:
