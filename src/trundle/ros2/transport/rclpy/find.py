@@ -7,6 +7,8 @@ import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from trundle.guard.process import last_line
+
 VARIABLE = "TRUNDLE_ROS_PYTHON"
 """Names the Python of ROS where --ros-python does not."""
 
@@ -83,9 +85,3 @@ def describe(tried: Sequence[tuple[str, str]]) -> str:
     if not tried:
         return f"no python3 is on PATH. {ADVICE}"
     return f"no Python here imports rclpy ({'; '.join(f'{path}: {reason}' for path, reason in tried)}). {ADVICE}"
-
-
-def last_line(text: str) -> str:
-    """Return the last line of an output that says something: of a traceback, the error."""
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
-    return lines[-1] if lines else ""

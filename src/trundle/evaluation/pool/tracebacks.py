@@ -1,4 +1,4 @@
-"""Places in the code, as a traceback or faulthandler names them."""
+"""Exceptions in words, and places in the code as a traceback or faulthandler names them."""
 
 from __future__ import annotations
 
@@ -11,23 +11,25 @@ import traceback
 from collections.abc import Sequence
 from types import TracebackType
 
+from trundle.guard import start
+
 Frame = tuple[str, int, str]
-"""File, line and function."""
+"""The file, the line and the function."""
 
 _LINE = re.compile(r'^  File "(.*)", line (\d+|\?\?\?) in (.*)$')
 _THREAD = re.compile(r"^(Current thread|Thread) 0x([0-9a-f]+)")
 _PACKAGE = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "")  # noqa: PTH118, PTH120, PTH100
-_POOL = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")  # noqa: PTH118, PTH120, PTH100
+_OF_POOL = (os.path.join(os.path.dirname(os.path.abspath(__file__)), ""), os.path.abspath(start.__file__))  # noqa: PTH118, PTH120, PTH100
 
 
 def frames_of(trace: TracebackType | None) -> list[Frame]:
-    """Frames of a traceback, the innermost first."""
+    """Return the frames of a traceback, the innermost first."""
     found = [(frame.f_code.co_filename, line, frame.f_code.co_name) for frame, line in traceback.walk_tb(trace)]
     return found[::-1]
 
 
 def frames_of_dump(dump: str, main_thread: int) -> list[Frame]:
-    """Frames of the thread that failed in what faulthandler wrote, else those of the main thread; innermost first."""
+    """Return the frames in a dump of the thread that failed, or else of the main thread; the innermost first."""
     threads: dict[str, list[Frame]] = {}
     current = "current"  # where only one thread is named
     for line in dump.splitlines():
@@ -42,7 +44,7 @@ def frames_of_dump(dump: str, main_thread: int) -> list[Frame]:
 
 
 def describe_place(frames: Sequence[Frame]) -> str | None:
-    """Where that is: the innermost frame outside the standard library, and the code that trundle called, if another.
+    """Name the innermost frame outside the standard library, and the plug-in's frame that trundle called, if another.
 
     Args:
         frames: The innermost first.
@@ -51,7 +53,7 @@ def describe_place(frames: Sequence[Frame]) -> str | None:
         For example "trundle/path.py:12 in length, called from my_planner.py:7 in plan"; None without a frame.
     """
     frames = [frame for frame in frames if not frame[0].startswith("<frozen")]
-    own = [frame for frame in frames if not frame[0].startswith(_POOL)]
+    own = [frame for frame in frames if not frame[0].startswith(_OF_POOL)]
     if not own:
         return None
     first = next((frame for frame in own if not _is_of_python(frame[0])), own[0])
@@ -64,7 +66,7 @@ def describe_place(frames: Sequence[Frame]) -> str | None:
 
 
 def _find_plugin(frames: Sequence[Frame]) -> Frame | None:
-    """The innermost frame of other code that trundle called."""
+    """Return the innermost frame of code outside trundle that trundle called."""
     for frame, caller in itertools.pairwise(frames):
         if caller[0].startswith(_PACKAGE) and not frame[0].startswith(_PACKAGE):
             return frame
@@ -76,7 +78,7 @@ def _format(frame: Frame) -> str:
 
 
 def _shorten(file: str) -> str:
-    """As it is imported: without the entry of the search path that it is in."""
+    """Return a file's path as it is imported: without the entry of the search path that it is in."""
     roots = [os.path.join(os.path.abspath(root), "") for root in sys.path if root]  # noqa: PTH118, PTH100
     inside = [root for root in roots if file.startswith(root)]
     return file.removeprefix(max(inside, key=len)) if inside else file
@@ -90,3 +92,16 @@ def _is_of_python(file: str) -> bool:
 
 def _is_installed(file: str) -> bool:
     return "site-packages" in file or "dist-packages" in file
+
+
+_MOST_TEXT = 2000
+
+
+def describe_error(error: BaseException) -> str:
+    """Return an exception in one line, which every file can hold, however odd the bytes that it was made of."""
+    try:
+        said = str(error)
+    except Exception:  # noqa: BLE001 - classes of other people may do anything
+        said = ""
+    text = " ".join(said[:_MOST_TEXT].split()).encode(errors="replace").decode()
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__

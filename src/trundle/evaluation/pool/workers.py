@@ -1,4 +1,4 @@
-"""The workers that there are: started, listened to, killed."""
+"""`Workers`: the worker processes of a pool, started, listened to and killed; and `Deadlines` for them."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ from trundle.evaluation.pool.outcome import PoolSetupError
 from trundle.evaluation.pool.worker import DUMP_SIGNAL
 
 _ASK_S = 0.25
+"""Time between two looks for workers that have ended, where no descriptor says so [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """What a worker has sent."""
+    """A message that a worker has sent."""
 
     handle: Handle
     kind: bytes
@@ -48,7 +49,7 @@ class Gone:
     """A worker has ended.
 
     Attributes:
-        handle: Which.
+        handle: The worker.
         status: Its exit code, or minus the signal; None if the server that it was forked from ended.
     """
 
@@ -59,13 +60,13 @@ class Gone:
 Event = Message | Lost | Dumped | Gone
 
 
-class Crew:
-    """Workers, and what happens to them.
+class Workers:
+    """The worker processes of a pool, and what happens to them.
 
     Args:
         start: What each is told at its start; see `describe_start`.
         environment: Variables for the workers.
-        fork: Fork them from a server.
+        fork: Whether they are forked from a server.
     """
 
     def __init__(self, start: Mapping[str, Any], environment: Mapping[str, str], *, fork: bool) -> None:
@@ -146,7 +147,7 @@ class Crew:
         self._remove(handle)
 
     def processes(self) -> Mapping[int, int]:
-        """Process numbers by worker, where they are known here."""
+        """Return the process numbers by worker, where they are known here."""
         return {} if self._launcher is None else self._launcher.processes()
 
     def close(self) -> None:
@@ -193,7 +194,7 @@ class Crew:
                 self._remove(handle)
 
     def _read_rest(self, handle: Handle, events: list[Event]) -> None:
-        """What a worker that has ended had sent before."""
+        """Read what a worker that has ended had sent before."""
         handle.read_output()
         handle.read_dump()
         if handle.sock.fileno() not in self._selector.get_map():
@@ -211,3 +212,42 @@ class Crew:
         if number is not None:
             with contextlib.suppress(KeyError):
                 self._selector.unregister(number)
+
+
+class Deadlines:
+    """The times by which workers must have done what they do: at most one for each.
+
+    Times of the same length are kept in the order in which they were set, which is the order in which they pass; so
+    nothing here takes longer with more workers.
+    """
+
+    def __init__(self) -> None:
+        self._times: dict[float, dict[int, float]] = {}
+        self._length_of: dict[int, float] = {}
+
+    def set(self, worker: int, seconds: float | None) -> None:
+        """Give a worker so many seconds from now, or no deadline, instead of the one it had."""
+        self.clear(worker)
+        if seconds is not None:
+            self._times.setdefault(seconds, {})[worker] = time.monotonic() + seconds
+            self._length_of[worker] = seconds
+
+    def clear(self, worker: int) -> None:
+        """Take a worker's deadline away."""
+        length = self._length_of.pop(worker, None)
+        if length is not None:
+            del self._times[length][worker]
+
+    def soonest(self) -> float | None:
+        """Return the next deadline, in terms of `time.monotonic`; None if there is none."""
+        return min((next(iter(times.values())) for times in self._times.values() if times), default=None)
+
+    def take_passed(self) -> list[int]:
+        """Return the workers whose deadline has passed, and take it away."""
+        soonest, now = self.soonest(), time.monotonic()
+        if soonest is None or soonest > now:
+            return []
+        passed = [worker for times in self._times.values() for worker, due in times.items() if due <= now]
+        for worker in passed:
+            self.clear(worker)
+        return passed

@@ -1,23 +1,87 @@
-"""A comparison as text that fits 80 columns."""
+"""Rows and comparisons as text of at most 80 columns, and the causes and commands that every report has."""
 
 from __future__ import annotations
 
 import math
+import re
+import shlex
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
-from trundle.evaluation.report.commands import replay_command
-from trundle.evaluation.report.table import clean
+from trundle.evaluation.row import Row
 from trundle.evaluation.statistics.comparison import Change, Comparison, PairComparison, Turned
 from trundle.evaluation.statistics.figures import write_number, write_share
+from trundle.evaluation.statistics.table import ARRIVED, LABELS
 
 _WIDTH = 80
+_LONGEST_LABELS = 34
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]+")
 _SHOWN = 8
 _SHARES = ("success",)
 
+_DIGITS = 12
+"""Digits of an id that tell a million episodes apart."""
+
+
+def short_id(episode: str) -> str:
+    """Return as much of an id as tells it from all others."""
+    return episode[:_DIGITS]
+
+
+def replay_command(folder: str, episode: str) -> str:
+    """Return the command that runs an episode of the evaluation in a folder again, quoted for a shell."""
+    return f"trundle run --from {shlex.quote(f'{folder}:{short_id(episode)}')}"
+
+
+def table_lines(rows: Iterable[Row], folder: str) -> list[str]:
+    """Return a line for each row, and below each failed one its cause and the command that runs it again.
+
+    No line is longer than 80 columns, except for a command with a long folder, which must be copied whole.
+
+    Args:
+        rows: The rows to show.
+        folder: The folder of the evaluation, for the commands.
+    """
+    shown = list(rows)
+    if not shown:
+        return ["no such episode"]
+    differ = [name for name in LABELS if len({getattr(row, name) for row in shown}) > 1] or ["world", "planner"]
+    lines = [("id", "outcome", " · ".join(differ), "time", "driven")]
+    for row in shown:
+        labels = clean(" · ".join(getattr(row, name) or "default" for name in differ))
+        lines.append((short_id(row.id), row.outcome, labels, _figure(row.time_s, "s"), _figure(row.distance_m, "m")))
+    labels = min(_LONGEST_LABELS, max(len(line[2]) for line in lines))
+    outcome = max(len(line[1]) for line in lines)
+    text: list[str] = []
+    for line, row in zip(lines, [None, *shown], strict=True):
+        cut = line[2] if len(line[2]) <= labels else f"{line[2][: labels - 1]}…"
+        text.append(f"{line[0]:<12}  {line[1]:<{outcome}}  {cut:<{labels}}  {line[3]:>7}  {line[4]:>6}".rstrip())
+        if row is not None and row.outcome != ARRIVED:
+            indent = "    "
+            text += textwrap.wrap(cause(row), _WIDTH, initial_indent=indent, subsequent_indent=indent)[:3]
+            text.append(indent + replay_command(folder, row.id))
+    return text
+
+
+def cause(row: Row) -> str:
+    """Return why an episode failed, in one line: what ended it, or its outcome in words, and what it touched."""
+    text = row.error or row.message or row.outcome
+    if row.touched and row.touched not in text:
+        text = f"{text}; touched {row.touched}"
+    return clean(text)
+
+
+def clean(text: str) -> str:
+    """Return a text in one line, without what would steer a terminal."""
+    return _CONTROL.sub(" ", text).strip()
+
+
+def _figure(value: float | None, unit: str) -> str:
+    return "–" if value is None else f"{write_number(value)} {unit}"
+
 
 def comparison_lines(comparison: Comparison) -> list[str]:
-    """What `trundle evaluate compare` prints: the verdict, what changed, and the missions that turned.
+    """Return what `trundle evaluate compare` prints: the verdict, what changed, and the missions that turned.
 
     No line that trundle words is longer than 80 columns; names of folders may make one so.
     """
@@ -33,15 +97,19 @@ def comparison_lines(comparison: Comparison) -> list[str]:
         )
     for name, left_out in (("A", comparison.only_first), ("B", comparison.only_second)):
         if left_out:
-            lines.append(f"{left_out} {_episodes(left_out)} of {name} left out: their missions are not in the other")
+            lines.append(
+                f"{left_out} {'episode' if left_out == 1 else 'episodes'} of {name} left out: their missions are not "
+                "in the other"
+            )
     for pair in comparison.pairs:
         lines += ["", *_pair_lines(comparison, pair)]
-    lines += ["", *_notes(comparison), "", *textwrap.wrap(verdict(comparison), _WIDTH)]
+    basis = [line for note in notes(comparison.count) for line in textwrap.wrap(note, _WIDTH)]
+    lines += ["", *basis, "", *textwrap.wrap(verdict(comparison), _WIDTH)]
     return lines
 
 
 def verdict(comparison: Comparison) -> str:
-    """Whether the second is worse, and in what."""
+    """Return whether the second is worse, and in what."""
     reasons = [
         f"{change.figure.text}{f' ({pair.second or pair.first})' if len(comparison.pairs) > 1 else ''}"
         for pair in comparison.pairs
@@ -54,7 +122,7 @@ def verdict(comparison: Comparison) -> str:
 
 
 def write_value(change: Change, value: float, n: int) -> str:
-    """A mean of this figure, with its unit."""
+    """Return a mean of this figure, with its unit."""
     if change.figure.name in _SHARES:
         return "–" if math.isnan(value) else write_share(value, n)
     unit = change.figure.unit
@@ -83,7 +151,7 @@ def write_p(p: float) -> str:
 
 
 def notes(count: int) -> list[str]:
-    """What the figures of a comparison rest on, in sentences."""
+    """Return what the figures of a comparison rest on, in sentences."""
     return [
         "Times, distances, clearances, replans, tracking errors and turning are compared on the missions where both "
         "arrive.",
@@ -131,14 +199,6 @@ def _turned_lines(title: str, missions: Sequence[Turned], folder: str, *, of_sec
     return lines
 
 
-def _notes(comparison: Comparison) -> list[str]:
-    return [line for note in notes(comparison.count) for line in textwrap.wrap(note, _WIDTH)]
-
-
 def _signed(value: float) -> str:
     text = write_number(abs(value))
     return text if text in ("–", "0") else f"{'-' if value < 0.0 else '+'}{text}"
-
-
-def _episodes(count: int) -> str:
-    return "episode" if count == 1 else "episodes"

@@ -6,7 +6,7 @@ import pytest
 
 import trundle
 from trundle.errors import InputError
-from trundle.evaluation.pool.places import describe_place, frames_of, frames_of_dump
+from trundle.evaluation.pool.tracebacks import describe_place, frames_of, frames_of_dump
 from trundle.planning import plan_many
 
 HERE = __file__

@@ -100,9 +100,9 @@ def bootstrap_means(
     Args:
         columns: Each of shape (N,), used once and one after the other; NaN where a column has no value.
         clusters: The world of each row, shape (N,).
-        seed: Of the resamples; the same one gives the same intervals.
+        seed: Seed of the resamples; the same one gives the same intervals.
         resamples: How many.
-        confidence: Of the intervals.
+        confidence: Confidence of the intervals.
 
     Raises:
         InputError: If the lengths differ.
@@ -145,7 +145,7 @@ def _no_mean(value: float, n: int) -> Mean:
 
 
 def _make_units(clusters: npt.NDArray[Any]) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-    """What is drawn: the unit of each row, numbered world by world, and how many units each world has.
+    """Return what is drawn: the unit of each row, numbered world by world, and how many units each world has.
 
     A unit is a row, or of very many rows a block of them.
     """

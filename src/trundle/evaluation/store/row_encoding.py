@@ -1,4 +1,4 @@
-"""The columns of a row as JSON and in SQL, and lines of JSON that hold one."""
+"""How rows are encoded: as lines of JSON and as columns in SQL; and `IdSet`, their ids in a few megabytes."""
 
 from __future__ import annotations
 
@@ -11,14 +11,17 @@ from functools import cache
 from operator import attrgetter
 from typing import Any, cast
 
+import numpy as np
+from numpy.typing import NDArray
+
 from trundle.evaluation.row import Row
 
 LONGEST_LINE = 4 << 20
-"""Of a row [bytes]."""
+"""The longest line of a row [bytes]: one that goes on is damaged, and must not fill the memory."""
 
 _NUMBER = (int, float)
 _LARGEST = 1e18
-"""Of the finite figures: they fit into 64 bits as whole numbers, too."""
+"""Finite figures are below it, so that they fit into 64 bits as whole numbers, too."""
 _BOUNDS = {"index": 1 << 31, "seed": 1 << 64}
 _ID = re.compile(r"[0-9a-f]{16}")
 _SURROGATE = re.compile(r"[\ud800-\udfff]")
@@ -33,10 +36,10 @@ _KINDS: Mapping[str, tuple[str, tuple[type, ...]]] = {
     "tuple[float, ...]": ("DOUBLE[]", (list,)),
     "Mapping[str, float] | None": ("MAP(VARCHAR, DOUBLE)", (dict, type(None))),
 }
-"""By annotation: the type in SQL, and the types in JSON."""
+"""The type in SQL, and the types in JSON, by annotation."""
 
 SQL_TYPES = {**{field.name: _KINDS[str(field.type)][0] for field in fields(Row)}, "seed": "UBIGINT"}
-"""Type of each column in SQL and Parquet."""
+"""The type of each column in SQL and Parquet."""
 
 _JSON_TYPES = {field.name: _KINDS[str(field.type)][1] for field in fields(Row)}
 _NEEDED = ("id", "mission", "index", "world", "robot", "planner", "controller", "backend", "seed", "outcome")
@@ -51,7 +54,7 @@ def _trail_format(count: int) -> str:
 
 
 def encode_row(row: Row) -> bytes:
-    """A row as a line of JSON; its trail is written with two decimals, to which it is rounded."""
+    """Write a row as a line of JSON; its trail is written with two decimals, to which it is rounded."""
     trail = _trail_format(len(row.trail)) % row.trail
     if "n" in trail:  # nan and inf, which JSON's reader knows by other names
         trail = _encode(row.trail)[1:-1]
@@ -59,7 +62,7 @@ def encode_row(row: Row) -> bytes:
 
 
 def decode_row(line: bytes) -> dict[str, Any]:
-    """The values that a line holds, all of which DuckDB can read, too.
+    """Read the values that a line holds, all of which DuckDB can read, too.
 
     Raises:
         ValueError: If it is not a row; the message says why.
@@ -112,7 +115,7 @@ def _is_text(text: str) -> bool:
 
 
 def to_key(identity: str) -> int:
-    """An id as a number of 64 bits.
+    """Return an id as a number of 64 bits.
 
     Raises:
         ValueError: If it is not 16 hexadecimal digits.
@@ -120,3 +123,52 @@ def to_key(identity: str) -> int:
     if len(identity) != 16:
         raise ValueError(f"the id {identity!r:.40} is not 16 hexadecimal digits")
     return int(identity, 16)
+
+
+Keys = NDArray[np.uint64]
+
+_RECENT = 1 << 16
+
+
+class IdSet:
+    """A set of ids, kept as numbers of 64 bits.
+
+    Args:
+        keys: The ids to start with.
+    """
+
+    def __init__(self, keys: Keys) -> None:
+        self._sorted: Keys = np.unique(keys)
+        self._recent: set[int] = set()
+
+    def add(self, identity: str) -> bool:
+        """Add an id.
+
+        Returns:
+            Whether it was new.
+        """
+        key = to_key(identity)
+        if key in self._recent or self._is_old(key):
+            return False
+        self._recent.add(key)
+        if len(self._recent) >= _RECENT:
+            self._sorted = np.union1d(self._sorted, np.fromiter(self._recent, np.uint64, len(self._recent)))
+            self._recent = set()
+        return True
+
+    def contains(self, keys: Keys) -> NDArray[np.bool_]:
+        """Return which of these are in the set."""
+        recent = np.fromiter(self._recent, np.uint64, len(self._recent))
+        return np.isin(keys, self._sorted) | np.isin(keys, recent)
+
+    def __contains__(self, identity: str) -> bool:
+        key = to_key(identity)
+        return key in self._recent or self._is_old(key)
+
+    def __len__(self) -> int:
+        return len(self._sorted) + len(self._recent)
+
+    def _is_old(self, key: int) -> bool:
+        wanted = np.uint64(key)
+        place = int(np.searchsorted(self._sorted, wanted))
+        return place < len(self._sorted) and self._sorted[place] == wanted

@@ -5,7 +5,7 @@ import pytest
 import scipy
 
 from trundle.errors import InputError
-from trundle.evaluation.statistics.paired import bootstrap_means, holm, mcnemar_exact, paired_bootstrap
+from trundle.evaluation.statistics.paired_tests import bootstrap_means, holm, mcnemar_exact, paired_bootstrap
 
 
 @pytest.mark.parametrize(("first", "second"), [(0, 0), (0, 7), (3, 3), (5, 19), (400, 460), (1, 0), (900, 2)])
