@@ -185,9 +185,9 @@ def _explain(error: Exception) -> TrundleError | None:
     """The error message of an option value that settings reject; None for other errors."""
     from pydantic import ValidationError
 
-    from trundle.cli.shared import settings
+    from trundle.cli.shared import field_options
 
-    return settings.explain(error.__cause__) if isinstance(error.__cause__, ValidationError) else None
+    return field_options.explain(error.__cause__) if isinstance(error.__cause__, ValidationError) else None
 
 
 def _overview() -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import isaac, nav2, nav2_folder, options, output, scenarios, sources
+from trundle.cli.shared import isaac, nav2, nav2_folder, options, output, scenario_options, sources
 from trundle.cli.shared.given import check_given
 from trundle.errors import InputError, UnknownNameError
 from trundle.files.kinds import MAP, ROBOT, SCENARIO, WORLD
@@ -107,7 +107,7 @@ def export(
     given = {name: value for name, value in given.items() if value is not None}
     if to == nav2_folder.FORMAT:
         _check_uses(given, "scenario", nav2_folder.FORMAT)
-        chosen = scenarios.ScenarioOptions(
+        chosen = scenario_options.ScenarioOptions(
             robot=robot,
             seed=seed or None,
             world_options=settings,

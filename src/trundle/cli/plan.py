@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import nav2, options, output, settings, sources
+from trundle.cli.shared import field_options, nav2, options, output, sources
 from trundle.cli.shared.given import check_given
 from trundle.errors import BlockedPoseError, InputError, OutputError, OutsideMapError, PlanningError, UnknownNameError
 from trundle.files.kinds import MAP, ROBOT
@@ -61,8 +61,8 @@ def plan(
     out: Annotated[FilePath | None, Parameter(name=["--out", "-o"])] = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
-    costmap: settings.CostmapOptions = None,
-    navigation: settings.RunOptions = None,
+    costmap: field_options.CostmapOptions = None,
+    navigation: field_options.RunOptions = None,
 ) -> int:
     """Plan a path on a map; print its length, cost and time, and draw it.
 
@@ -104,21 +104,21 @@ def plan(
     shorthands = ["allow_partial=true"] * partial + ([] if deadline is None else [f"deadline_s={deadline}"])
     told = nav2.Nav2Report()
     place = Scenario.make(map=str(map_file), robot=robot, keepout=_text(keepout), speed_mask=_text(speed_mask))
-    given = settings.given(costmap) | settings.given(navigation)
+    given = field_options.given(costmap) | field_options.given(navigation)
     base = place.model_copy(update=given)
     if nav2_params is not None:
         found = nav2.translate(nav2_params, place, given, told)
         base = Scenario.make(**{**place.model_dump(), **found, "known_map": True})
         told.tell(quiet=quiet)
-    chosen = settings.choose("planner", planner, [*(planner_options or ()), *shorthands], base.planner)
+    chosen = field_options.choose("planner", planner, [*(planner_options or ()), *shorthands], base.planner)
     if compare and (planner_options or shorthands):
         raise InputError("--compare runs every planner with its default options: leave planner options out")
-    smoothing = settings.choose("smoother", smoother, smoother_options, base.smoother)
+    smoothing = field_options.choose("smoother", smoother, smoother_options, base.smoother)
     navigator = Navigator(
         OccupancyGrid.load(map_file, compat=compat, max_cells=max_cells),
         base.assumed_robot(Robot.load(robot)),
         planner=chosen,
-        controller=settings.choose("controller", controller, controller_options, base.controller),
+        controller=field_options.choose("controller", controller, controller_options, base.controller),
         smoother=smoothing,
         costmap=base.part(CostmapSettings),
         settings=base.part(RunSettings),

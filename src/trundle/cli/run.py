@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import evaluations, missions, nav2, options, recordings, scenarios
+from trundle.cli.shared import evaluations, missions, nav2, options, recordings, scenario_options
 from trundle.errors import InputError
 
 app = App(
@@ -36,7 +36,7 @@ def run(
     source: str | None = None,
     /,
     *,
-    given: scenarios.ScenarioOptions = scenarios.DEFAULTS,
+    given: scenario_options.ScenarioOptions = scenario_options.DEFAULTS,
     from_: Annotated[str | None, Parameter(name="--from", metavar="FOLDER:ID")] = None,
     map_: Annotated[str | None, Parameter(name="--map")] = None,
     report: bool = True,
@@ -73,7 +73,7 @@ def run(
     if map_ is not None and from_ is None:
         raise InputError("--map goes with --from; give the map to drive in as the first argument")
     if from_ is not None:
-        if source is not None or given != scenarios.DEFAULTS:
+        if source is not None or given != scenario_options.DEFAULTS:
             raise InputError(
                 "--from repeats an episode exactly: give no map, world or setting with it. To change something, give "
                 "other options with the scenario.yaml that it writes"

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import App, Parameter
 
 from trundle.cli.ros2 import network, offers
-from trundle.cli.shared import browser, isaac, nav2, options, output, scenarios, sources
+from trundle.cli.shared import browser, isaac, nav2, options, output, scenario_options, sources
 from trundle.cli.shared.termination import ends_as_by_ctrl_c
 from trundle.errors import InputError
 from trundle.values import first_names
@@ -47,7 +47,7 @@ def serve(
     source: str = "warehouse",
     /,
     *,
-    given: scenarios.ScenarioOptions = scenarios.DEFAULTS,
+    given: scenario_options.ScenarioOptions = scenario_options.DEFAULTS,
     role: Annotated[
         Literal["simulator", "navigator"],
         Parameter(
@@ -160,7 +160,9 @@ def serve(
     return _report(episode, bridge.wire, bag, json=json)
 
 
-def _with_robot(given: scenarios.ScenarioOptions, profile: Profile, source: str) -> scenarios.ScenarioOptions:
+def _with_robot(
+    given: scenario_options.ScenarioOptions, profile: Profile, source: str
+) -> scenario_options.ScenarioOptions:
     """The options with the robot of the profile, unless another one is given, or the scenario's file has one."""
     if given.robot is not None or profile.robot is None or sources.is_written(source):
         return given

@@ -10,7 +10,7 @@ from trundle.cli.shared.nav2 import Nav2Report
 from trundle.errors import InputError
 
 if TYPE_CHECKING:
-    from trundle.cli.shared.scenarios import ScenarioOptions
+    from trundle.cli.shared.scenario_options import ScenarioOptions
     from trundle.messages.distros import Distro
 
 FORMAT = "nav2"

@@ -9,7 +9,7 @@ from typing import Annotated, cast
 from cyclopts import Parameter
 from pydantic import BaseModel
 
-from trundle.cli.shared import isaac, nav2, options, settings, sources
+from trundle.cli.shared import field_options, isaac, nav2, options, sources
 from trundle.cli.shared.given import check_given
 from trundle.costmap.layers import ObstacleLayerSettings
 from trundle.errors import InputError, UnknownNameError
@@ -72,8 +72,8 @@ class ScenarioOptions:
     speed_mask: options.SpeedMaskFile = None
     time_limit: float | None = None
     nav2_params: nav2.Nav2Params = None
-    costmap: settings.CostmapOptions = None
-    navigation: settings.RunOptions = None
+    costmap: field_options.CostmapOptions = None
+    navigation: field_options.RunOptions = None
     isaac_options: isaac.IsaacOptions | None = None
 
     def make(self, source: str, report: nav2.Nav2Report | None = None) -> Scenario:
@@ -107,7 +107,7 @@ class ScenarioOptions:
             "collision_monitor": self.collision_monitor,
         }
         changes: dict[str, object] = {key: value for key, value in given.items() if value is not None}
-        changes |= settings.given(self.costmap) | settings.given(self.navigation)
+        changes |= field_options.given(self.costmap) | field_options.given(self.navigation)
         if self.goal:
             goals = [options.parse_goal("--goal", text) for text in self.goal]
             changes |= {"goal": goals[0], "goals": None} if len(goals) == 1 else {"goal": None, "goals": goals}
@@ -119,11 +119,11 @@ class ScenarioOptions:
             world_options["max_cells"] = self.max_cells
         base = self._with_nav2(_read(source, world_options, changes), changes, report)
         chosen = {
-            "planner": settings.choose("planner", self.planner, self.planner_options, base.planner),
-            "controller": settings.choose("controller", self.controller, self.controller_options, base.controller),
-            "smoother": settings.choose("smoother", self.smoother, self.smoother_options, base.smoother),
-            "localizer": settings.choose("localizer", self.localizer, self.localizer_options, base.localizer),
-            "agent": settings.choose("agent", self.agent, self.agent_options, base.agent),
+            "planner": field_options.choose("planner", self.planner, self.planner_options, base.planner),
+            "controller": field_options.choose("controller", self.controller, self.controller_options, base.controller),
+            "smoother": field_options.choose("smoother", self.smoother, self.smoother_options, base.smoother),
+            "localizer": field_options.choose("localizer", self.localizer, self.localizer_options, base.localizer),
+            "agent": field_options.choose("agent", self.agent, self.agent_options, base.agent),
             **self._sensing(base),
         }
         return isaac.adapt(Scenario.make(**{**base.model_dump(), **chosen}), self.isaac_options)
