@@ -10,6 +10,7 @@ from cyclopts import App, Parameter
 
 from trundle.cli.shared import field_options, nav2, options, output, sources
 from trundle.cli.shared.given import check_given
+from trundle.cli.shared.scenario_options import PARAMETERS
 from trundle.errors import BlockedPoseError, InputError, OutputError, OutsideMapError, PlanningError, UnknownNameError
 from trundle.files.kinds import MAP, ROBOT
 
@@ -39,23 +40,30 @@ def plan(
     map_file: FilePath,
     /,
     *,
-    start: options.Start = None,
-    goal: options.Goal = None,
+    start: Annotated[str | None, PARAMETERS["start"]] = None,
+    goal: Annotated[
+        str | None,
+        Parameter(
+            allow_leading_hyphen=True,
+            metavar="X,Y[,YAW]",
+            help="Goal of the path; default: picked from the free space by seed.",
+        ),
+    ] = None,
     robot: options.RobotName = "nova_carter",
-    planner: Annotated[str | None, Parameter(help=options.PLANNER_HELP)] = None,
-    planner_options: options.PlannerOptions = None,
+    planner: Annotated[str | None, PARAMETERS["planner"]] = None,
+    planner_options: Annotated[list[str] | None, PARAMETERS["planner_options"]] = None,
     partial: Annotated[bool, Parameter(negative="")] = False,
     deadline: float | None = None,
-    smoother: options.SmootherName = None,
-    smoother_options: options.SmootherOptions = None,
-    controller: Annotated[str | None, Parameter(help=options.CONTROLLER_HELP)] = None,
-    controller_options: options.ControllerOptions = None,
+    smoother: Annotated[str | None, PARAMETERS["smoother"]] = None,
+    smoother_options: Annotated[list[str] | None, PARAMETERS["smoother_options"]] = None,
+    controller: Annotated[str | None, PARAMETERS["controller"]] = None,
+    controller_options: Annotated[list[str] | None, PARAMETERS["controller_options"]] = None,
     compare: Annotated[bool, Parameter(negative="")] = False,
     seed: options.Seed = 0,
     compat: options.Compat = None,
     max_cells: options.MaxCells = None,
-    keepout: options.Keepout = None,
-    speed_mask: options.SpeedMaskFile = None,
+    keepout: Annotated[FilePath | None, PARAMETERS["keepout"]] = None,
+    speed_mask: Annotated[FilePath | None, PARAMETERS["speed_mask"]] = None,
     backend: options.Backend = "mujoco",
     nav2_params: nav2.Nav2Params = None,
     out: Annotated[FilePath | None, Parameter(name=["--out", "-o"])] = None,

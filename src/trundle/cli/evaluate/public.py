@@ -12,7 +12,9 @@ from cyclopts import Parameter
 from trundle.cli.evaluate import verdict
 from trundle.cli.evaluate.execution import INTERRUPTED, carry_out
 from trundle.cli.shared import options
+from trundle.cli.shared.field_options import EXAMPLES
 from trundle.cli.shared.output import remark
+from trundle.cli.shared.scenario_options import PARAMETERS
 from trundle.errors import InputError, OutputError
 from trundle.evaluation import Evaluation, Suite
 from trundle.evaluation.public.conditions import Conditions, benchmark_robot, write_robot
@@ -50,12 +52,12 @@ class DriveOptions:
     ] = None
     scan_age: Annotated[float, Parameter(help="Age of the scans when they arrive [s].")] = 0.0
     command_delay: Annotated[float, Parameter(help="Delay of the commands [s].")] = 0.0
-    planner: Annotated[str, _crossed("planner", f"{options.PLANNER_HELP} Commas cross several.")] = "auto"
-    planner_option: options.PlannerOptions = None
-    controller: Annotated[str, _crossed("controller", f"{options.CONTROLLER_HELP} Commas cross several.")] = (
+    planner: Annotated[str, _crossed("planner", f"{PARAMETERS['planner'].help} Commas cross several.")] = "auto"
+    planner_option: Annotated[list[str] | None, PARAMETERS["planner_options"]] = None
+    controller: Annotated[str, _crossed("controller", f"{PARAMETERS['controller'].help} Commas cross several.")] = (
         "regulated_pure_pursuit"
     )
-    controller_option: options.ControllerOptions = None
+    controller_option: Annotated[list[str] | None, PARAMETERS["controller_options"]] = None
     collision_monitor: Annotated[
         bool | None, _flag("Let every command pass the collision monitor.", "--no-collision-monitor")
     ] = None
@@ -192,7 +194,7 @@ def read_numbers(text: str | None) -> list[int] | None:
 
 def _choices(kind: str, names: str, pairs: list[str] | None) -> list[str | Choice]:
     given = _split(names)
-    settings = options.parse_pairs(f"--{kind}-option", pairs, options.EXAMPLES[kind])
+    settings = options.parse_pairs(f"--{kind}-option", pairs, EXAMPLES[kind])
     if settings and len(given) > 1:
         raise InputError(f"--{kind}-option: with several {kind}s it is unclear which one it is for; give one --{kind}")
     return [Choice(name=name, options=dict(settings)) if settings else name for name in given]

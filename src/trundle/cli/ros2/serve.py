@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -11,14 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import App, Parameter
 
 from trundle.cli.ros2 import network, offers
-from trundle.cli.shared import browser, isaac, nav2, options, output, scenario_options, sources
+from trundle.cli.shared import browser, isaac, nav2, options, output, scenario_options
 from trundle.cli.shared.termination import ends_as_by_ctrl_c
 from trundle.errors import InputError
 from trundle.values import first_names
 
 if TYPE_CHECKING:
     from trundle.mission import Episode, Mission, Observer, Scenario
-    from trundle.ros2.profile import Profile
     from trundle.ros2.record import WireRecord
     from trundle.ros2.transport.transport import Transport
     from trundle.ros2.types import Types
@@ -124,7 +122,7 @@ def serve(
     target = _target(out, record=record, overwrite=overwrite)
     names_of = Profile.load(profile)
     told = nav2.Nav2Report()
-    scenario = _with_robot(given, names_of, source).make(source, told)
+    scenario = given.make(source, told, robot=names_of.robot)
     told.tell(quiet=quiet)
     with ends_as_by_ctrl_c(), ExitStack() as opened:
         opened.enter_context(isaac.start_for(scenario))
@@ -158,15 +156,6 @@ def serve(
                 _report(session.finish(), bridge.wire, bag, json=json)
             raise
     return _report(episode, bridge.wire, bag, json=json)
-
-
-def _with_robot(
-    given: scenario_options.ScenarioOptions, profile: Profile, source: str
-) -> scenario_options.ScenarioOptions:
-    """The options with the robot of the profile, unless another one is given, or the scenario's file has one."""
-    if given.robot is not None or profile.robot is None or sources.is_written(source):
-        return given
-    return dataclasses.replace(given, robot=profile.robot)
 
 
 def _target(out: Path | None, *, record: bool, overwrite: bool) -> Path | None:
