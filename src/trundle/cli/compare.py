@@ -31,7 +31,7 @@ def compare(
     second: Path,
     /,
     *,
-    align: Annotated[bool, Parameter(negative="")] = False,
+    align: options.Flag = False,
     out: Annotated[Path, Parameter(name=["--out", "-o"])] = Path("compare.png"),
     json: options.Json = False,
     quiet: options.Quiet = False,

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
-
-from cyclopts import App, Parameter
+from cyclopts import App
 
 from trundle.cli.shared import missions, options, output, recordings
 
@@ -23,12 +20,12 @@ def demo(
     backend: options.Backend = "mujoco",
     report: bool = True,
     video: bool = True,
-    view: Annotated[bool, Parameter(negative="")] = False,
+    view: options.Flag = False,
     browser: options.Browser = False,
     speed: options.RunSpeed = None,
     record: options.Record = False,
     distro: options.Distro = None,
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    out: options.Out = None,
     overwrite: options.Overwrite = False,
     json: options.Json = False,
     quiet: options.Quiet = False,

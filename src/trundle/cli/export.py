@@ -50,7 +50,7 @@ def export(
     /,
     *,
     to: Annotated[str | None, Parameter(metavar="FORMAT")] = None,
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    out: options.Out = None,
     robot: Annotated[
         str | None,
         Parameter(
@@ -59,8 +59,8 @@ def export(
         ),
     ] = None,
     resolution: float | None = None,
-    z_min: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
-    z_max: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
+    z_min: options.Height = None,
+    z_max: options.Height = None,
     profile: isaac.Profile = None,
     environment: isaac.ScriptEnvironment = None,
     robot_usd: isaac.ScriptRobot = None,

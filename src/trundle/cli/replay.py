@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
-from cyclopts import App, Parameter
+from cyclopts import App
 
 from trundle.cli.shared import options, output
 from trundle.cli.shared.given import check_given
@@ -23,7 +22,7 @@ def replay(
     run: Path,
     /,
     *,
-    browser: Annotated[bool, Parameter(negative="")] = False,
+    browser: options.Flag = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 from cyclopts import App, Parameter
@@ -41,12 +40,12 @@ def run(
     map_: Annotated[str | None, Parameter(name="--map")] = None,
     report: bool = True,
     video: bool = True,
-    view: Annotated[bool, Parameter(negative="")] = False,
+    view: options.Flag = False,
     browser: options.Browser = False,
     speed: options.RunSpeed = None,
     record: options.Record = False,
     distro: options.Distro = None,
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    out: options.Out = None,
     overwrite: options.Overwrite = False,
     json: options.Json = False,
     quiet: options.Quiet = False,

@@ -31,7 +31,7 @@ def scenario(
     given: scenario_options.ScenarioOptions = scenario_options.DEFAULTS,
     out: Annotated[Path, Parameter(name=["--out", "-o"])] = Path("scenario.yaml"),
     overwrite: options.OverwriteFile = False,
-    schema: Annotated[bool, Parameter(negative="")] = False,
+    schema: options.Flag = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:

@@ -44,9 +44,9 @@ def check(
         list[str] | None, Parameter(name="--goal", allow_leading_hyphen=True, negative="", metavar="X,Y[,YAW]")
     ] = None,
     fix: Annotated[Path | None, Parameter(name="--fix")] = None,
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
-    z_min: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
-    z_max: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
+    out: options.Out = None,
+    z_min: options.Height = None,
+    z_max: options.Height = None,
     seed: options.Seed = 0,
     settings: options.Settings = None,
     exclude: options.Exclude = None,

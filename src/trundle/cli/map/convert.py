@@ -44,7 +44,7 @@ def convert(
     mode: Literal["trinary", "scale", "raw"] | None = None,
     image: Literal["png", "pgm"] = "png",
     resolution: float | None = None,
-    align: Annotated[bool, Parameter(negative="")] = False,
+    align: options.Flag = False,
     crop: Annotated[str | None, Parameter(allow_leading_hyphen=True, metavar="X0,Y0,X1,Y1|content")] = None,
     prefer: Literal["occupied", "free", "first", "second"] = "occupied",
     source_resolution: float | None = None,

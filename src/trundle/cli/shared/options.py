@@ -76,6 +76,13 @@ Browser = Annotated[
 ROBOT_CHOICES = "nova_carter, jackal, turtlebot3_burger, turtlebot3_waffle, a plug-in's, or the path of its YAML"
 ROBOT_HELP = f"A robot: {ROBOT_CHOICES}."
 
+Flag = Annotated[bool, Parameter(negative="")]
+"""A flag that is off unless it is given."""
+
+Out = Annotated[Path | None, Parameter(name=["--out", "-o"])]
+Height = Annotated[float | None, Parameter(allow_leading_hyphen=True)]
+"""A height [m], which may be below 0."""
+
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON value and nothing else.")]
 Quiet = Annotated[bool, Parameter(name="--quiet", negative="", help="No progress bar and no remarks.")]
 Overwrite = Annotated[
