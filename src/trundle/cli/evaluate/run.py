@@ -6,10 +6,11 @@ from typing import Annotated, Any
 
 from cyclopts import App, Parameter
 
-from trundle.cli.evaluate import verdict
-from trundle.cli.evaluate.execution import INTERRUPTED, carry_out
+from trundle.cli.evaluate.execution import TimeBudget, carry_out, parse_time_budget
+from trundle.cli.evaluate.results import Require, report_evaluation
 from trundle.cli.shared import nav2, options, sources
 from trundle.cli.shared.given import check_given
+from trundle.cli.shared.termination import INTERRUPTED
 from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation import Suite, maps_suite, suite_names
 from trundle.evaluation.suite import MAPS
@@ -54,10 +55,10 @@ def run(
     out: Annotated[str | None, Parameter(name=["--out", "-o"])] = None,
     workers: options.Integer | None = None,
     ray: str | None = None,
-    require: verdict.Require = (),
-    mixed: Annotated[bool, Parameter(negative="")] = False,
-    overwrite: Annotated[bool, Parameter(negative="")] = False,
-    time_budget: verdict.TimeBudget = None,
+    require: Require = (),
+    mixed: options.Flag = False,
+    overwrite: options.Flag = False,
+    time_budget: TimeBudget = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
@@ -82,7 +83,7 @@ def run(
             f"give a suite ({', '.join(suite_names())}, or a file), maps and a folder of ROS maps, or maps and "
             "worlds; trundle evaluate --help has examples"
         )
-    budget_s = verdict.parse_time_budget(time_budget)
+    budget_s = parse_time_budget(time_budget)
     lists = {
         "robots": robots,
         "planners": planners,
@@ -115,7 +116,7 @@ def run(
         overwrite=overwrite,
         time_budget_s=budget_s,
     )
-    return INTERRUPTED if evaluation is None else verdict.give(evaluation, json=json, facts=told.facts)
+    return INTERRUPTED if evaluation is None else report_evaluation(evaluation, json=json, facts=told.facts)
 
 
 def _read_seeds(text: str) -> object:
