@@ -95,10 +95,10 @@ class DriveOptions:
         """
         return Conditions(
             robots=robots,
-            seeds=_read_seeds(seeds),
+            seeds=options.parse_seeds(seeds),
             planners=_choices("planner", self.planner, self.planner_option),
             controllers=_choices("controller", self.controller, self.controller_option),
-            backends=_split(self.backend),
+            backends=options.parse_list(self.backend),
             drift=drift if self.drift is None else self.drift,
             scan_age_s=self.scan_age,
             command_delay_s=self.command_delay,
@@ -267,7 +267,7 @@ def read_numbers(text: str | None) -> list[int] | None:
     if text is None:
         return None
     numbers: list[int] = []
-    for part in _split(text):
+    for part in options.parse_list(text):
         pieces = part.split(":")
         if not all(piece.isdecimal() for piece in pieces) or len(pieces) > 3 or pieces[2:] == ["0"]:
             raise InputError(f"--only {text}: give numbers of worlds, as in 0,15,30 or 0:60 or 0:300:15")
@@ -278,19 +278,8 @@ def read_numbers(text: str | None) -> list[int] | None:
 
 
 def _choices(kind: str, names: str, pairs: list[str] | None) -> list[str | Choice]:
-    given = _split(names)
+    given = options.parse_list(names)
     settings = options.parse_pairs(f"--{kind}-option", pairs, EXAMPLES[kind])
     if settings and len(given) > 1:
         raise InputError(f"--{kind}-option: with several {kind}s it is unclear which one it is for; give one --{kind}")
     return [Choice(name=name, options=dict(settings)) if settings else name for name in given]
-
-
-def _read_seeds(text: str) -> int | str | list[int]:
-    parts = _split(text)
-    if not all(part.isdecimal() for part in parts):
-        return text
-    return [int(part) for part in parts] if len(parts) > 1 else int(text)
-
-
-def _split(text: str) -> list[str]:
-    return [part.strip() for part in text.split(",") if part.strip()]

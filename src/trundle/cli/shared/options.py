@@ -193,6 +193,19 @@ def parse_numbers(option: str, text: str, form: str, *, at_least: int, at_most: 
     return numbers
 
 
+def parse_list(text: str) -> list[str]:
+    """Read texts with commas between them."""
+    return [part.strip() for part in text.split(",") if part.strip()]
+
+
+def parse_seeds(text: str) -> int | str | list[int]:
+    """Read seeds: a number of them, several with commas between them, or a range such as `0:50`, which is returned."""
+    parts = parse_list(text)
+    if not all(part.isdecimal() for part in parts):
+        return text
+    return [int(part) for part in parts] if len(parts) > 1 else int(text)
+
+
 def parse_speed(text: str) -> float:
     """Read `--speed`: simulated seconds per second; infinity for max."""
     try:
