@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import evaluations, missions, nav2, options, recordings, scenario_options
+from trundle.cli.shared import missions, nav2, options, recordings, scenario_options
+from trundle.cli.shared.given import check_given
 from trundle.errors import InputError
+from trundle.files.kinds import EVALUATION
+
+if TYPE_CHECKING:
+    from trundle.mission import Scenario
 
 app = App(
     name="run",
@@ -77,7 +82,7 @@ def run(
                 "--from repeats an episode exactly: give no map, world or setting with it. To change something, give "
                 "other options with the scenario.yaml that it writes"
             )
-        scenario = evaluations.find_scenario(from_, map_)
+        scenario = _find_episode(from_, map_)
     elif source is None:
         raise InputError("give a map, a world or a scenario; or --from FOLDER:ID for an episode of an evaluation")
     else:
@@ -98,3 +103,18 @@ def run(
         facts=told.facts,
     )
     return missions.drive(scenario, shown)
+
+
+def _find_episode(text: str, map: str | None = None) -> Scenario:
+    """Return the exact scenario of an episode, `FOLDER:ID`, with the map where that has moved.
+
+    Raises:
+        InputError: If the folder has no evaluation, or there is no such episode, or more than one.
+    """
+    folder, colon, identity = text.rpartition(":")
+    if not colon or not folder or not identity:
+        raise InputError(f"--from {text}: give the folder of an evaluation and the start of an episode's id, FOLDER:ID")
+    check_given(folder, EVALUATION)
+    from trundle.evaluation import Evaluation
+
+    return Evaluation(folder).scenario_of(identity, map=map)
