@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import options, output
-from trundle.cli.shared.given import check_given
+from trundle.cli.shared.sources import check_given
 from trundle.files.kinds import ARRAYS, DRIVE, RUN, TABLE
 
 _LONGER_S = 0.5

@@ -13,9 +13,9 @@ from cyclopts import App, Parameter
 
 from trundle.cli.shared import isaac, options, output, sources
 from trundle.cli.shared.drive_page import drive_in_browser
-from trundle.cli.shared.given import check_given
 from trundle.cli.shared.recordings import FILE as RECORDING
 from trundle.cli.shared.recordings import FolderRecording, choose_record
+from trundle.cli.shared.sources import check_given
 from trundle.errors import InputError
 from trundle.files.kinds import ARRAYS, DRIVE, RUN, TABLE
 from trundle.values import first_names

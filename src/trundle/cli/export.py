@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import isaac, nav2, options, output, scenario_options, sources
-from trundle.cli.shared.given import check_given
+from trundle.cli.shared.sources import check_given
 from trundle.errors import InputError, UnknownNameError
 from trundle.files.kinds import MAP, ROBOT, SCENARIO, WORLD
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import field_options, nav2, options, output, sources
-from trundle.cli.shared.given import check_given
 from trundle.cli.shared.scenario_options import PARAMETERS
+from trundle.cli.shared.sources import check_given
 from trundle.errors import BlockedPoseError, InputError, OutputError, OutsideMapError, PlanningError, UnknownNameError
 from trundle.files.kinds import MAP, ROBOT
 

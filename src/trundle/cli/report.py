@@ -7,7 +7,7 @@ from pathlib import Path
 from cyclopts import App
 
 from trundle.cli.shared import options, output
-from trundle.cli.shared.given import check_given
+from trundle.cli.shared.sources import check_given
 from trundle.files.kinds import RUN
 
 app = App(

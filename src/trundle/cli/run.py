@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import missions, nav2, options, recordings, scenario_options
-from trundle.cli.shared.given import check_given
+from trundle.cli.shared.sources import check_given
 from trundle.errors import InputError
 from trundle.files.kinds import EVALUATION
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import options, output
-from trundle.cli.shared.given import check_given
+from trundle.cli.shared.sources import check_given
 from trundle.errors import UnknownNameError
 from trundle.evaluation import Evaluation
 from trundle.evaluation.report.comparison_text import comparison_lines

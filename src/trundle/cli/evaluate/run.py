@@ -10,7 +10,7 @@ from trundle.cli.evaluate.execution import TimeBudget, carry_out, parse_time_bud
 from trundle.cli.evaluate.results import Require, report_evaluation
 from trundle.cli.shared import nav2, options, sources
 from trundle.cli.shared.field_options import OptionField, options_class
-from trundle.cli.shared.given import check_given
+from trundle.cli.shared.sources import check_given
 from trundle.cli.shared.termination import INTERRUPTED
 from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation import Suite, maps_suite, suite_names

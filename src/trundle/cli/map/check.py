@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import options, output, sources
-from trundle.cli.shared.given import check_given
+from trundle.cli.shared.sources import check_given
 from trundle.errors import InputError
 from trundle.files.kinds import MAP
 from trundle.record.map_report_lines import MOST_LINES, tell_report

@@ -21,7 +21,7 @@ from trundle.cli.shared.field_options import (
     options_class,
     pairs_option,
 )
-from trundle.cli.shared.given import check_given
+from trundle.cli.shared.sources import check_given
 from trundle.costmap.layers import ObstacleLayerSettings
 from trundle.errors import InputError, UnknownNameError
 from trundle.files.kinds import MAP, ROBOT, SCENARIO, WORLD
