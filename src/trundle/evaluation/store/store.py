@@ -33,9 +33,8 @@ from trundle.evaluation.store.layout import (
 from trundle.evaluation.store.manifest import Manifest, Stopped
 from trundle.evaluation.store.mending import Found, mend
 from trundle.evaluation.store.parts import connect, has_duckdb, write_part
-from trundle.files.folder_lock import FolderLock
 from trundle.files.opening import exists
-from trundle.files.writing import make_folder, new_folder, write_bytes, write_text
+from trundle.files.writing import FolderLock, make_folder, new_folder, write_bytes, write_text
 
 if TYPE_CHECKING:
     import duckdb
