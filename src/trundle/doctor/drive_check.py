@@ -6,8 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from trundle.doctor.drive_legs import Leg, drive_legs
-from trundle.doctor.wheel_fit import Wheel, fit_wheels
+from trundle.doctor.drive_legs import Leg, Wheel, drive_legs, fit_wheels
 from trundle.errors import InputError
 from trundle.geometry import Pose2D
 from trundle.robots import DifferentialDrive

@@ -1,13 +1,13 @@
-"""The legs of a drive check: a straight, a spin and a circle from rest, with the measurements on each."""
+"""The legs of a drive check, a straight, a spin and a circle from rest, and the effect of each wheel fitted to them."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from trundle.doctor.wheel_fit import Travel, Wheel
 from trundle.geometry import Pose2D, Twist2D, wrap_angle
 from trundle.mission import Session
 from trundle.navigation import CommandScript
@@ -21,6 +21,49 @@ _STANDSTILL_S = 0.5
 _GENTLE_RAMP_S = 3.0
 _SETTLE_S = 1.0
 _CRUISE_S = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class Travel:
+    """Rotation of two wheels [rad], and of the base its distance along its heading [m] and its rotation [rad]."""
+
+    left: float
+    right: float
+    forward: float
+    turn: float
+
+
+@dataclass(frozen=True, slots=True)
+class Wheel:
+    """The robot's motion per radian of a wheel.
+
+    Attributes:
+        forward: Forward [m].
+        turn: Counter-clockwise [rad].
+    """
+
+    forward: float
+    turn: float
+
+    @property
+    def radius(self) -> float:
+        """Effective radius [m]: with the other wheel held, the middle of the axle moves half as far as the wheel."""
+        return 2.0 * abs(self.forward)
+
+    @property
+    def track(self) -> float:
+        """Effective distance to the other wheel [m]; infinity if it does not turn the robot."""
+        return self.radius / abs(self.turn) if self.turn else float("inf")
+
+    @property
+    def reversed(self) -> bool:
+        """Whether a positive speed drives backward."""
+        return self.forward < 0.0
+
+    @property
+    def on_left(self) -> bool:
+        """Whether it is on the left: driving forward, it then turns the robot clockwise."""
+        return self.turn * self.forward < 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,3 +176,15 @@ def _travel(states: list[RobotState]) -> Travel:
         forward=float((steps[:, 0] * np.cos(headings) + steps[:, 1] * np.sin(headings)).sum()),
         turn=float(turns.sum()),
     )
+
+
+def fit_wheels(legs: Sequence[Leg]) -> tuple[Wheel, Wheel]:
+    """Fit the effect of the left and right wheel by least squares over the steady parts of the legs.
+
+    The ratio of the wheels' speeds must differ between legs, as it does between a straight and a spin.
+    """
+    turned = np.array([[leg.cruise.left, leg.cruise.right] for leg in legs])
+    moved = np.array([[leg.cruise.forward, leg.cruise.turn] for leg in legs])
+    by_wheel, *_ = np.linalg.lstsq(turned, moved, rcond=None)
+    (left_forward, left_turn), (right_forward, right_turn) = by_wheel.tolist()
+    return Wheel(left_forward, left_turn), Wheel(right_forward, right_turn)
