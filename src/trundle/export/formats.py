@@ -1,4 +1,4 @@
-"""The export formats: their names and suffixes, the kinds they support, and the functions that write them."""
+"""The export formats: their names and suffixes, the kinds that they hold, and the functions that write them."""
 
 from __future__ import annotations
 
@@ -10,14 +10,38 @@ from typing import Any, Literal, TypeAlias, cast
 
 from trundle.errors import InputError, OutputError, UnknownNameError, WorldError
 from trundle.export.plain import check_encodable
-from trundle.export.scene import Scene
 from trundle.files.opening import exists
 from trundle.files.writing import output_path
+from trundle.geometry import Pose2D
+from trundle.maps import OccupancyGrid
+from trundle.maps.masks import SpeedMask
+from trundle.path import Path as Plan
 from trundle.robots import Robot
 from trundle.worlds import World
 
 Kind: TypeAlias = Literal["world", "robot", "scenario"]
 """What can be exported."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """A prepared scenario: world, robot, start and plans.
+
+    Attributes:
+        name: Shown in the exported file.
+        world: The world.
+        robot: The robot.
+        start: Pose of base_link, map frame.
+        paths: The planned paths to its goals, in order; empty if nothing was planned.
+        speed_mask: Limits its speed, or None.
+    """
+
+    name: str
+    world: World
+    robot: Robot
+    start: Pose2D
+    paths: tuple[Plan, ...] = ()
+    speed_mask: SpeedMask | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +68,7 @@ class Format:
 FORMATS = {
     "glb": Format((".glb",), world="trundle.export.glb:export_world"),
     "isaac-script": Format((".py",), scene="trundle.export.isaac_script:export_scene"),
-    "map": Format((".yaml", ".yml"), world="trundle.export.map:export_world"),
+    "map": Format((".yaml", ".yml"), world="trundle.export.formats:export_map"),
     "mjcf": Format(
         (".xml", ".mjcf"),
         "trundle.export.mjcf:export_world",
@@ -174,3 +198,21 @@ def _export(kind: Kind, thing: object, path: str | os.PathLike[str], to: str | N
             raise
         raise InputError(f"{name}: {error}") from error
     return file
+
+
+def export_map(
+    world: World, path: Path, *, resolution: float = 0.05, z_range: tuple[float, float] = (0.10, 0.62)
+) -> None:
+    """Write the map of a world.
+
+    Args:
+        world: The world.
+        path: The YAML; its image lies beside it.
+        resolution: Cell size [m].
+        z_range: Height band of obstacles [m].
+
+    Raises:
+        MapError: If the map cannot be made; see `OccupancyGrid.from_world`.
+        OutputError: If the files cannot be written.
+    """
+    OccupancyGrid.from_world(world, resolution=resolution, z_range=z_range).save(path)

@@ -14,7 +14,7 @@ import numpy as np
 
 from trundle.control.sections import Section, cut_sections, path_vertices
 from trundle.errors import InputError
-from trundle.export.scene import Scene
+from trundle.export.formats import Scene
 from trundle.export.usd import export_robot, export_world
 from trundle.files.writing import write_text
 from trundle.maps.masks import SpeedMask

@@ -13,9 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError, WorldError
-from trundle.export.plain import check_xml_names, plain_solids
-from trundle.export.scene import Scene
-from trundle.export.xmltext import add, numbers, to_text
+from trundle.export.formats import Scene
+from trundle.export.plain import add, check_xml_names, numbers, plain_solids, to_text
 from trundle.files.writing import write_text
 from trundle.geometry import FloatArray, Pose3D
 from trundle.geometry.solids import Box, Cylinder, Mesh, Solid, Sphere

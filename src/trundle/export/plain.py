@@ -1,8 +1,9 @@
-"""Worlds reduced to features of other formats: blocked cells as boxes, names that are valid in XML."""
+"""Worlds in what other formats have: blocked cells as boxes, names that are valid in XML, numbers that read back."""
 
 from __future__ import annotations
 
 import re
+import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -78,6 +79,24 @@ def mesh_folder(path: Path) -> Path:
     return make_folder(path.with_name(f"{path.stem}_meshes"))
 
 
+def numbers(values: Iterable[float]) -> str:
+    """Numbers separated by spaces, each with the fewest digits that read back exactly."""
+    return " ".join(_number(value) for value in np.asarray(list(values), dtype=np.float64).tolist())
+
+
+def add(parent: ElementTree.Element, tag: str, text: str | None = None, **attributes: str) -> ElementTree.Element:
+    """Add an element with a text and attributes."""
+    element = ElementTree.SubElement(parent, tag, attributes)
+    element.text = text
+    return element
+
+
+def to_text(root: ElementTree.Element) -> str:
+    """The whole file."""
+    ElementTree.indent(root)
+    return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
 def _boxes(solid: Solid, cells: OccupancyCells) -> list[Solid]:
     merged = merge_cells(cells.blocked.astype(np.uint8), most=MOST_BOXES)
     if merged is None:
@@ -93,3 +112,8 @@ def _boxes(solid: Solid, cells: OccupancyCells) -> list[Solid]:
         name = f"{solid.name}[{row}:{row_end},{col}:{col_end}]"
         boxes.append(Solid(name, Box(size), solid.pose @ middle, solid.color, solid.kind))
     return boxes
+
+
+def _number(value: float) -> str:
+    text = repr(value)
+    return text.removesuffix(".0") if text != "-0.0" else "0"

@@ -10,8 +10,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from trundle.export.plain import mesh_folder
-from trundle.export.xmltext import add, numbers, to_text
+from trundle.export.plain import add, mesh_folder, numbers, to_text
 from trundle.files.writing import write_text
 from trundle.geometry import FloatArray
 from trundle.robots import Caster, Robot
