@@ -185,7 +185,7 @@ def parse_command(text: str) -> Command:
 
 
 class _LegLogger:
-    """Observer that writes a drive into its log; a leg is a command of a script, or the whole of a drive by hand."""
+    """Writes a drive into its log: a leg is a command of a script, or the whole of a drive by hand."""
 
     def __init__(self, log: DriveLog, script: CommandScript | None, commands: Sequence[Command]) -> None:
         self._log, self._script, self._commands = log, script, commands
@@ -268,7 +268,7 @@ def _drive_in_browser(
     Args:
         simulator: Moves the robot.
         start: Where it starts.
-        commands: (v [m/s], w [rad/s], seconds) of each; None for a drive by hand, which ends in the page or by Ctrl-C.
+        commands: The commands to watch. If None, the robot is driven by hand until the page or Ctrl-C ends it.
         log: Gets every state.
         observers: Of the drive, such as a recording.
         speed: Simulated seconds per second.

@@ -60,7 +60,7 @@ PLUGIN_GROUPS = {
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
-    """Run one command and exit. `arguments` excludes the program's name; None means the process's arguments."""
+    """Run one command and exit. `arguments` excludes the program's name; by default they are the process's."""
     given = sys.argv[1:] if arguments is None else arguments
     warnings.formatwarning = _format_warning
     _show_log(logging.WARNING if "--quiet" in given else logging.INFO)
@@ -164,7 +164,7 @@ def _install_completion(arguments: Sequence[str]) -> int:
 
 
 def _explain(error: Exception) -> TrundleError | None:
-    """The error message of an option value that settings reject; None for other errors."""
+    """Return the error that names the option whose value settings reject; for any other error return None."""
     from pydantic import ValidationError
 
     from trundle.cli.shared import field_options

@@ -193,7 +193,7 @@ def _export_nav2(
 
 
 def choose_file(source: str, to: str | None, out: Path | None) -> tuple[Path, str]:
-    """The output file, whose folder is created, and the format by name.
+    """Return the output file, whose folder is created, and the name of the format.
 
     Raises:
         UnknownNameError: If there is no such format; the nearest is offered.
@@ -269,7 +269,7 @@ def _check_uses(given: dict[str, Any], kind: str, form: str) -> None:
 
 
 def _world_options(form: str, given: dict[str, Any]) -> dict[str, Any]:
-    """Options of a world's format: a robot's name is replaced by the robot, or for a map by its height band."""
+    """Return the options of a world's format: a robot's name becomes the robot, or for a map its height band."""
     from trundle.robots import Robot
 
     found = dict(given)

@@ -201,7 +201,7 @@ def _text(path: FilePath | None) -> str | None:
 
 
 def _find_target(out: FilePath | None) -> FilePath | None:
-    """The picture's path; None, with a remark, if it cannot be written: the plan is useful without it."""
+    """Return the picture's path. If it cannot be written, say so and return None: the plan is useful without it."""
     try:
         return options.output_file(out or FilePath("overlay.png"), "overlay.png", (".png",))
     except OutputError as error:
@@ -210,7 +210,7 @@ def _find_target(out: FilePath | None) -> FilePath | None:
 
 
 def _moved(path: Path) -> dict[str, str]:
-    """Which ends were moved to where the robot fits."""
+    """Say which ends were moved to where the robot fits."""
     ends = {"start": path.start_snapped_m, "goal": path.goal_snapped_m}
     moved = [
         f"the {end} by {distance:.3f} m to where the robot fits" for end, distance in ends.items() if distance > 0.0

@@ -81,7 +81,7 @@ def _record(mission: Mission, opened: ExitStack) -> tuple[Sequence[Observer], Pa
 
 
 def _with_lidars(base: Scenario, source: str, given: scenario_options.ScenarioOptions) -> Scenario:
-    """The scenario with the robot's lidars, unless it says otherwise: without them nothing that is dropped is seen."""
+    """Switch the robot's lidars on, unless the scenario says otherwise: without them it sees no dropped box."""
     from trundle.robots import Robot
 
     if (

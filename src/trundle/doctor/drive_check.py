@@ -94,7 +94,7 @@ def check_drive(
 
     Args:
         simulator: The simulator of the robot.
-        configured: The drive that commands are computed with; None means the one of the simulator's robot.
+        configured: The drive that commands are computed with; by default that of the simulator's robot.
         start: Start pose, map frame.
 
     Raises:
@@ -247,7 +247,7 @@ def _held_heading(drive: DifferentialDrive) -> DriveFinding:
 
 
 def _degrees(tracking: float) -> str:
-    """The likely cause if the speeds are off by the number of degrees in a radian."""
+    """Return the likely cause if the speeds are off by the number of degrees in a radian; else nothing."""
     for factor, words in (
         (math.radians(1.0), "degrees used as radians"),
         (math.degrees(1.0), "radians used as degrees"),

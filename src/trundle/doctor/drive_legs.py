@@ -25,7 +25,7 @@ _CRUISE_S = 3.0
 
 @dataclass(frozen=True, slots=True)
 class Travel:
-    """Rotation of two wheels [rad], and of the base its distance along its heading [m] and its rotation [rad]."""
+    """Rotation of both wheels [rad]; distance of the base along its heading [m], and its rotation [rad]."""
 
     left: float
     right: float
@@ -85,7 +85,7 @@ class Leg:
     touched: frozenset[str] = field(default_factory=frozenset)
 
     def lost(self, left: Wheel, right: Wheel) -> float:
-        """Share of the wheels' travel lost at the start; 0 if there was none."""
+        """Return the share of the wheels' travel that was lost at the start; 0 if nothing was."""
         forward = left.forward * self.start.left + right.forward * self.start.right
         turned = left.turn * self.start.left + right.turn * self.start.right
         radius, track = (left.radius + right.radius) / 2.0, (left.track + right.track) / 2.0
@@ -111,7 +111,7 @@ def drive_legs(simulator: Simulator, drive: DifferentialDrive, start: Pose2D) ->
 
 
 def _ramp_time(limits: Limits, target: Twist2D, *, hard: bool) -> float:
-    """Ramp time of the command [s]: at the maximum acceleration, or four times as long and at least 3 s."""
+    """Return the ramp time of the command [s]: the shortest if hard, else four times as long and at least 3 s."""
     shortest = max(abs(target.v) / limits.linear_acceleration, abs(target.w) / limits.angular_acceleration)
     return shortest if hard else max(_GENTLE_RAMP_S, 4.0 * shortest)
 
@@ -152,7 +152,7 @@ def _drive_leg(simulator: Simulator, drive: DifferentialDrive, pose: Pose2D, tar
 
 
 def _drive_commands(simulator: Simulator, pose: Pose2D, commands: list[tuple[float, float, float]]) -> list[RobotState]:
-    """The state at the end of every command's period."""
+    """Drive the commands, and return the state at the end of each one's period."""
     script = CommandScript(commands, period_s=PERIOD)
     session = Session(simulator, script, pose, monitor=False, stop_on_contact=False, measure=None)
     states: list[RobotState] = []
@@ -164,7 +164,7 @@ def _drive_commands(simulator: Simulator, pose: Pose2D, commands: list[tuple[flo
 
 
 def _travel(states: list[RobotState]) -> Travel:
-    """How far the wheels turned and the base went, the latter along its own heading."""
+    """Return how far the wheels turned and the base went, the latter along its own heading."""
     poses = np.array([state.pose.as_tuple() for state in states])
     turns = np.array([wrap_angle(turn) for turn in np.diff(poses[:, 2])])
     headings = poses[:-1, 2] + turns / 2.0

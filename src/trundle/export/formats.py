@@ -46,7 +46,7 @@ class Scene:
 
 @dataclass(frozen=True, slots=True)
 class Format:
-    """A format.
+    """A file format, and what it can hold.
 
     Attributes:
         suffixes: File suffixes; the first is the usual one.
@@ -61,7 +61,7 @@ class Format:
     scene: str | None = None
 
     def writer(self, kind: Kind) -> str | None:
-        """The function that writes this kind, or None."""
+        """Return the function that writes this kind, or None."""
         return {"world": self.world, "robot": self.robot, "scenario": self.scene}[kind]
 
 
@@ -111,7 +111,7 @@ def export_world(world: World, path: str | os.PathLike[str], *, to: str | None =
     Args:
         world: The world.
         path: The file; an existing file is replaced atomically.
-        to: The format by name; None means the one of the path's suffix.
+        to: The format by name; by default that of the path's suffix.
         options: Options of the format: `robot` for mjcf; `resolution` and `z_range` for map; `profile` for usd.
 
     Returns:
@@ -133,7 +133,7 @@ def export_robot(robot: Robot, path: str | os.PathLike[str], *, to: str | None =
     Args:
         robot: The robot.
         path: The file; an existing file is replaced atomically.
-        to: The format by name; None means the one of the path's suffix.
+        to: The format by name; by default that of the path's suffix.
         options: Options of the format: `profile` for usd.
 
     Returns:
@@ -154,7 +154,7 @@ def export_scene(scene: Scene, path: str | os.PathLike[str], *, to: str | None =
     Args:
         scene: The scene.
         path: The file; an existing file is replaced atomically.
-        to: The format by name; None means the one of the path's suffix.
+        to: The format by name; by default that of the path's suffix.
         options: Options of the format: `profile` for usd; `environment` and `robot_usd` for isaac-script.
 
     Returns:

@@ -125,7 +125,7 @@ def _add_solid(
 
 
 def _take_apart(solids: Sequence[Solid], ground: float) -> dict[str, Pieces]:
-    """Convex collision pieces of meshes above the ground."""
+    """Return the convex collision pieces of meshes above the ground."""
     pieces = take_apart([lower_solid(solid, ground) for solid in solids], ceiling=math.inf)
     up = (0.0, 0.0, ground)
     return {

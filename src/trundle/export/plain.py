@@ -25,7 +25,7 @@ _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 def plain_solids(world: World, *, reserved: tuple[str, ...] = ()) -> list[Solid]:
-    """A world's solids, with blocked cells as boxes that fill the same space, named after their rows and columns.
+    """Return a world's solids, with blocked cells as boxes of the same space, named after their rows and columns.
 
     Args:
         world: The world.
@@ -80,7 +80,7 @@ def mesh_folder(path: Path) -> Path:
 
 
 def numbers(values: Iterable[float]) -> str:
-    """Numbers separated by spaces, each with the fewest digits that read back exactly."""
+    """Write numbers separated by spaces, each with the fewest digits that read back exactly."""
     return " ".join(_number(value) for value in np.asarray(list(values), dtype=np.float64).tolist())
 
 
@@ -92,7 +92,7 @@ def add(parent: ElementTree.Element, tag: str, text: str | None = None, **attrib
 
 
 def to_text(root: ElementTree.Element) -> str:
-    """The whole file."""
+    """Write the text of a whole XML file, indented."""
     ElementTree.indent(root)
     return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 

@@ -223,7 +223,7 @@ class _Writer:
         return Mesh(model.mesh_vert[vertex : vertex + vertices].astype(float), model.mesh_face[face : face + faces])
 
     def _material(self, friction: float) -> Any:
-        """A material with a friction. Wheels combine it with the floor's; casters use the lower of the two."""
+        """Return a material with a friction. Wheels combine it with the floor's; casters use the lower of the two."""
         if friction not in self._materials:
             UsdGeom.Scope.Define(self.stage, f"{self.root}/materials")
             path = f"{self.root}/materials/friction_{friction:g}".replace(".", "_")
@@ -232,7 +232,7 @@ class _Writer:
 
 
 def _add_lidars(stage: Any, base: str, robot: Robot) -> None:
-    """A frame for each lidar, to attach a sensor to."""
+    """Add a frame for each lidar, to attach a sensor to."""
     names = PrimNames()
     for name, lidar in robot.lidars.items():
         frame = UsdGeom.Xform.Define(stage, f"{base}/{names.take(name if 'lidar' in name else f'lidar_{name}')}")
@@ -240,12 +240,12 @@ def _add_lidars(stage: Any, base: str, robot: Robot) -> None:
 
 
 def _axis(axis: FloatArray) -> str | None:
-    """The USD axis equal to an axis; None if there is none."""
+    """Return the USD axis equal to an axis; None if there is none."""
     return next((name for name, unit in _AXES.items() if np.allclose(axis, unit, atol=1e-12)), None)
 
 
 def _frame(axis: FloatArray) -> FloatArray:
-    """Rotation, shape (3, 3), from one of USD's axes to a joint's: identity if it is one of them, else from x."""
+    """Return the rotation, shape (3, 3), from one of USD's axes to a joint's: identity if it is one, else from x."""
     if _axis(axis) is not None:
         return np.eye(3)
     x, y, z = (float(number) for number in axis)

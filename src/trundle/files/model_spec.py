@@ -80,7 +80,7 @@ def read_spec(
         path: The file.
         folders: Folders to search for package:// and model:// names, after the folders above the file.
         error: Type of the exception.
-        geometry: For a URDF, read only its collision or only its visual geometry; None reads both.
+        geometry: For a URDF, read only its collision or only its visual geometry; by default both.
 
     Raises:
         InputError: Of the type `error`, if it cannot be read, is neither MJCF nor URDF, or a mesh is missing.
@@ -213,7 +213,7 @@ def _check_numbers(where: str, element: ElementTree.Element, error: type[InputEr
 
 
 def _mesh_asset(where: str, path: Path, stem: str, error: type[InputError]) -> tuple[str, bytes]:
-    """A mesh's name and content for MuJoCo, converted to binary STL if MuJoCo cannot read the format."""
+    """Return a mesh's name and content for MuJoCo, as binary STL if MuJoCo cannot read the format."""
     suffix = path.suffix.lower()
     if suffix in _AS_THEY_ARE:
         content = read_limited(path, error=error)
@@ -250,7 +250,7 @@ def _check_mjcf(path: Path, root: XmlElement, *, error: type[InputError]) -> Non
 
 @dataclass(slots=True)
 class _MjcfCheck:
-    """A walk through an MJCF file and those that it includes.
+    """Walks through an MJCF file and those that it includes.
 
     Attributes:
         error: Type of the exception.
@@ -323,7 +323,7 @@ class _MjcfCheck:
 
 
 def _elements_with_copies(root: XmlElement, copies: int) -> Iterator[tuple[XmlElement, int]]:
-    """All elements, each with its number of generated copies."""
+    """Yield all elements, each with its number of generated copies."""
     stack = [(root, copies)]
     while stack:
         element, times = stack.pop()
@@ -334,7 +334,7 @@ def _elements_with_copies(root: XmlElement, copies: int) -> Iterator[tuple[XmlEl
 
 
 def _count_copies(element: XmlElement) -> int:
-    """Number of copies that an element generates; 1 if MuJoCo cannot parse the number."""
+    """Return the number of copies that an element generates; 1 if MuJoCo cannot parse it."""
     try:
         return max(1, math.prod(int(word) for word in element.get("count", "1").split()))
     except ValueError:

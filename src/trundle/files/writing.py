@@ -68,7 +68,7 @@ def atomic_path(target: str | os.PathLike[str], *, durable: bool = False) -> Ite
 
 
 def cannot_write(what: str | os.PathLike[str], error: OSError) -> OutputError:
-    """The error of a file that could not be written: which, why, and what to do where the disk is full."""
+    """Return the error of a file that could not be written: which, why, and what to do if the disk is full."""
     reason = f"cannot write {os.fspath(what)}: {error.strerror or error}"
     return OutputError(f"{reason}; {_ADVICE[error.errno]}" if error.errno in _ADVICE else reason)
 
@@ -175,7 +175,7 @@ def new_folder(root: str | os.PathLike[str], name: str) -> Path:
 
 
 def output_path(target: str | os.PathLike[str]) -> Path:
-    """The path of an output file or folder.
+    """Return the path of an output file or folder.
 
     Raises:
         OutputError: If it is not a valid path.
@@ -187,9 +187,10 @@ def output_path(target: str | os.PathLike[str]) -> Path:
 
 
 def path_beside(name: str, target: str | os.PathLike[str]) -> str:
-    """How a file that is to be written at `target` names another file.
+    """Return the path by which a file that is to be written at `target` names another file.
 
-    Relative to its folder where both are below the current folder, so that they can be moved together; else in full.
+    It is relative to the folder of `target` if both are below the current folder, so that they can be moved
+    together; else it is absolute.
     """
     here, folder, other = Path.cwd(), output_path(target).resolve().parent, Path(name).resolve()
     together = Path(name).suffix and other.is_relative_to(here) and folder.is_relative_to(here)
@@ -197,7 +198,7 @@ def path_beside(name: str, target: str | os.PathLike[str]) -> str:
 
 
 def _permissions(path: Path) -> int:
-    """Permissions of the file to replace, or the default ones of a new file."""
+    """Return the permissions of the file to replace, or the default ones of a new file."""
     try:
         return stat.S_IMODE(path.stat().st_mode)
     except FileNotFoundError:
@@ -238,7 +239,7 @@ class FolderLock:
 
 
 def _lock(folder: Path, user: str) -> int | None:
-    """Lock a folder by a file in it. None where files cannot be locked."""
+    """Lock a folder by a file in it, and return its descriptor; None if the file system cannot lock files."""
     path = folder / LOCK
     while True:
         folder.mkdir(parents=True, exist_ok=True)  # Whoever held the lock may have removed it, and the folder.

@@ -79,12 +79,12 @@ def compose_text(text: str, name: str, *, allow_duplicate_keys: bool = False) ->
 
 
 def place(node: yaml.Node, name: str) -> str:
-    """`file:line:column` of a node, counted from 1."""
+    """Return `file:line:column` of a node, counted from 1."""
     return _place(name, node.start_mark)
 
 
 def keys_of(node: yaml.Node) -> list[str]:
-    """Keys of a mapping; empty for any other node."""
+    """Return the keys of a mapping; of any other node none."""
     if not isinstance(node, yaml.MappingNode):
         return []
     return [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]

@@ -59,7 +59,7 @@ def carry_out(
     overwrite: bool = False,
     time_budget_s: float | None = None,
 ) -> Evaluation | None:
-    """Run a suite; see `run_suite` for arguments and errors. None means that it was stopped from outside."""
+    """Run a suite; see `run_suite` for arguments and errors. If it is stopped from outside, return None."""
     try:
         with ends_as_by_ctrl_c(), ProgressLine(json=json, quiet=quiet) as line:
             folder = run_suite(
@@ -87,7 +87,7 @@ class ProgressLine:
     Args:
         json: Print JSON lines.
         quiet: Show no progress; JSON lines are printed all the same.
-        every_s: Time between two lines [s]; none means as above.
+        every_s: Time between two lines [s]; by default as above.
     """
 
     def __init__(self, *, json: bool = False, quiet: bool = False, every_s: float | None = None) -> None:
@@ -150,7 +150,7 @@ class ProgressLine:
 
 
 def describe(progress: Progress) -> str:
-    """Done, rate, time left, success with its interval, and outcomes so far, in at most 79 columns."""
+    """Describe what is done, the rate, the time left, the success and the outcomes so far, in at most 79 columns."""
     parts = [f"{progress.done:,}/{progress.total:,}"]
     counts = sum(progress.outcomes.values())
     if counts:
@@ -170,7 +170,7 @@ def describe(progress: Progress) -> str:
 
 
 def as_dict(progress: Progress) -> dict[str, object]:
-    """The same as plain values."""
+    """Return the progress as plain values, for JSON."""
     counts = sum(progress.outcomes.values())
     low, high = progress.success
     return {

@@ -63,7 +63,7 @@ def _flag(help: str, negative: str = "") -> Parameter:
 
 @dataclass(frozen=True, kw_only=True)
 class DriveOptions:
-    """What drives, and what it has to live with."""
+    """Options of the robot, of what drives it, and of the errors of its sensors."""
 
     robot: Annotated[str, _crossed("robot", options.ROBOT_HELP)] = "jackal"
     speed: Annotated[
@@ -88,7 +88,7 @@ class DriveOptions:
     backend: Annotated[str, _crossed("backend", "The simulator: mujoco or kinematic. Commas cross several.")] = "mujoco"
 
     def conditions(self, robots: Sequence[str], *, seeds: str, drift: bool, monitor: bool) -> Conditions:
-        """The conditions that they say, for robots by name or file; the last two where they say nothing.
+        """Return the conditions of the runs, for robots by name or file; `drift` and `monitor` are defaults.
 
         Raises:
             InputError: If a value cannot be read.
@@ -106,7 +106,7 @@ class DriveOptions:
         )
 
     def robots(self) -> list[dict[str, Any]]:
-        """The settings of the robots.
+        """Return the settings of the robots, one for each speed.
 
         Raises:
             InputError: If they cannot be used.
@@ -117,7 +117,7 @@ class DriveOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class OutputOptions:
-    """What to write, and how to run."""
+    """Options of what is written, and of how the benchmark is run."""
 
     out: Annotated[
         Path | None, Parameter(name=["--out", "-o"], help="Folder to write or continue; default: a new one under runs.")

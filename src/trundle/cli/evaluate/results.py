@@ -124,7 +124,7 @@ def report_evaluation(
 
     Args:
         evaluation: The evaluation.
-        require: What it is judged by; none means what its suite requires.
+        require: What it is judged by; by default what its suite requires.
         json: Print one JSON line.
         figures: Further ones to print, by name.
         facts: More for the JSON line.

@@ -132,7 +132,7 @@ def run(
 
 
 def _make_suite(given: tuple[str, ...], changes: dict[str, Any]) -> Suite:
-    """The suite that is given, changed by the options; or one of maps and worlds."""
+    """Make the suite that is given, changed by the options; or one of maps and worlds."""
     if given[0] == MAPS:
         missions = changes.get("missions", {})
         rest = {name: value for name, value in changes.items() if name != "missions"}
@@ -162,5 +162,5 @@ def _make_suite(given: tuple[str, ...], changes: dict[str, Any]) -> Suite:
 
 
 def _fields(model: Config) -> dict[str, Any]:
-    """The fields that were given."""
+    """Return the fields that were given."""
     return {name: getattr(model, name) for name in model.model_fields_set}

@@ -153,7 +153,7 @@ def _parse_bounds(text: str | None) -> Bounds | None:
 
 
 def _parse_free(texts: list[str] | None) -> list[tuple[float, float]] | None:
-    """Seeds of the flood fill; an empty list for the largest area, None for the world's own."""
+    """Return the seeds of the flood fill; an empty list stands for the largest area, None for the world's own seeds."""
     if texts is None:
         return None
     if "largest" in texts:

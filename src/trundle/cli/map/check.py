@@ -133,7 +133,7 @@ def check(
 def _written_lines(
     report: MapReport, fix: tuple[Path | None, Path | None], picture: tuple[Path | None, Path | None]
 ) -> list[str]:
-    """Lines on which of the requested files were written."""
+    """Return lines that say which of the requested files were written."""
     lines: list[str] = []
     for (asked, written), what in ((fix, "fixed"), (picture, "picture")):
         if written is not None:
@@ -155,6 +155,6 @@ def _draw(grid: OccupancyGrid, report: MapReport, target: Path, title: str, robo
 
 
 def _covered(corners: tuple[tuple[float, float], ...]) -> float:
-    """Area of a footprint [m²]."""
+    """Return the area of a footprint [m²], by the shoelace formula."""
     following = (*corners[1:], corners[0])
     return abs(sum(x * b - a * y for (x, y), (a, b) in zip(corners, following, strict=True))) / 2.0

@@ -160,7 +160,7 @@ def serve(
 
 
 def _target(out: Path | None, *, record: bool, overwrite: bool) -> Path | None:
-    """Where `--out` says that the recording goes; None for a new folder."""
+    """Return the file that `--out` names for the recording; None stands for a new folder."""
     if not record:
         if out is not None:
             raise InputError(f"--out {out} is for a recording: give --record with it")
@@ -191,7 +191,7 @@ def _recording(target: Path | None, scenario: Scenario, types: Types, transport:
 def _page(
     scenario: Scenario, source: str, speed: float, *, shows: bool, quiet: bool
 ) -> Iterator[tuple[Steerer | None, Callable[[Mission, int], Sequence[Observer]] | None]]:
-    """What drives the runs and shows them in the browser; neither where no page is wanted."""
+    """Yield what drives the runs and what shows them in the browser; both are None if no page is wanted."""
     if not shows:
         yield None, None
         return
@@ -268,11 +268,11 @@ def _report(episode: Episode | None, wire: Wire, record: WireRecord | None, *, j
 
 
 def describe_offer(wire: Wire, settings: Mapping[str, object]) -> dict[str, object]:
-    """Everything that is published, read and served, with the node, the domain and what is off.
+    """Describe what is published, read and served, with the node, the domain and what is off.
 
     Args:
-        wire: The bridge's.
-        settings: What else is to be said first: the role, the profile …
+        wire: The bridge's connection to the network.
+        settings: Further facts, which come first: the role, the profile, …
     """
     transport = wire.transport
     return {
@@ -314,7 +314,7 @@ def _print_offer(offer: Mapping[str, object], wire: Wire) -> None:
 
 
 def _notes(transport: Transport) -> list[str]:
-    """What the user should know of the network: what is off, what is bound where, which variables are overruled."""
+    """Return what the user should know of the network: what is off, and which variables are overruled."""
     return [*transport.settings.notes, *transport.notes]
 
 

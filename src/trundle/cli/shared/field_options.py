@@ -55,7 +55,7 @@ def options_class(options: Sequence[OptionField]) -> type[GivenOptions]:
 
 
 def option_name(field: str) -> str:
-    """Name of a field's option. It omits the unit, which is in the help: `--planning-deadline` of `…_deadline_s`."""
+    """Return the name of a field's option. It omits the unit: `--planning-deadline` for `planning_deadline_s`."""
     return f"--{default_name_transform(field.removesuffix('_s'))}"
 
 

@@ -25,18 +25,18 @@ class Presentation:
     """How a run is shown while it drives, and what is recorded of it.
 
     Attributes:
-        out: Output folder; None means a new one under runs.
+        out: Output folder; by default a new one under runs.
         overwrite: Replace an existing run in it.
         video: Whether to make a video.
         view: Whether to show it in a window while it drives.
         browser: Whether to show it in the browser, where it can be steered.
-        speed: Simulated seconds per second, infinity for as fast as it can; None means 1 where it is shown.
+        speed: Simulated seconds per second; infinity is as fast as possible. If None, it is 1 where the run is shown.
         json: Print one JSON value.
         quiet: No progress bar and no remarks.
         with_place: Whether to add the map and a picture of the scene to the folder.
         narrate: Whether to print each stage, and the progress if there is no terminal for a progress bar.
         page: Whether to write report.html.
-        facts: More for the JSON value.
+        facts: Further members of the JSON value.
     """
 
     out: Path | None
@@ -213,7 +213,7 @@ def _remark_on_encoder(scenario: Scenario, *, quiet: bool) -> None:
 
 
 def _scene_frames(mission: Mission, *, quiet: bool) -> MakeFrames | None:
-    """Frames rendered with OpenGL; None for a video drawn from above: in Isaac Sim, or without a driver."""
+    """Return what renders frames with OpenGL. In Isaac Sim or without a driver return None: it is drawn from above."""
     if mission.scenario.backend.name == isaac.BACKEND:
         return None
     from trundle.viewer.gl import describe_missing_gl, find_gl
@@ -257,12 +257,12 @@ _PLACE = {_MAP: _write_map, _SCENE: _write_scene}
 
 
 def _place_of(shown: Presentation) -> tuple[str, ...]:
-    """Files of the place that are added to the folder."""
+    """Return the files of the place that are added to the folder."""
     return tuple(_PLACE) if shown.with_place else ()
 
 
 def _sensing_facts(metrics: Metrics) -> dict[str, str]:
-    """What a run with a localizer, moving obstacles, a collision monitor or standstills adds to the report."""
+    """Return what the report adds on a localizer, moving obstacles, a collision monitor and standstills."""
     facts: dict[str, str] = {}
     if metrics.standing_contacts:
         facts["run into while standing"] = first_names(metrics.standing_contacts)
@@ -279,7 +279,7 @@ def _sensing_facts(metrics: Metrics) -> dict[str, str]:
 
 
 def _behavior_facts(episode: Episode) -> dict[str, str]:
-    """What a run with recovery or other behaviors adds to the report."""
+    """Return what the report adds on recovery and other behaviors."""
     from trundle.navigation.behaviors import describe_behaviors
 
     recovery = describe_behaviors([ran for ran in episode.behaviors if ran.recovery])

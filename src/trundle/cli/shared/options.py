@@ -53,7 +53,7 @@ def _speed(help: str) -> Parameter:
 FirstSpeed = Annotated[
     str, _speed("Simulated seconds per second of the first run, 0.1 to 50, or max; the page can change it.")
 ]
-"""Of what is set up in the page."""
+"""Speed of the first run of `trundle serve`."""
 
 RunSpeed = Annotated[
     str | None,
@@ -62,7 +62,7 @@ RunSpeed = Annotated[
         "else max."
     ),
 ]
-"""Of a run."""
+"""Speed of a run of any other verb."""
 
 Browser = Annotated[
     bool,
@@ -266,12 +266,12 @@ def parse_settings(texts: list[str] | None, exclude: list[str] | None = None) ->
 
 
 def join_paths(folders: list[str] | None) -> str:
-    """The folders of `--paths` as one text."""
+    """Join the folders of `--paths` into one text."""
     return os.pathsep.join(folders or ())
 
 
 def output_file(out: Path, default_name: str, suffixes: tuple[str, ...]) -> Path:
-    """Where a verb writes its one file: `out` itself when it has one of the suffixes, else `default_name` in it.
+    """Return the file that a verb writes: `out` if it has one of the suffixes, else `default_name` in that folder.
 
     The folder is created and checked before any work is done.
 
@@ -289,7 +289,7 @@ def output_file(out: Path, default_name: str, suffixes: tuple[str, ...]) -> Path
 
 
 def new_yaml_file(out: Path, default_name: str, *, overwrite: bool) -> Path:
-    """The `output_file` of a verb that writes YAML, and replaces a file only with --overwrite.
+    """Return the `output_file` of a verb that writes YAML, and replaces a file only with --overwrite.
 
     Raises:
         OutputError: As `output_file`.

@@ -125,7 +125,7 @@ _READ_APART = {"start", "goals", *PLUGINS, *_PAIRS}
 
 @Parameter(name="*")
 class ScenarioOptions(options_class(_OPTIONS)):
-    """What was given of the options of a mission: an attribute for each of `_OPTIONS`."""
+    """The options of a mission that were given, with an attribute for each of `_OPTIONS`."""
 
     def make(self, source: str, report: nav2.Nav2Report | None = None, *, robot: str | None = None) -> Scenario:
         """Build the scenario from a map, a world by name or file, or another scenario.
@@ -178,7 +178,7 @@ class ScenarioOptions(options_class(_OPTIONS)):
         return changes | given(self.costmap) | given(self.navigation)
 
     def _with_nav2(self, base: Scenario, changes: dict[str, object], report: nav2.Nav2Report | None) -> Scenario:
-        """The scenario with Nav2's parameters, which come after the options and before what it says itself."""
+        """Return the scenario with Nav2's parameters: options come before them, and they before the scenario's own."""
         told = nav2.Nav2Report() if report is None else report
         found = nav2.translate(self.nav2_params, base, changes, told)
         if report is None:
@@ -203,7 +203,7 @@ class ScenarioOptions(options_class(_OPTIONS)):
 
 
 def _of_obstacles(given: dict[str, object], kept: dict[str, object]) -> dict[str, object]:
-    """Settings of layers, of which those of the obstacle layer stand in its own part."""
+    """Return the settings of layers, with those of the obstacle layer in their own part."""
     inner = {name: value for name, value in given.items() if name in ObstacleLayerSettings.model_fields}
     rest = {name: value for name, value in given.items() if name not in inner}
     before = kept.get("obstacle")
@@ -212,7 +212,7 @@ def _of_obstacles(given: dict[str, object], kept: dict[str, object]) -> dict[str
 
 
 DEFAULTS = ScenarioOptions()
-"""Default options."""
+"""The options if none is given."""
 
 
 def _read(source: str, world_options: dict[str, bool | int | float | str], changes: dict[str, object]) -> Scenario:

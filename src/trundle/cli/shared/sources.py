@@ -88,7 +88,7 @@ def check_given(text: str | os.PathLike[str], *wanted: str) -> None:
 
 
 def _kinds_of_name(text: str) -> list[str]:
-    """The kinds of known things with this name."""
+    """Return the kinds of known things with this name."""
     from trundle.control import controller_names
     from trundle.planning import planner_names
     from trundle.robots import robot_names
@@ -233,7 +233,7 @@ def read_settings(
 def find_floor_z(
     world: World, source: str | None, robot: Robot, start: tuple[float, float] | Pose2D | None, floor_z: float | None
 ) -> float:
-    """Height [m] of the floor: --floor-z, else under the start, or under most of a world from a file.
+    """Return the height [m] of the floor: --floor-z, else under the start, or under most of a world from a file.
 
     Raises:
         InputError: If --floor-z is given without a world.
@@ -257,14 +257,14 @@ def find_floor_z(
 def stand_on_floor(
     world: World, source: str | None, robot: Robot, start: Pose2D | None, floor_z: float | None
 ) -> World:
-    """A world with its floor at z = 0; see `find_floor_z`."""
+    """Move a world so that its floor is at z = 0; see `find_floor_z`."""
     from trundle.worlds.floors import lower_world
 
     return lower_world(world, find_floor_z(world, source, robot, start, floor_z))
 
 
 def start_pose(world: World, text: str | None) -> Pose2D:
-    """A robot's start pose: --start, else the world's first free place, else the origin."""
+    """Return a robot's start pose: --start, else the world's first free place, else the origin."""
     from trundle.geometry import Pose2D
 
     if text is not None:
