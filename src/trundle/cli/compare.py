@@ -12,6 +12,7 @@ from trundle.cli.shared.sources import check_given
 from trundle.files.kinds import ARRAYS, DRIVE, RUN, TABLE
 
 _LONGER_S = 0.5
+"""Runs whose ends differ by more than this are said to be compared only up to the end of the shorter one."""
 
 app = App(
     name="compare",

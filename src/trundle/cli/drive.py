@@ -30,13 +30,17 @@ if TYPE_CHECKING:
     from trundle.worlds import World
 
 PERIOD_S = 0.05
+"""Control period, that of a navigator with its default frequency of 20 Hz."""
+
 STEP_S = 0.005
+"""The simulators' physics step: a command lasts a whole number of them."""
+
 MAX_SECONDS = 3600.0
 
 Command: TypeAlias = tuple[float, float, float]
 """v [m/s], w [rad/s] and seconds."""
 
-_CELL_M = 0.05
+_CELL_M = 0.05  # that of the maps that trundle makes by default
 _ROOM_M = 15.0
 """How far the map of an empty floor reaches from the start."""
 

@@ -18,7 +18,7 @@ PERIOD = 0.05
 """Control period [s]."""
 
 _STANDSTILL_S = 0.5
-_GENTLE_RAMP_S = 3.0
+_GENTLE_RAMP_S = 3.0  # A longer ramp slips less, but needs more of the 3 m of free floor.
 _SETTLE_S = 1.0
 _CRUISE_S = 3.0
 

@@ -9,39 +9,15 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias, cast
 
 from trundle.errors import InputError, OutputError, UnknownNameError, WorldError
-from trundle.export.plain import check_encodable
+from trundle.export.plain import Scene, check_encodable
 from trundle.files.opening import exists
 from trundle.files.writing import output_path
-from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
-from trundle.maps.masks import SpeedMask
-from trundle.path import Path as Plan
 from trundle.robots import Robot
 from trundle.worlds import World
 
 Kind: TypeAlias = Literal["world", "robot", "scenario"]
 """What can be exported."""
-
-
-@dataclass(frozen=True, slots=True)
-class Scene:
-    """A prepared scenario: world, robot, start and plans.
-
-    Attributes:
-        name: Shown in the exported file.
-        world: The world.
-        robot: The robot.
-        start: Pose of base_link, map frame.
-        paths: The planned paths to its goals, in order; empty if nothing was planned.
-        speed_mask: Limits its speed, or None.
-    """
-
-    name: str
-    world: World
-    robot: Robot
-    start: Pose2D
-    paths: tuple[Plan, ...] = ()
-    speed_mask: SpeedMask | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ import numpy as np
 
 from trundle.control.sections import Section, cut_sections, path_vertices
 from trundle.errors import InputError
-from trundle.export.formats import Scene
+from trundle.export.plain import Scene
 from trundle.export.usd import export_robot, export_world
 from trundle.files.writing import write_text
 from trundle.maps.masks import SpeedMask
@@ -32,11 +32,11 @@ Zone: TypeAlias = tuple[float, float, float]
 _STOP_TO_TURN = 0.35
 """At bends sharper than this [rad] the follower stops and turns: it has no footprint check for curves."""
 
-_LOOKAHEAD = 0.4
-_STEPS = 4
+_LOOKAHEAD = 0.4  # [m]; a smaller one follows the path more closely, but oscillates at speed.
+_STEPS = 4  # physics steps for each command
 _POINTS_A_LINE = 6
 _ZONES_A_LINE = 4
-_ZONE_STEP_M = 0.025
+_ZONE_STEP_M = 0.025  # half of the usual cell of a map, so that no cell of a mask is skipped
 
 
 def export_scene(scene: Scene, path: Path, *, environment: str | None = None, robot_usd: str | None = None) -> None:

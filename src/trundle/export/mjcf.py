@@ -13,8 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError, WorldError
-from trundle.export.formats import Scene
-from trundle.export.plain import add, check_xml_names, numbers, plain_solids, to_text
+from trundle.export.plain import Scene, add, check_xml_names, numbers, plain_solids, to_text
 from trundle.files.writing import write_text
 from trundle.geometry import FloatArray, Pose3D
 from trundle.geometry.solids import Box, Cylinder, Mesh, Solid, Sphere

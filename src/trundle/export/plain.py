@@ -1,19 +1,22 @@
-"""Worlds in what other formats have: blocked cells as boxes, names that are valid in XML, numbers that read back."""
+"""What the formats share: scenes, worlds without what other formats lack, and the text of XML."""
 
 from __future__ import annotations
 
+import pathlib
 import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable
-from dataclasses import replace
-from pathlib import Path
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from trundle.errors import OutputError, WorldError
 from trundle.files.writing import make_folder
-from trundle.geometry import Pose3D
+from trundle.geometry import Pose2D, Pose3D
 from trundle.geometry.solids import Box, OccupancyCells, Solid
+from trundle.maps.masks import SpeedMask
+from trundle.path import Path
+from trundle.robots import Robot
 from trundle.worlds import World
 from trundle.worlds.shapes import Names
 from trundle.worlds.walls import merge_cells
@@ -22,6 +25,27 @@ MOST_BOXES = 100_000
 """A map with more boxes than this for its blocked cells is refused: no program loads such a file in a useful time."""
 
 _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """A prepared scenario: world, robot, start and plans.
+
+    Attributes:
+        name: Shown in the exported file.
+        world: The world.
+        robot: The robot.
+        start: Pose of base_link, map frame.
+        paths: The planned paths to its goals, in order; empty if nothing was planned.
+        speed_mask: Limits its speed, or None.
+    """
+
+    name: str
+    world: World
+    robot: Robot
+    start: Pose2D
+    paths: tuple[Path, ...] = ()
+    speed_mask: SpeedMask | None = None
 
 
 def plain_solids(world: World, *, reserved: tuple[str, ...] = ()) -> list[Solid]:
@@ -68,7 +92,7 @@ def check_encodable(names: Iterable[str]) -> None:
             raise WorldError(f"the name {name!r} is not valid Unicode; rename the solid") from error
 
 
-def mesh_folder(path: Path) -> Path:
+def mesh_folder(path: pathlib.Path) -> pathlib.Path:
     """Create the folder for the meshes of a file, `<stem>_meshes` beside it.
 
     Raises:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from trundle.export.formats import Scene
+from trundle.export.plain import Scene
 from trundle.robots import Robot
 from trundle.usd.write import Profile, check_profile, write_world
 from trundle.worlds import World

@@ -10,7 +10,7 @@ import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics
 
 from trundle.errors import OutputError
-from trundle.export.formats import Scene
+from trundle.export.plain import Scene
 from trundle.geometry import FloatArray, Pose3D
 from trundle.geometry.solids import Mesh
 from trundle.robots import Robot

@@ -13,7 +13,10 @@ from trundle.files.opening import open_file, read_up_to
 from trundle.values import as_path
 
 MAX_BYTES = 250_000
+"""Size limit of a settings file: PyYAML takes seconds, and over a hundred times as much memory."""
+
 MAX_DEPTH = 32
+"""Limit on nested values: PyYAML calls itself for each level, and Python ends at about a thousand calls."""
 
 
 class _LimitedLoader(yaml.SafeLoader):

@@ -19,9 +19,10 @@ from trundle.evaluation.engine import InterruptedEvaluationError, Progress, run_
 
 _WIDTH = 79
 _EVERY_S = {"terminal": 0.2, "plain": 10.0, "json": 1.0}
+"""Time between two lines: on a terminal the line is written over, elsewhere each one stays in a log."""
 
 _DURATION = re.compile(r"(?:(\d+)h)?(?:(\d+)m(?:in)?)?(?:(\d+(?:\.\d*)?)s)?")
-_LONGEST_S = 3.6e6
+_LONGEST_S = 3.6e6  # 1000 hours
 TimeBudget = Annotated[
     str | None,
     Parameter(
