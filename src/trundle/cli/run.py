@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import missions, nav2, options, recordings, scenario_options
+from trundle.cli.shared import missions, nav2, scenario_options
 from trundle.cli.shared.sources import check_given
 from trundle.errors import InputError
 from trundle.files.kinds import EVALUATION
@@ -43,17 +43,7 @@ def run(
     given: scenario_options.ScenarioOptions = scenario_options.DEFAULTS,
     from_: Annotated[str | None, Parameter(name="--from", metavar="FOLDER:ID")] = None,
     map_: Annotated[str | None, Parameter(name="--map")] = None,
-    report: bool = True,
-    video: bool = True,
-    view: options.Flag = False,
-    browser: options.Browser = False,
-    speed: options.RunSpeed = None,
-    record: options.Record = False,
-    distro: options.Distro = None,
-    out: options.Out = None,
-    overwrite: options.Overwrite = False,
-    json: options.Json = False,
-    quiet: options.Quiet = False,
+    shown: missions.PresentationOptions = missions.PresentationOptions(),  # noqa: B008 - frozen
 ) -> int:
     """Drive a robot through a map, a generated world or a scenario to its goal.
 
@@ -68,10 +58,6 @@ def run(
         from_: An episode of an evaluation, to be run again exactly, by its folder and the start of its id.
         map_: With --from: the episode's map or world's file, or the folder that holds it, where it has moved; left out:
             where it was, or else beside the evaluation's suite.yaml.
-        report: Write report.html: one file with the replay, plots and figures of the run.
-        video: Write video.mp4.
-        view: Watch it drive in a window, if there is a screen.
-        out: Output folder, which must not hold a run; default: a new one under runs.
     """
     told = nav2.Nav2Report()
     if map_ is not None and from_ is None:
@@ -87,22 +73,8 @@ def run(
         raise InputError("give a map, a world or a scenario; or --from FOLDER:ID for an episode of an evaluation")
     else:
         scenario = given.make(source, told)
-        told.tell(quiet=quiet)
-    scenario = recordings.choose(scenario, record=record, distro=distro)
-    factor = None if speed is None else options.parse_speed(speed)
-    shown = missions.Presentation(
-        out=out,
-        overwrite=overwrite,
-        page=report,
-        video=video,
-        view=view,
-        browser=browser,
-        speed=factor,
-        json=json,
-        quiet=quiet,
-        facts=told.facts,
-    )
-    return missions.drive(scenario, shown)
+        told.tell(quiet=shown.quiet)
+    return missions.drive(scenario, shown, facts=told.facts)
 
 
 def _find_episode(text: str, map: str | None = None) -> Scenario:
