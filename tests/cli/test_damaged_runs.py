@@ -5,7 +5,8 @@ import shutil
 
 import pytest
 
-from trundle.cli.entry import BAD_INPUT, DONE, run_command
+from trundle.cli.entry import run_command
+from trundle.cli.shared.termination import BAD_INPUT, DONE
 
 FILES = ("episode.json", "scenario.yaml", "trajectory.npz", "paths.npz")
 VALUES = (None, "x", -1, [], {}, float("inf"), 10**400)

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from trundle import __version__
-from trundle.cli.entry import BAD_INPUT, DONE, FAULT, INTERRUPTED, PIPE_CLOSED, VERBS, _show_log, run_command
-from trundle.cli.shared.plugins import GROUPS
+from trundle.cli.entry import PLUGIN_GROUPS, VERBS, _show_log, run_command
+from trundle.cli.shared.termination import BAD_INPUT, DONE, FAULT, INTERRUPTED, PIPE_CLOSED
 from trundle.control import controller_names
 from trundle.control.controller import CONTROLLERS
 from trundle.errors import InputError, OutputError
@@ -274,7 +274,7 @@ def test_help_lists_the_plug_ins_that_are_installed(
 
 def test_plug_ins_are_looked_for_where_the_registries_do() -> None:
     ours = (_PLUGINS, WORLDS, PLANNERS, CONTROLLERS, SMOOTHERS, AGENTS, LOCALIZERS, SIMULATORS, BEHAVIORS)
-    assert [registry._group for registry in ours] == list(GROUPS.values())
+    assert [registry._group for registry in ours] == list(PLUGIN_GROUPS.values())
 
 
 @pytest.mark.parametrize("verb", ["export", "map check"])

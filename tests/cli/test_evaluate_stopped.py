@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from support.processes import are_gone, started_by
-from trundle.cli.evaluate.progress import ProgressLine
+from trundle.cli.evaluate.execution import ProgressLine
 from trundle.evaluation import Evaluation
 from trundle.evaluation.engine import Progress
 

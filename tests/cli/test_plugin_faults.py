@@ -12,7 +12,7 @@ import pytest
 
 from support.command_line import Trundle
 from support.page_visitor import OpenPage, Visitor
-from trundle.cli.entry import BAD_INPUT, FAULT, PLUGIN_RAISED
+from trundle.cli.shared.termination import BAD_INPUT, FAULT, PLUGIN_RAISED
 from trundle.mission import Episode, Outcome, Scenario
 from trundle.sim.simulator import SIMULATORS
 from trundle.worlds.world import WORLDS

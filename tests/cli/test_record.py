@@ -2,7 +2,8 @@ import json
 
 import pytest
 
-from trundle.cli.entry import BAD_INPUT, DONE, NOT_THERE, run_command
+from trundle.cli.entry import run_command
+from trundle.cli.shared.termination import BAD_INPUT, DONE, NOT_THERE
 
 RUN = ["run", "warehouse", "--seed", "4", "--backend", "kinematic", "--time-limit", "2", "--no-video", "--quiet"]
 

@@ -15,7 +15,6 @@ from rosbags.highlevel import AnyReader
 from ros2.fake_transport import FakeNetwork, FakeTransport
 from support.command_line import Trundle
 from support.page_visitor import OpenPage
-from trundle.cli.ros2 import offers
 from trundle.errors import MissingExtraError, SimulationError
 from trundle.messages.codec import Codec
 from trundle.messages.qos import CLOCK, SENSOR, Qos
@@ -139,7 +138,7 @@ def test_ctrl_c_as_soon_as_the_offer_is_printed_ends_it_as_well(
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(offers, "describe", interrupt)
+    monkeypatch.setattr("trundle.cli.ros2.serve.describe_offer", interrupt)
     done = trundle("ros2", "serve", room_map, *ROBOT, "--json")
     assert done.code == 0, done.err
     assert json.loads(done.out)["message"] == "stopped by Ctrl-C"

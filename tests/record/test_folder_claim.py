@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from trundle.errors import OutputError
-from trundle.files.folder_lock import LOCK
+from trundle.files.writing import LOCK
 from trundle.record.folder_claim import PREVIOUS, RUN_FILES, FolderClaim, check_free
 
 OLD = {"episode.json": "old", "trajectory.npz": "old", "overlay.png": "old"}

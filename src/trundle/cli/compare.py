@@ -8,10 +8,11 @@ from typing import Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import options, output
-from trundle.cli.shared.given import check_given
+from trundle.cli.shared.sources import check_given
 from trundle.files.kinds import ARRAYS, DRIVE, RUN, TABLE
 
 _LONGER_S = 0.5
+"""Runs whose ends differ by more than this are said to be compared only up to the end of the shorter one."""
 
 app = App(
     name="compare",
@@ -31,7 +32,7 @@ def compare(
     second: Path,
     /,
     *,
-    align: Annotated[bool, Parameter(negative="")] = False,
+    align: options.Flag = False,
     out: Annotated[Path, Parameter(name=["--out", "-o"])] = Path("compare.png"),
     json: options.Json = False,
     quiet: options.Quiet = False,

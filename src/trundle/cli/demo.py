@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
+from cyclopts import App
 
-from cyclopts import App, Parameter
-
-from trundle.cli.shared import missions, options, output, recordings
+from trundle.cli.shared import missions, options, output
 
 app = App(
     name="demo",
@@ -21,48 +18,17 @@ def demo(
     *,
     seed: options.Seed = 4,
     backend: options.Backend = "mujoco",
-    report: bool = True,
-    video: bool = True,
-    view: Annotated[bool, Parameter(negative="")] = False,
-    browser: options.Browser = False,
-    speed: options.RunSpeed = None,
-    record: options.Record = False,
-    distro: options.Distro = None,
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
-    overwrite: options.Overwrite = False,
-    json: options.Json = False,
-    quiet: options.Quiet = False,
+    shown: missions.PresentationOptions = missions.PresentationOptions(),  # noqa: B008 - frozen
 ) -> int:
     """Generate a warehouse, build its map, plan for Nova Carter, drive it to the goal, and record the run.
 
     Needs no screen, no GPU and no ROS. The folder that it writes also holds the map (map.yaml, map.png) and a picture
     of the scene (scene.png).
-
-    Args:
-        report: Write report.html: one file with the replay, plots and figures of the run.
-        video: Write video.mp4.
-        view: Watch it drive in a window, if there is a screen.
-        out: Output folder, which must not hold a run; default: a new one under runs.
     """
     from trundle.mission import Scenario
 
     scenario = Scenario.make(name="demo", world="warehouse", seed=seed, backend=backend)
-    scenario = recordings.choose(scenario, record=record, distro=distro)
-    factor = None if speed is None else options.parse_speed(speed)
-    shown = missions.Presentation(
-        out=out,
-        overwrite=overwrite,
-        page=report,
-        video=video,
-        view=view,
-        browser=browser,
-        speed=factor,
-        json=json,
-        quiet=quiet,
-        with_place=True,
-        narrate=True,
-    )
-    code = missions.drive(scenario, shown)
-    if not browser:
-        output.remark("To watch and steer it live in the browser: trundle demo --browser", quiet=quiet)
+    code = missions.drive(scenario, shown, with_place=True, narrate=True)
+    if not shown.browser:
+        output.remark("To watch and steer it live in the browser: trundle demo --browser", quiet=shown.quiet)
     return code

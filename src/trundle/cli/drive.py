@@ -7,29 +7,42 @@ import time
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from cyclopts import App, Parameter
 
+from trundle.cli.shared import browser as page_in_browser
 from trundle.cli.shared import isaac, options, output, sources
-from trundle.cli.shared.drive_page import drive_in_browser
-from trundle.cli.shared.given import check_given
 from trundle.cli.shared.recordings import FILE as RECORDING
 from trundle.cli.shared.recordings import FolderRecording, choose_record
+from trundle.cli.shared.sources import check_given
 from trundle.errors import InputError
 from trundle.files.kinds import ARRAYS, DRIVE, RUN, TABLE
 from trundle.values import first_names
 
 if TYPE_CHECKING:
     from trundle.geometry import Pose2D
-    from trundle.mission import Observer
+    from trundle.mission import Episode, Observer, RunInfo, Session, Step
+    from trundle.navigation import Agent, CommandScript
     from trundle.record.drive_log import DriveLog
     from trundle.sim import Simulator
     from trundle.viewer.native import NativeWindow
+    from trundle.worlds import World
 
 PERIOD_S = 0.05
+"""Control period, that of a navigator with its default frequency of 20 Hz."""
+
 STEP_S = 0.005
+"""The simulators' physics step: a command lasts a whole number of them."""
+
 MAX_SECONDS = 3600.0
+
+Command: TypeAlias = tuple[float, float, float]
+"""v [m/s], w [rad/s] and seconds."""
+
+_CELL_M = 0.05  # that of the maps that trundle makes by default
+_ROOM_M = 15.0
+"""How far the map of an empty floor reaches from the start."""
 
 
 app = App(
@@ -55,8 +68,8 @@ def drive(
         Parameter(name="--command", allow_leading_hyphen=True, negative="", metavar="V,W,SECONDS"),
     ] = None,
     like: Annotated[Path | None, Parameter(metavar="RUN")] = None,
-    teleop: Annotated[bool, Parameter(negative="")] = False,
-    view: Annotated[bool, Parameter(negative="")] = False,
+    teleop: options.Flag = False,
+    view: options.Flag = False,
     browser: options.Browser = False,
     speed: options.RunSpeed = None,
     world: options.WorldName = None,
@@ -69,7 +82,7 @@ def drive(
     paths: options.Paths = None,
     record: options.Record = False,
     distro: options.Distro = None,
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    out: options.Out = None,
     overwrite: options.Overwrite = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -137,13 +150,12 @@ def drive(
         observers = stack.enter_context(recording).start(claim.path)
         try:
             if browser:
-                drive_in_browser(
+                _drive_in_browser(
                     simulator,
                     pose,
                     None if by_hand else commands,
                     log,
                     observers=observers,
-                    period_s=PERIOD_S,
                     speed=1.0 if factor is None else factor,
                     seed=seed,
                     quiet=quiet,
@@ -166,7 +178,7 @@ def drive(
     return 0
 
 
-def parse_command(text: str) -> tuple[float, float, float]:
+def parse_command(text: str) -> Command:
     """Read `V,W,SECONDS`."""
     v, w, seconds = options.parse_numbers("--command", text, "V,W,SECONDS", at_least=3, at_most=3)
     if not 0.0 < seconds <= MAX_SECONDS:
@@ -176,10 +188,34 @@ def parse_command(text: str) -> tuple[float, float, float]:
     return v, w, seconds
 
 
+class _LegLogger:
+    """Writes a drive into its log: a leg is a command of a script, or the whole of a drive by hand."""
+
+    def __init__(self, log: DriveLog, script: CommandScript | None, commands: Sequence[Command]) -> None:
+        self._log, self._script, self._commands = log, script, commands
+        self._leg = -1
+
+    def on_start(self, run: RunInfo) -> None:
+        """Begin the leg of a drive by hand."""
+        if self._script is None:
+            self._log.begin(0.0, 0.0, 0.0)
+
+    def on_step(self, step: Step) -> None:
+        """Add the state, to the leg of the command that led to it."""
+        script = self._script
+        if script is not None and step.index and script.index != self._leg:
+            self._leg = script.index
+            self._log.begin(*self._commands[self._leg])
+        self._log.add(step.state, step.sent)
+
+    def on_end(self, episode: Episode) -> None:
+        """Do nothing: the verb saves the log."""
+
+
 def _drive_commands(
     simulator: Simulator,
     start: Pose2D,
-    commands: list[tuple[float, float, float]],
+    commands: Sequence[Command],
     log: DriveLog,
     window: NativeWindow | None,
     *,
@@ -187,23 +223,27 @@ def _drive_commands(
     observers: Sequence[Observer],
     speed: float | None,
 ) -> None:
+    """Drive by a list of commands, as fast as it goes, or at a speed and in a window."""
     from trundle.mission import Session
     from trundle.navigation import CommandScript
 
     script = CommandScript(commands, period_s=PERIOD_S)
+    logger = _LegLogger(log, script, commands)
     session = Session(
-        simulator, script, start, monitor=False, seed=seed, stop_on_contact=False, measure=None, observers=observers
+        simulator,
+        script,
+        start,
+        monitor=False,
+        seed=seed,
+        stop_on_contact=False,
+        measure=None,
+        observers=[logger, *observers],
     )
-    log.add(session.state)
     if speed is None:
         speed = math.inf if window is None else 1.0
-    leg, began = -1, time.monotonic()
+    began = time.monotonic()
     try:
         while (step := session.step()) is not None:
-            if script.index != leg:
-                leg = script.index
-                log.begin(*commands[leg])
-            log.add(step.state, step.sent)
             if window is not None:
                 window.show(step.state)
             if speed < math.inf:
@@ -212,6 +252,92 @@ def _drive_commands(
         session.finish()
     if session.error is not None:
         raise session.error
+
+
+def _drive_in_browser(
+    simulator: Simulator,
+    start: Pose2D,
+    commands: Sequence[Command] | None,
+    log: DriveLog,
+    *,
+    observers: Sequence[Observer],
+    speed: float,
+    seed: int,
+    quiet: bool,
+) -> None:
+    """Drive in the page, by hand or by clicking goals; or watch commands in it.
+
+    By hand the robot knows the map of the world, so that its navigator stops it before walls.
+
+    Args:
+        simulator: Moves the robot.
+        start: Where it starts.
+        commands: The commands to watch. If None, the robot is driven by hand until the page or Ctrl-C ends it.
+        log: Gets every state.
+        observers: Of the drive, such as a recording.
+        speed: Simulated seconds per second.
+        seed: Of the simulator.
+        quiet: Without remarks.
+    """
+    from trundle.mission import Session
+    from trundle.navigation import CommandScript
+    from trundle.serve.steerer import Steerer
+    from trundle.serve.watch import Watch
+    from trundle.sim import world_of
+
+    script = None if commands is None else CommandScript(commands, period_s=PERIOD_S)
+    agent = _make_navigator(simulator, start) if script is None else script
+    options: dict[str, Any] = {} if script is None else {"monitor": False}
+    steerer = Steerer(speed=speed, restarts=False)
+
+    def make(_seed: int | None) -> Session:
+        watch = Watch(page.hub, 1, None, world=lambda: world_of(simulator), steering=steerer.steering)
+        return Session(
+            simulator,
+            agent,
+            start,
+            seed=seed,
+            stop_on_contact=False,
+            measure=None,
+            observers=[_LegLogger(log, script, commands or ()), *observers, watch, watch.recorded],
+            steering=steerer.steering,
+            **options,
+        )
+
+    with page_in_browser.serving(None) as page:
+        page.hub.controls = steerer
+        page_in_browser.announce(page, quiet=quiet)
+        steerer.drive(make)
+        error = None if steerer.session is None else steerer.session.error
+        if error is not None and not isinstance(error, KeyboardInterrupt):
+            raise error
+        page_in_browser.linger(page, page_in_browser.wait_until, quiet=quiet)
+
+
+def _make_navigator(simulator: Simulator, start: Pose2D) -> Agent:
+    """Make a navigator without a goal, on the map of the simulated world."""
+    import numpy as np
+
+    from trundle.geometry import Pose2D
+    from trundle.maps import OccupancyGrid
+    from trundle.navigation import Navigator
+    from trundle.sim import world_of
+    from trundle.worlds import World
+
+    world: World = world_of(simulator) or World(name="empty", solids=())
+    low, high = world.bounds if world.solids else ((start.x, start.y, 0.0), (start.x, start.y, 0.0))
+    bounds = (
+        (min(low[0], start.x - _ROOM_M), min(low[1], start.y - _ROOM_M)),
+        (max(high[0], start.x + _ROOM_M), max(high[1], start.y + _ROOM_M)),
+    )
+    robot = simulator.robot
+    if not world.solids:
+        cells = np.zeros((int(2.0 * _ROOM_M / _CELL_M), int(2.0 * _ROOM_M / _CELL_M)), dtype=np.int8)
+        return Navigator(OccupancyGrid(cells, _CELL_M, Pose2D(start.x - _ROOM_M, start.y - _ROOM_M)), robot)
+    grid = OccupancyGrid.from_world(
+        world, resolution=_CELL_M, z_range=robot.z_range, bounds=bounds, seeds=[(start.x, start.y)]
+    )
+    return Navigator(grid, robot)
 
 
 def _report_drive(log: DriveLog, folder: Path, *, json: bool) -> None:

@@ -1,4 +1,4 @@
-"""The entry point: the table of verbs, and how each error is shown."""
+"""The entry point: the table of verbs, and how a command line is run."""
 
 from __future__ import annotations
 
@@ -11,19 +11,12 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NoReturn, get_args
 
+from trundle.cli.shared.termination import DONE, show_error, show_usage_error
 from trundle.errors import InputError, TrundleError, UnknownNameError
 from trundle.version import __version__
 
 if TYPE_CHECKING:
     from cyclopts import App
-
-DONE = 0
-NOT_THERE = 1
-BAD_INPUT = 2
-PLUGIN_RAISED = 3
-FAULT = 70  # EX_SOFTWARE of sysexits.h: a bug in trundle, distinct from "the robot did not reach the goal".
-INTERRUPTED = 130  # 128 + SIGINT, as shells count.
-PIPE_CLOSED = 141  # 128 + SIGPIPE.
 
 Shell = Literal["bash", "zsh", "fish", "powershell"]
 SHELLS: dict[str, Shell] = {shell: shell for shell in get_args(Shell)}
@@ -41,7 +34,7 @@ VERBS = {
     "plan": ("trundle.cli.plan:app", "Plan a path on a map and draw it."),
     "run": ("trundle.cli.run:app", "Drive a robot through a map, a world or a scenario to its goal."),
     "serve": ("trundle.cli.serve:app", "Open a page in the browser, where runs are set up, watched and driven."),
-    "replay": ("trundle.cli.replay:app", "Watch a run again, in the browser."),
+    "replay": ("trundle.cli.report:replay_app", "Watch a run again, in the browser."),
     "report": ("trundle.cli.report:app", "Write the report of a run: replay, plots, figures, settings."),
     "evaluate": ("trundle.cli.evaluate:app", "Run thousands of missions, compare and judge them."),
     "scenario": ("trundle.cli.scenario:app", "Write the options of a run as a commented file."),
@@ -52,13 +45,22 @@ VERBS = {
     "doctor": ("trundle.cli.doctor:app", "Check this machine, a simulator, or a robot's wheels."),
 }
 
-
-class UsageError(InputError):
-    """A command line that cannot be parsed."""
+PLUGIN_GROUPS = {
+    "robots": "trundle.robots",
+    "worlds": "trundle.worlds",
+    "planners": "trundle.planners",
+    "controllers": "trundle.controllers",
+    "smoothers": "trundle.smoothers",
+    "agents": "trundle.agents",
+    "localizers": "trundle.localizers",
+    "simulators": "trundle.simulators",
+    "behaviors": "trundle.behaviors",
+}
+"""Kinds of plug-ins, each with its entry-point group."""
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
-    """Run one command and exit. `arguments` excludes the program's name; None means the process's arguments."""
+    """Run one command and exit. `arguments` excludes the program's name; by default they are the process's."""
     given = sys.argv[1:] if arguments is None else arguments
     warnings.formatwarning = _format_warning
     _show_log(logging.WARNING if "--quiet" in given else logging.INFO)
@@ -92,31 +94,7 @@ def run_command(arguments: Sequence[str]) -> int:
         sys.stdout.flush()
         return code
     except BaseException as error:  # noqa: BLE001 - each has its exit code
-        return _show(error, json="--json" in arguments)
-
-
-def _show(error: BaseException, *, json: bool) -> int:
-    """Show what ended a command, and return its exit code."""
-    if isinstance(error, KeyboardInterrupt):
-        print("interrupted", file=sys.stderr)
-        return INTERRUPTED
-    from trundle.fault import is_of_plugin
-
-    if is_of_plugin(error):
-        return _fail_of_plugin(error, json=json)
-    if isinstance(error, BrokenPipeError):
-        _drop_output()
-        return PIPE_CLOSED
-    if isinstance(error, TrundleError):
-        return _fail(error, json=json)
-    if isinstance(error, OSError):
-        return _fail_of_system(error, json=json)
-    if not isinstance(error, Exception):
-        raise error
-    import traceback  # any other exception is a bug: shown in full, with its own exit code
-
-    traceback.print_exception(error)
-    return FAULT
+        return show_error(error, json="--json" in arguments)
 
 
 def _dispatch(arguments: Sequence[str]) -> int:
@@ -141,16 +119,20 @@ def _dispatch(arguments: Sequence[str]) -> int:
         refused = _explain(error)
         if refused is not None:
             raise refused from error
-        from trundle.cli.shared.usage import describe_usage
-
-        message, see = describe_usage(error, arguments)
-        return _fail(UsageError(message), hint=see, json="--json" in arguments)
+        return show_usage_error(error, arguments, json="--json" in arguments)
     if not {"--help", "-h"}.isdisjoint(arguments):
-        from trundle.cli.shared.plugins import describe_plugins
-
-        plugins = describe_plugins()
+        plugins = _describe_plugins()
         print(plugins, end="\n" if plugins else "")
     return code if isinstance(code, int) else DONE
+
+
+def _describe_plugins() -> str:
+    """List the plug-ins that packages add, a line for each kind, from their metadata: no plug-in is imported."""
+    from importlib.metadata import entry_points
+
+    names = {kind: sorted(entry_points(group=group).names) for kind, group in PLUGIN_GROUPS.items()}
+    lines = [f"  {kind}: {', '.join(found)}" for kind, found in names.items() if found]
+    return "\n".join(["Plug-ins installed:", *lines]) if lines else ""
 
 
 def _make_app(verbs: Iterable[str]) -> App:
@@ -182,12 +164,12 @@ def _install_completion(arguments: Sequence[str]) -> int:
 
 
 def _explain(error: Exception) -> TrundleError | None:
-    """The error message of an option value that settings reject; None for other errors."""
+    """Return the error that names the option whose value settings reject; for any other error return None."""
     from pydantic import ValidationError
 
-    from trundle.cli.shared import settings
+    from trundle.cli.shared import field_options
 
-    return settings.explain(error.__cause__) if isinstance(error.__cause__, ValidationError) else None
+    return field_options.explain(error.__cause__) if isinstance(error.__cause__, ValidationError) else None
 
 
 def _overview() -> str:
@@ -216,64 +198,3 @@ def _format_warning(
     if category.__module__ == "trundle.errors":
         return f"trundle: warning: {message}\n"
     return f"{filename}:{lineno}: {category.__name__}: {message}\n"
-
-
-def _fail(error: Exception, *, hint: str = "", json: bool = False) -> int:
-    """Print an error on stderr; with --json also as the single JSON value on stdout."""
-    print(f"trundle: {error}" + (f"\n{hint}" if hint else ""), file=sys.stderr)
-    if json:
-        from trundle.cli.shared.output import print_error
-
-        print_error(error, hint=hint)
-    return BAD_INPUT
-
-
-def _fail_of_plugin(error: BaseException, *, json: bool) -> int:
-    """Name the plug-in that raised, in five lines; with --json also as the single JSON value on stdout."""
-    from trundle.fault import find_fault, folder_of, one_line
-
-    fault, folder = find_fault(error), folder_of(error)
-    said = one_line(fault.message)
-    where = f"{fault.function}, {fault.place}" if fault.file else fault.function
-    kept = "nothing was recorded" if folder is None else f"the run ended with the outcome error: {folder}"
-    whole = "--json prints" if folder is None else "episode.json has"
-    lines = (
-        f"trundle: the {fault.kind} {fault.plugin} raised {fault.type}" + (f": {said}" if said else ""),
-        f"  where   {where}",
-        f"  line    {one_line(fault.source) or 'its code cannot be read'}",
-        f"  record  {kept}",
-        f"  do      correct the plug-in, and give the command again; {whole} the whole traceback",
-    )
-    print("\n".join(lines), file=sys.stderr)
-    if json:
-        from trundle.cli.shared.output import print_json
-
-        fields = ("type", "message", "kind", "plugin", "function", "file", "line", "traceback")
-        print_json({"error": {**{name: getattr(fault, name) for name in fields}, "run_dir": folder}})
-    return PLUGIN_RAISED
-
-
-def _fail_of_system(error: OSError, *, json: bool) -> int:
-    """Report a system error; a stdout that cannot be written to gets no JSON."""
-    from trundle.files.writing import DISK_FULL, cannot_write
-
-    try:
-        is_full = error.errno in DISK_FULL
-        code = _fail(cannot_write(error.filename or "the output", error) if is_full else error, json=json)
-        sys.stdout.flush()
-        return code
-    except OSError:
-        return BAD_INPUT
-    finally:
-        _drop_output()
-
-
-def _drop_output() -> None:
-    """Discard buffered output, so that the interpreter does not fail on it again at exit."""
-    try:
-        descriptor = sys.stdout.fileno()
-    except (OSError, ValueError):
-        return
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, descriptor)
-    os.close(nowhere)

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import isaac, nav2, nav2_folder, options, output, scenarios, sources
-from trundle.cli.shared.given import check_given
+from trundle.cli.shared import isaac, nav2, options, output, scenario_options, sources
+from trundle.cli.shared.sources import check_given
 from trundle.errors import InputError, UnknownNameError
 from trundle.files.kinds import MAP, ROBOT, SCENARIO, WORLD
 
 if TYPE_CHECKING:
     from trundle.export import Kind, Scene
+    from trundle.messages.codec import Distro
     from trundle.mission import Setting
     from trundle.robots import Robot
     from trundle.worlds import World
@@ -31,6 +32,9 @@ app = App(
         "  trundle export scenario.yaml --to nav2 --distro jazzy -o nav2"
     ),
 )
+
+NAV2 = "nav2"
+"""The format of a folder for Nav2."""
 
 _USES: dict[str, tuple[tuple[str, str], ...]] = {
     "robot": (("world", "mjcf"), ("world", "map")),
@@ -50,7 +54,7 @@ def export(
     /,
     *,
     to: Annotated[str | None, Parameter(metavar="FORMAT")] = None,
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    out: options.Out = None,
     robot: Annotated[
         str | None,
         Parameter(
@@ -59,8 +63,8 @@ def export(
         ),
     ] = None,
     resolution: float | None = None,
-    z_min: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
-    z_max: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
+    z_min: options.Height = None,
+    z_max: options.Height = None,
     profile: isaac.Profile = None,
     environment: isaac.ScriptEnvironment = None,
     robot_usd: isaac.ScriptRobot = None,
@@ -105,9 +109,9 @@ def export(
         "robot_usd": robot_usd,
     }
     given = {name: value for name, value in given.items() if value is not None}
-    if to == nav2_folder.FORMAT:
-        _check_uses(given, "scenario", nav2_folder.FORMAT)
-        chosen = scenarios.ScenarioOptions(
+    if to == NAV2:
+        _check_uses(given, "scenario", NAV2)
+        chosen = scenario_options.ScenarioOptions(
             robot=robot,
             seed=seed or None,
             world_options=settings,
@@ -116,7 +120,7 @@ def export(
             paths=paths,
             nav2_params=nav2_params,
         )
-        return nav2_folder.export(source, chosen, out, distro, json=json, quiet=quiet)
+        return _export_nav2(source, chosen, out, distro, json=json, quiet=quiet)
     if distro is not None or nav2_params is not None:
         raise InputError("--distro and --nav2-params are for --to nav2")
     check_given(source, WORLD, ROBOT, SCENARIO, MAP)
@@ -153,8 +157,43 @@ def export(
     return 0
 
 
+def _export_nav2(
+    source: str,
+    given: scenario_options.ScenarioOptions,
+    out: Path | None,
+    distro: Distro | None,
+    *,
+    json: bool,
+    quiet: bool,
+) -> int:
+    """Write a scenario, a map or a world with a robot as a folder for Nav2; see `export_nav2` for the errors."""
+    from trundle.messages.codec import DEFAULT
+    from trundle.nav2 import describe_remarks, export_nav2
+    from trundle.nav2.export import LAUNCH, REMARKS
+
+    told = nav2.Nav2Report()
+    scenario = given.make(source, told)
+    told.tell(quiet=quiet)
+    folder = Path(f"{Path(source).stem}_nav2") if out is None else out
+    if folder.suffix and not folder.is_dir():
+        raise InputError(f"--out {folder}: give a folder for Nav2's files")
+    done = export_nav2(scenario, folder, distro=distro or DEFAULT)
+    facts: dict[str, object] = {"robot": scenario.robot, "format": NAV2, "folder": done.folder, "files": done.files}
+    if quiet:
+        output.remark(f"{folder / REMARKS}: {len(done.remarks)} settings", quiet=False)
+    elif done.remarks:
+        head = f"What Nav2 has otherwise, or not at all ({REMARKS}):"
+        output.remark("\n  ".join([head, *describe_remarks(done.remarks)]), quiet=False)
+    if json:
+        output.print_json({**facts, "remarks": done.remarks, **told.facts})
+        return 0
+    output.print_facts({**facts, "files": ", ".join(done.files)})
+    output.remark(f"To drive with it: ros2 launch {folder / LAUNCH}", quiet=quiet)
+    return 0
+
+
 def choose_file(source: str, to: str | None, out: Path | None) -> tuple[Path, str]:
-    """The output file, whose folder is created, and the format by name.
+    """Return the output file, whose folder is created, and the name of the format.
 
     Raises:
         UnknownNameError: If there is no such format; the nearest is offered.
@@ -165,12 +204,10 @@ def choose_file(source: str, to: str | None, out: Path | None) -> tuple[Path, st
 
     if to is None:
         if out is None:
-            raise InputError(
-                f"give --to FORMAT ({', '.join(sorted([*FORMATS, nav2_folder.FORMAT]))}), or a file with -o"
-            )
+            raise InputError(f"give --to FORMAT ({', '.join(sorted([*FORMATS, NAV2]))}), or a file with -o")
         to = format_of(out)
     if to not in FORMATS:
-        raise UnknownNameError("format", to, [*FORMATS, nav2_folder.FORMAT])
+        raise UnknownNameError("format", to, [*FORMATS, NAV2])
     suffixes = FORMATS[to].suffixes
     name = Path(source).stem + suffixes[0]
     return options.output_file(Path(name) if out is None else out, name, suffixes), to
@@ -232,7 +269,7 @@ def _check_uses(given: dict[str, Any], kind: str, form: str) -> None:
 
 
 def _world_options(form: str, given: dict[str, Any]) -> dict[str, Any]:
-    """Options of a world's format: a robot's name is replaced by the robot, or for a map by its height band."""
+    """Return the options of a world's format: a robot's name becomes the robot, or for a map its height band."""
     from trundle.robots import Robot
 
     found = dict(given)

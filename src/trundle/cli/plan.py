@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import nav2, options, output, settings, sources
-from trundle.cli.shared.given import check_given
+from trundle.cli.shared import field_options, nav2, options, output, sources
+from trundle.cli.shared.scenario_options import PARAMETERS
+from trundle.cli.shared.sources import check_given
 from trundle.errors import BlockedPoseError, InputError, OutputError, OutsideMapError, PlanningError, UnknownNameError
 from trundle.files.kinds import MAP, ROBOT
 
@@ -39,30 +40,37 @@ def plan(
     map_file: FilePath,
     /,
     *,
-    start: options.Start = None,
-    goal: options.Goal = None,
+    start: Annotated[str | None, PARAMETERS["start"]] = None,
+    goal: Annotated[
+        str | None,
+        Parameter(
+            allow_leading_hyphen=True,
+            metavar="X,Y[,YAW]",
+            help="Goal of the path; default: picked from the free space by seed.",
+        ),
+    ] = None,
     robot: options.RobotName = "nova_carter",
-    planner: Annotated[str | None, Parameter(help=options.PLANNER_HELP)] = None,
-    planner_options: options.PlannerOptions = None,
-    partial: Annotated[bool, Parameter(negative="")] = False,
+    planner: Annotated[str | None, PARAMETERS["planner"]] = None,
+    planner_options: Annotated[list[str] | None, PARAMETERS["planner_options"]] = None,
+    partial: options.Flag = False,
     deadline: float | None = None,
-    smoother: options.SmootherName = None,
-    smoother_options: options.SmootherOptions = None,
-    controller: Annotated[str | None, Parameter(help=options.CONTROLLER_HELP)] = None,
-    controller_options: options.ControllerOptions = None,
-    compare: Annotated[bool, Parameter(negative="")] = False,
+    smoother: Annotated[str | None, PARAMETERS["smoother"]] = None,
+    smoother_options: Annotated[list[str] | None, PARAMETERS["smoother_options"]] = None,
+    controller: Annotated[str | None, PARAMETERS["controller"]] = None,
+    controller_options: Annotated[list[str] | None, PARAMETERS["controller_options"]] = None,
+    compare: options.Flag = False,
     seed: options.Seed = 0,
     compat: options.Compat = None,
     max_cells: options.MaxCells = None,
-    keepout: options.Keepout = None,
-    speed_mask: options.SpeedMaskFile = None,
+    keepout: Annotated[FilePath | None, PARAMETERS["keepout"]] = None,
+    speed_mask: Annotated[FilePath | None, PARAMETERS["speed_mask"]] = None,
     backend: options.Backend = "mujoco",
     nav2_params: nav2.Nav2Params = None,
-    out: Annotated[FilePath | None, Parameter(name=["--out", "-o"])] = None,
+    out: options.Out = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
-    costmap: settings.CostmapOptions = None,
-    navigation: settings.RunOptions = None,
+    costmap: field_options.CostmapOptions = None,
+    navigation: field_options.RunOptions = None,
 ) -> int:
     """Plan a path on a map; print its length, cost and time, and draw it.
 
@@ -104,21 +112,21 @@ def plan(
     shorthands = ["allow_partial=true"] * partial + ([] if deadline is None else [f"deadline_s={deadline}"])
     told = nav2.Nav2Report()
     place = Scenario.make(map=str(map_file), robot=robot, keepout=_text(keepout), speed_mask=_text(speed_mask))
-    given = settings.given(costmap) | settings.given(navigation)
+    given = field_options.given(costmap) | field_options.given(navigation)
     base = place.model_copy(update=given)
     if nav2_params is not None:
         found = nav2.translate(nav2_params, place, given, told)
         base = Scenario.make(**{**place.model_dump(), **found, "known_map": True})
         told.tell(quiet=quiet)
-    chosen = settings.choose("planner", planner, [*(planner_options or ()), *shorthands], base.planner)
+    chosen = field_options.choose("planner", planner, [*(planner_options or ()), *shorthands], base.planner)
     if compare and (planner_options or shorthands):
         raise InputError("--compare runs every planner with its default options: leave planner options out")
-    smoothing = settings.choose("smoother", smoother, smoother_options, base.smoother)
+    smoothing = field_options.choose("smoother", smoother, smoother_options, base.smoother)
     navigator = Navigator(
         OccupancyGrid.load(map_file, compat=compat, max_cells=max_cells),
         base.assumed_robot(Robot.load(robot)),
         planner=chosen,
-        controller=settings.choose("controller", controller, controller_options, base.controller),
+        controller=field_options.choose("controller", controller, controller_options, base.controller),
         smoother=smoothing,
         costmap=base.part(CostmapSettings),
         settings=base.part(RunSettings),
@@ -193,7 +201,7 @@ def _text(path: FilePath | None) -> str | None:
 
 
 def _find_target(out: FilePath | None) -> FilePath | None:
-    """The picture's path; None, with a remark, if it cannot be written: the plan is useful without it."""
+    """Return the picture's path. If it cannot be written, say so and return None: the plan is useful without it."""
     try:
         return options.output_file(out or FilePath("overlay.png"), "overlay.png", (".png",))
     except OutputError as error:
@@ -202,7 +210,7 @@ def _find_target(out: FilePath | None) -> FilePath | None:
 
 
 def _moved(path: Path) -> dict[str, str]:
-    """Which ends were moved to where the robot fits."""
+    """Say which ends were moved to where the robot fits."""
     ends = {"start": path.start_snapped_m, "goal": path.goal_snapped_m}
     moved = [
         f"the {end} by {distance:.3f} m to where the robot fits" for end, distance in ends.items() if distance > 0.0

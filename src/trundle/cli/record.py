@@ -66,7 +66,7 @@ def recover(
     file: Path,
     /,
     *,
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    out: options.Out = None,
     overwrite: options.Overwrite = False,
     json: options.Json = False,
 ) -> int:
@@ -106,7 +106,7 @@ def to_run(
     plan: Annotated[str | None, Parameter(name="--plan", metavar="TOPIC")] = None,
     distro: options.Distro = None,
     video: bool = False,
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    out: options.Out = None,
     overwrite: options.Overwrite = False,
     json: options.Json = False,
     quiet: options.Quiet = False,

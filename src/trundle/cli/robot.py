@@ -29,7 +29,7 @@ def new(
     *,
     urdf: Annotated[Path | None, Parameter(negative="")] = None,
     paths: options.Paths = None,
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    out: options.Out = None,
     overwrite: options.OverwriteFile = False,
     json: options.Json = False,
     quiet: options.Quiet = False,

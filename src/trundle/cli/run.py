@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import evaluations, missions, nav2, options, recordings, scenarios
+from trundle.cli.shared import missions, nav2, scenario_options
+from trundle.cli.shared.sources import check_given
 from trundle.errors import InputError
+from trundle.files.kinds import EVALUATION
+
+if TYPE_CHECKING:
+    from trundle.mission import Scenario
 
 app = App(
     name="run",
@@ -36,20 +40,10 @@ def run(
     source: str | None = None,
     /,
     *,
-    given: scenarios.ScenarioOptions = scenarios.DEFAULTS,
+    given: scenario_options.ScenarioOptions = scenario_options.DEFAULTS,
     from_: Annotated[str | None, Parameter(name="--from", metavar="FOLDER:ID")] = None,
     map_: Annotated[str | None, Parameter(name="--map")] = None,
-    report: bool = True,
-    video: bool = True,
-    view: Annotated[bool, Parameter(negative="")] = False,
-    browser: options.Browser = False,
-    speed: options.RunSpeed = None,
-    record: options.Record = False,
-    distro: options.Distro = None,
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
-    overwrite: options.Overwrite = False,
-    json: options.Json = False,
-    quiet: options.Quiet = False,
+    shown: missions.PresentationOptions = missions.PresentationOptions(),  # noqa: B008 - frozen
 ) -> int:
     """Drive a robot through a map, a generated world or a scenario to its goal.
 
@@ -64,38 +58,35 @@ def run(
         from_: An episode of an evaluation, to be run again exactly, by its folder and the start of its id.
         map_: With --from: the episode's map or world's file, or the folder that holds it, where it has moved; left out:
             where it was, or else beside the evaluation's suite.yaml.
-        report: Write report.html: one file with the replay, plots and figures of the run.
-        video: Write video.mp4.
-        view: Watch it drive in a window, if there is a screen.
-        out: Output folder, which must not hold a run; default: a new one under runs.
     """
     told = nav2.Nav2Report()
     if map_ is not None and from_ is None:
         raise InputError("--map goes with --from; give the map to drive in as the first argument")
     if from_ is not None:
-        if source is not None or given != scenarios.DEFAULTS:
+        if source is not None or given != scenario_options.DEFAULTS:
             raise InputError(
                 "--from repeats an episode exactly: give no map, world or setting with it. To change something, give "
                 "other options with the scenario.yaml that it writes"
             )
-        scenario = evaluations.find_scenario(from_, map_)
+        scenario = _find_episode(from_, map_)
     elif source is None:
         raise InputError("give a map, a world or a scenario; or --from FOLDER:ID for an episode of an evaluation")
     else:
         scenario = given.make(source, told)
-        told.tell(quiet=quiet)
-    scenario = recordings.choose(scenario, record=record, distro=distro)
-    factor = None if speed is None else options.parse_speed(speed)
-    shown = missions.Presentation(
-        out=out,
-        overwrite=overwrite,
-        page=report,
-        video=video,
-        view=view,
-        browser=browser,
-        speed=factor,
-        json=json,
-        quiet=quiet,
-        facts=told.facts,
-    )
-    return missions.drive(scenario, shown)
+        told.tell(quiet=shown.quiet)
+    return missions.drive(scenario, shown, facts=told.facts)
+
+
+def _find_episode(text: str, map: str | None = None) -> Scenario:
+    """Return the exact scenario of an episode, `FOLDER:ID`, with the map where that has moved.
+
+    Raises:
+        InputError: If the folder has no evaluation, or there is no such episode, or more than one.
+    """
+    folder, colon, identity = text.rpartition(":")
+    if not colon or not folder or not identity:
+        raise InputError(f"--from {text}: give the folder of an evaluation and the start of an episode's id, FOLDER:ID")
+    check_given(folder, EVALUATION)
+    from trundle.evaluation import Evaluation
+
+    return Evaluation(folder).scenario_of(identity, map=map)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import nav2, options, output, scenarios
+from trundle.cli.shared import nav2, options, output, scenario_options
 from trundle.errors import InputError
 
 app = App(
@@ -28,10 +28,10 @@ def scenario(
     source: str | None = None,
     /,
     *,
-    given: scenarios.ScenarioOptions = scenarios.DEFAULTS,
+    given: scenario_options.ScenarioOptions = scenario_options.DEFAULTS,
     out: Annotated[Path, Parameter(name=["--out", "-o"])] = Path("scenario.yaml"),
     overwrite: options.OverwriteFile = False,
-    schema: Annotated[bool, Parameter(negative="")] = False,
+    schema: options.Flag = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:

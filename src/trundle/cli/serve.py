@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import browser, isaac, nav2, options, output, scenarios, sources
+from trundle.cli.shared import browser, isaac, nav2, options, output, scenario_options, sources
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -33,7 +33,7 @@ def serve(
     source: str = "warehouse",
     /,
     *,
-    given: scenarios.ScenarioOptions = scenarios.DEFAULTS,
+    given: scenario_options.ScenarioOptions = scenario_options.DEFAULTS,
     host: Annotated[str, Parameter(name="--host")] = "127.0.0.1",
     port: Annotated[options.Integer | None, Parameter(name="--port")] = None,
     open_: Annotated[bool, Parameter(name="--open", negative="--no-open")] = True,
@@ -80,8 +80,8 @@ def _record(mission: Mission, opened: ExitStack) -> tuple[Sequence[Observer], Pa
     return [folder], folder.path
 
 
-def _with_lidars(base: Scenario, source: str, given: scenarios.ScenarioOptions) -> Scenario:
-    """The scenario with the robot's lidars, unless it says otherwise: without them nothing that is dropped is seen."""
+def _with_lidars(base: Scenario, source: str, given: scenario_options.ScenarioOptions) -> Scenario:
+    """Switch the robot's lidars on, unless the scenario says otherwise: without them it sees no dropped box."""
     from trundle.robots import Robot
 
     if (

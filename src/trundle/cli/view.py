@@ -40,7 +40,7 @@ def view(
     exclude: options.Exclude = None,
     floor_z: options.FloorZ = None,
     paths: options.Paths = None,
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    out: options.Out = None,
     backend: Annotated[Literal["mujoco", "isaac"], Parameter(help="The simulator that shows it.")] = "mujoco",
     json: options.Json = False,
     quiet: options.Quiet = False,

@@ -6,8 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from trundle.doctor.drive_legs import Leg, drive_legs
-from trundle.doctor.wheel_fit import Wheel, fit_wheels
+from trundle.doctor.drive_legs import Leg, Wheel, drive_legs, fit_wheels
 from trundle.errors import InputError
 from trundle.geometry import Pose2D
 from trundle.robots import DifferentialDrive
@@ -95,7 +94,7 @@ def check_drive(
 
     Args:
         simulator: The simulator of the robot.
-        configured: The drive that commands are computed with; None means the one of the simulator's robot.
+        configured: The drive that commands are computed with; by default that of the simulator's robot.
         start: Start pose, map frame.
 
     Raises:
@@ -248,7 +247,7 @@ def _held_heading(drive: DifferentialDrive) -> DriveFinding:
 
 
 def _degrees(tracking: float) -> str:
-    """The likely cause if the speeds are off by the number of degrees in a radian."""
+    """Return the likely cause if the speeds are off by the number of degrees in a radian; else nothing."""
     for factor, words in (
         (math.radians(1.0), "degrees used as radians"),
         (math.degrees(1.0), "radians used as degrees"),

@@ -1,13 +1,13 @@
-"""The legs of a drive check: a straight, a spin and a circle from rest, with the measurements on each."""
+"""The legs of a drive check, a straight, a spin and a circle from rest, and the effect of each wheel fitted to them."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from trundle.doctor.wheel_fit import Travel, Wheel
 from trundle.geometry import Pose2D, Twist2D, wrap_angle
 from trundle.mission import Session
 from trundle.navigation import CommandScript
@@ -18,9 +18,52 @@ PERIOD = 0.05
 """Control period [s]."""
 
 _STANDSTILL_S = 0.5
-_GENTLE_RAMP_S = 3.0
+_GENTLE_RAMP_S = 3.0  # A longer ramp slips less, but needs more of the 3 m of free floor.
 _SETTLE_S = 1.0
 _CRUISE_S = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class Travel:
+    """Rotation of both wheels [rad]; distance of the base along its heading [m], and its rotation [rad]."""
+
+    left: float
+    right: float
+    forward: float
+    turn: float
+
+
+@dataclass(frozen=True, slots=True)
+class Wheel:
+    """The robot's motion per radian of a wheel.
+
+    Attributes:
+        forward: Forward [m].
+        turn: Counter-clockwise [rad].
+    """
+
+    forward: float
+    turn: float
+
+    @property
+    def radius(self) -> float:
+        """Effective radius [m]: with the other wheel held, the middle of the axle moves half as far as the wheel."""
+        return 2.0 * abs(self.forward)
+
+    @property
+    def track(self) -> float:
+        """Effective distance to the other wheel [m]; infinity if it does not turn the robot."""
+        return self.radius / abs(self.turn) if self.turn else float("inf")
+
+    @property
+    def reversed(self) -> bool:
+        """Whether a positive speed drives backward."""
+        return self.forward < 0.0
+
+    @property
+    def on_left(self) -> bool:
+        """Whether it is on the left: driving forward, it then turns the robot clockwise."""
+        return self.turn * self.forward < 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +85,7 @@ class Leg:
     touched: frozenset[str] = field(default_factory=frozenset)
 
     def lost(self, left: Wheel, right: Wheel) -> float:
-        """Share of the wheels' travel lost at the start; 0 if there was none."""
+        """Return the share of the wheels' travel that was lost at the start; 0 if nothing was."""
         forward = left.forward * self.start.left + right.forward * self.start.right
         turned = left.turn * self.start.left + right.turn * self.start.right
         radius, track = (left.radius + right.radius) / 2.0, (left.track + right.track) / 2.0
@@ -68,7 +111,7 @@ def drive_legs(simulator: Simulator, drive: DifferentialDrive, start: Pose2D) ->
 
 
 def _ramp_time(limits: Limits, target: Twist2D, *, hard: bool) -> float:
-    """Ramp time of the command [s]: at the maximum acceleration, or four times as long and at least 3 s."""
+    """Return the ramp time of the command [s]: the shortest if hard, else four times as long and at least 3 s."""
     shortest = max(abs(target.v) / limits.linear_acceleration, abs(target.w) / limits.angular_acceleration)
     return shortest if hard else max(_GENTLE_RAMP_S, 4.0 * shortest)
 
@@ -109,7 +152,7 @@ def _drive_leg(simulator: Simulator, drive: DifferentialDrive, pose: Pose2D, tar
 
 
 def _drive_commands(simulator: Simulator, pose: Pose2D, commands: list[tuple[float, float, float]]) -> list[RobotState]:
-    """The state at the end of every command's period."""
+    """Drive the commands, and return the state at the end of each one's period."""
     script = CommandScript(commands, period_s=PERIOD)
     session = Session(simulator, script, pose, monitor=False, stop_on_contact=False, measure=None)
     states: list[RobotState] = []
@@ -121,7 +164,7 @@ def _drive_commands(simulator: Simulator, pose: Pose2D, commands: list[tuple[flo
 
 
 def _travel(states: list[RobotState]) -> Travel:
-    """How far the wheels turned and the base went, the latter along its own heading."""
+    """Return how far the wheels turned and the base went, the latter along its own heading."""
     poses = np.array([state.pose.as_tuple() for state in states])
     turns = np.array([wrap_angle(turn) for turn in np.diff(poses[:, 2])])
     headings = poses[:-1, 2] + turns / 2.0
@@ -133,3 +176,15 @@ def _travel(states: list[RobotState]) -> Travel:
         forward=float((steps[:, 0] * np.cos(headings) + steps[:, 1] * np.sin(headings)).sum()),
         turn=float(turns.sum()),
     )
+
+
+def fit_wheels(legs: Sequence[Leg]) -> tuple[Wheel, Wheel]:
+    """Fit the effect of the left and right wheel by least squares over the steady parts of the legs.
+
+    The ratio of the wheels' speeds must differ between legs, as it does between a straight and a spin.
+    """
+    turned = np.array([[leg.cruise.left, leg.cruise.right] for leg in legs])
+    moved = np.array([[leg.cruise.forward, leg.cruise.turn] for leg in legs])
+    by_wheel, *_ = np.linalg.lstsq(turned, moved, rcond=None)
+    (left_forward, left_turn), (right_forward, right_turn) = by_wheel.tolist()
+    return Wheel(left_forward, left_turn), Wheel(right_forward, right_turn)

@@ -20,7 +20,7 @@ THINGS = (
 
 @dataclass(frozen=True, slots=True)
 class LidarView:
-    """What one lidar sees of the heights in which the robot could touch something.
+    """The heights at which the robot could touch something that one of its lidars does not see.
 
     Attributes:
         lidar: Its name.
@@ -42,7 +42,7 @@ class LidarView:
 
     @property
     def message(self) -> str:
-        """It in words."""
+        """Sentence that describes the view."""
         texts = [f"{self.lidar}: its beams are {self.height:.3g} m above the floor"]
         if self.below is not None:
             low, high = self.below
@@ -58,7 +58,7 @@ class LidarView:
 
 
 def view_of_lidars(robot: Robot) -> tuple[LidarView, ...]:
-    """What each of a robot's lidars cannot see. Heights are those on a level floor."""
+    """Return what each of a robot's lidars cannot see. Heights are those on a level floor."""
     return tuple(_view(name, lidar, robot) for name, lidar in robot.lidars.items())
 
 

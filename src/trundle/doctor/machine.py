@@ -129,7 +129,7 @@ def _attempt(name: str, check: Callable[[], str]) -> MachineCheck:
 
 
 def _words(error: Exception) -> str:
-    """The message of trundle's errors; for others also the type, because their message may be empty."""
+    """Return the message of trundle's errors; of others also the type, because their message may be empty."""
     if isinstance(error, TrundleError):
         return str(error)
     return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__

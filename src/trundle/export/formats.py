@@ -1,4 +1,4 @@
-"""The export formats: their names and suffixes, the kinds they support, and the functions that write them."""
+"""The export formats: their names and suffixes, the kinds that they hold, and the functions that write them."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias, cast
 
 from trundle.errors import InputError, OutputError, UnknownNameError, WorldError
-from trundle.export.plain import check_encodable
-from trundle.export.scene import Scene
+from trundle.export.plain import Scene, check_encodable
 from trundle.files.opening import exists
 from trundle.files.writing import output_path
+from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
 from trundle.worlds import World
 
@@ -22,7 +22,7 @@ Kind: TypeAlias = Literal["world", "robot", "scenario"]
 
 @dataclass(frozen=True, slots=True)
 class Format:
-    """A format.
+    """A file format, and what it can hold.
 
     Attributes:
         suffixes: File suffixes; the first is the usual one.
@@ -37,14 +37,14 @@ class Format:
     scene: str | None = None
 
     def writer(self, kind: Kind) -> str | None:
-        """The function that writes this kind, or None."""
+        """Return the function that writes this kind, or None."""
         return {"world": self.world, "robot": self.robot, "scenario": self.scene}[kind]
 
 
 FORMATS = {
     "glb": Format((".glb",), world="trundle.export.glb:export_world"),
     "isaac-script": Format((".py",), scene="trundle.export.isaac_script:export_scene"),
-    "map": Format((".yaml", ".yml"), world="trundle.export.map:export_world"),
+    "map": Format((".yaml", ".yml"), world="trundle.export.formats:export_map"),
     "mjcf": Format(
         (".xml", ".mjcf"),
         "trundle.export.mjcf:export_world",
@@ -87,7 +87,7 @@ def export_world(world: World, path: str | os.PathLike[str], *, to: str | None =
     Args:
         world: The world.
         path: The file; an existing file is replaced atomically.
-        to: The format by name; None means the one of the path's suffix.
+        to: The format by name; by default that of the path's suffix.
         options: Options of the format: `robot` for mjcf; `resolution` and `z_range` for map; `profile` for usd.
 
     Returns:
@@ -109,7 +109,7 @@ def export_robot(robot: Robot, path: str | os.PathLike[str], *, to: str | None =
     Args:
         robot: The robot.
         path: The file; an existing file is replaced atomically.
-        to: The format by name; None means the one of the path's suffix.
+        to: The format by name; by default that of the path's suffix.
         options: Options of the format: `profile` for usd.
 
     Returns:
@@ -130,7 +130,7 @@ def export_scene(scene: Scene, path: str | os.PathLike[str], *, to: str | None =
     Args:
         scene: The scene.
         path: The file; an existing file is replaced atomically.
-        to: The format by name; None means the one of the path's suffix.
+        to: The format by name; by default that of the path's suffix.
         options: Options of the format: `profile` for usd; `environment` and `robot_usd` for isaac-script.
 
     Returns:
@@ -174,3 +174,21 @@ def _export(kind: Kind, thing: object, path: str | os.PathLike[str], to: str | N
             raise
         raise InputError(f"{name}: {error}") from error
     return file
+
+
+def export_map(
+    world: World, path: Path, *, resolution: float = 0.05, z_range: tuple[float, float] = (0.10, 0.62)
+) -> None:
+    """Write the map of a world.
+
+    Args:
+        world: The world.
+        path: The YAML; its image lies beside it.
+        resolution: Cell size [m].
+        z_range: Height band of obstacles [m].
+
+    Raises:
+        MapError: If the map cannot be made; see `OccupancyGrid.from_world`.
+        OutputError: If the files cannot be written.
+    """
+    OccupancyGrid.from_world(world, resolution=resolution, z_range=z_range).save(path)

@@ -14,7 +14,7 @@ import numpy as np
 
 from trundle.control.sections import Section, cut_sections, path_vertices
 from trundle.errors import InputError
-from trundle.export.scene import Scene
+from trundle.export.plain import Scene
 from trundle.export.usd import export_robot, export_world
 from trundle.files.writing import write_text
 from trundle.maps.masks import SpeedMask
@@ -32,11 +32,11 @@ Zone: TypeAlias = tuple[float, float, float]
 _STOP_TO_TURN = 0.35
 """At bends sharper than this [rad] the follower stops and turns: it has no footprint check for curves."""
 
-_LOOKAHEAD = 0.4
-_STEPS = 4
+_LOOKAHEAD = 0.4  # [m]; a smaller one follows the path more closely, but oscillates at speed.
+_STEPS = 4  # physics steps for each command
 _POINTS_A_LINE = 6
 _ZONES_A_LINE = 4
-_ZONE_STEP_M = 0.025
+_ZONE_STEP_M = 0.025  # half of the usual cell of a map, so that no cell of a mask is skipped
 
 
 def export_scene(scene: Scene, path: Path, *, environment: str | None = None, robot_usd: str | None = None) -> None:
@@ -48,8 +48,8 @@ def export_scene(scene: Scene, path: Path, *, environment: str | None = None, ro
     Args:
         scene: The scene; it needs a path.
         path: The script.
-        environment: One of Isaac Sim's by name, or a USD file; None means the scene's world.
-        robot_usd: The robot's USD file; None means Isaac Sim's own, if it has one.
+        environment: One of Isaac Sim's by name, or a USD file; by default the scene's world.
+        robot_usd: The robot's USD file; by default Isaac Sim's own, if it has one.
 
     Raises:
         InputError: If there is no path, or a file is missing.
@@ -82,7 +82,7 @@ def _robot(scene: Scene, path: Path, robot_usd: str | None) -> str:
 
 
 def _from_here(usd: str, path: Path) -> str:
-    """The path of a USD file in the script: relative where it lies below the script's folder, else absolute."""
+    """Return the path of a USD file in the script: relative if it lies below the script's folder, else absolute."""
     if "://" in usd:
         return usd
     file, folder = Path(usd).resolve(), path.resolve().parent
@@ -159,7 +159,7 @@ def _route_lines(route: list[Stretch]) -> Iterator[str]:
 
 
 def speed_zones(points: Sequence[tuple[float, float]], mask: SpeedMask, top_speed: float) -> Iterator[Zone]:
-    """Where a mask limits the speed along a stretch, or 0.1 m beside it, before it and beyond it."""
+    """Yield where a mask limits the speed along a stretch, or 0.1 m beside it, before it and beyond it."""
     section = Section(points, 0.0)
     count = math.ceil((section.length + 2.0 * BESIDE_M) / _ZONE_STEP_M)
     along = np.linspace(-BESIDE_M, section.length + BESIDE_M, count + 1)
@@ -173,7 +173,7 @@ def speed_zones(points: Sequence[tuple[float, float]], mask: SpeedMask, top_spee
 
 
 def _limits_text(route: list[Stretch], mask: SpeedMask | None, top_speed: float) -> str:
-    """A Python dictionary of speed zones by the number of their stretch."""
+    """Write a Python dictionary of speed zones by the number of their stretch."""
     lines: list[str] = []
     for number, (_, _, points) in enumerate(route):
         zones = [] if mask is None or not points else list(speed_zones(points, mask, top_speed))
@@ -188,11 +188,11 @@ def _limits_text(route: list[Stretch], mask: SpeedMask | None, top_speed: float)
 
 
 def _text(value: str) -> str:
-    """A Python literal with double quotes."""
+    """Write a Python literal with double quotes."""
     quoted = repr(value)
     return f'"{quoted[1:-1]}"' if quoted[0] == "'" and '"' not in value else quoted
 
 
 def _plain(value: str) -> str:
-    """Text that is safe in a docstring."""
+    """Return a text that is safe in a docstring."""
     return "".join(letter if letter.isprintable() and letter not in '\\"' else "_" for letter in value)

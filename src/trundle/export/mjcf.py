@@ -13,9 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError, WorldError
-from trundle.export.plain import check_xml_names, plain_solids
-from trundle.export.scene import Scene
-from trundle.export.xmltext import add, numbers, to_text
+from trundle.export.plain import Scene, add, check_xml_names, numbers, plain_solids, to_text
 from trundle.files.writing import write_text
 from trundle.geometry import FloatArray, Pose3D
 from trundle.geometry.solids import Box, Cylinder, Mesh, Solid, Sphere
@@ -126,7 +124,7 @@ def _add_solid(
 
 
 def _take_apart(solids: Sequence[Solid], ground: float) -> dict[str, Pieces]:
-    """Convex collision pieces of meshes above the ground."""
+    """Return the convex collision pieces of meshes above the ground."""
     pieces = take_apart([lower_solid(solid, ground) for solid in solids], ceiling=math.inf)
     up = (0.0, 0.0, ground)
     return {

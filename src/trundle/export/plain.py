@@ -1,18 +1,22 @@
-"""Worlds reduced to features of other formats: blocked cells as boxes, names that are valid in XML."""
+"""What the formats share: scenes, worlds without what other formats lack, and the text of XML."""
 
 from __future__ import annotations
 
+import pathlib
 import re
+import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable
-from dataclasses import replace
-from pathlib import Path
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from trundle.errors import OutputError, WorldError
 from trundle.files.writing import make_folder
-from trundle.geometry import Pose3D
+from trundle.geometry import Pose2D, Pose3D
 from trundle.geometry.solids import Box, OccupancyCells, Solid
+from trundle.maps.masks import SpeedMask
+from trundle.path import Path
+from trundle.robots import Robot
 from trundle.worlds import World
 from trundle.worlds.shapes import Names
 from trundle.worlds.walls import merge_cells
@@ -23,8 +27,29 @@ MOST_BOXES = 100_000
 _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """A prepared scenario: world, robot, start and plans.
+
+    Attributes:
+        name: Shown in the exported file.
+        world: The world.
+        robot: The robot.
+        start: Pose of base_link, map frame.
+        paths: The planned paths to its goals, in order; empty if nothing was planned.
+        speed_mask: Limits its speed, or None.
+    """
+
+    name: str
+    world: World
+    robot: Robot
+    start: Pose2D
+    paths: tuple[Path, ...] = ()
+    speed_mask: SpeedMask | None = None
+
+
 def plain_solids(world: World, *, reserved: tuple[str, ...] = ()) -> list[Solid]:
-    """A world's solids, with blocked cells as boxes that fill the same space, named after their rows and columns.
+    """Return a world's solids, with blocked cells as boxes of the same space, named after their rows and columns.
 
     Args:
         world: The world.
@@ -67,7 +92,7 @@ def check_encodable(names: Iterable[str]) -> None:
             raise WorldError(f"the name {name!r} is not valid Unicode; rename the solid") from error
 
 
-def mesh_folder(path: Path) -> Path:
+def mesh_folder(path: pathlib.Path) -> pathlib.Path:
     """Create the folder for the meshes of a file, `<stem>_meshes` beside it.
 
     Raises:
@@ -76,6 +101,24 @@ def mesh_folder(path: Path) -> Path:
     if not path.parent.is_dir():
         raise OutputError(f"cannot write {path}: the folder {path.parent} does not exist")
     return make_folder(path.with_name(f"{path.stem}_meshes"))
+
+
+def numbers(values: Iterable[float]) -> str:
+    """Write numbers separated by spaces, each with the fewest digits that read back exactly."""
+    return " ".join(_number(value) for value in np.asarray(list(values), dtype=np.float64).tolist())
+
+
+def add(parent: ElementTree.Element, tag: str, text: str | None = None, **attributes: str) -> ElementTree.Element:
+    """Add an element with a text and attributes."""
+    element = ElementTree.SubElement(parent, tag, attributes)
+    element.text = text
+    return element
+
+
+def to_text(root: ElementTree.Element) -> str:
+    """Write the text of a whole XML file, indented."""
+    ElementTree.indent(root)
+    return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
 
 def _boxes(solid: Solid, cells: OccupancyCells) -> list[Solid]:
@@ -93,3 +136,8 @@ def _boxes(solid: Solid, cells: OccupancyCells) -> list[Solid]:
         name = f"{solid.name}[{row}:{row_end},{col}:{col_end}]"
         boxes.append(Solid(name, Box(size), solid.pose @ middle, solid.color, solid.kind))
     return boxes
+
+
+def _number(value: float) -> str:
+    text = repr(value)
+    return text.removesuffix(".0") if text != "-0.0" else "0"

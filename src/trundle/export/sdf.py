@@ -8,8 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from trundle.errors import WorldError
-from trundle.export.plain import check_xml_names, mesh_folder, plain_solids
-from trundle.export.xmltext import add, numbers, to_text
+from trundle.export.plain import add, check_xml_names, mesh_folder, numbers, plain_solids, to_text
 from trundle.files.writing import write_text
 from trundle.geometry import Pose3D
 from trundle.geometry.solids import Box, Cylinder, Mesh, Solid, Sphere

@@ -10,8 +10,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from trundle.export.plain import mesh_folder
-from trundle.export.xmltext import add, numbers, to_text
+from trundle.export.plain import add, mesh_folder, numbers, to_text
 from trundle.files.writing import write_text
 from trundle.geometry import FloatArray
 from trundle.robots import Caster, Robot
@@ -36,7 +35,7 @@ def export_robot(robot: Robot, path: Path) -> None:
 
 
 def describe_robot(robot: Robot) -> str:
-    """A robot as the text of a URDF, as `export_robot` writes it, for those who cannot read the files beside it.
+    """Return a robot as the text of a URDF, as `export_robot` writes it, but without files beside it.
 
     A chassis that is no box is the box around it.
     """
@@ -131,7 +130,7 @@ def _add_caster(root: ElementTree.Element, model: mujoco.MjModel, caster: Caster
 
 
 def _add_roller(link: ElementTree.Element, radius: float, width: float) -> None:
-    """A cylinder along y."""
+    """Add a cylinder along y, to be seen and to collide."""
     for tag in ("visual", "collision"):
         shape = add(link, tag)
         add(shape, "origin", None, xyz="0 0 0", rpy=numbers((math.pi / 2.0, 0.0, 0.0)))

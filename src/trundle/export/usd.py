@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from trundle.export.scene import Scene
+from trundle.export.plain import Scene
 from trundle.robots import Robot
 from trundle.usd.write import Profile, check_profile, write_world
 from trundle.worlds import World
@@ -48,7 +48,7 @@ def export_robot(robot: Robot, path: str | os.PathLike[str], *, profile: Profile
         MissingExtraError: If usd-core is not installed.
     """
     check_profile(profile)
-    from trundle.export.usd_robot import robot_stage
+    from trundle.export.usd_stages import robot_stage
     from trundle.usd.stage import save
 
     stage = robot_stage(robot)
@@ -77,7 +77,7 @@ def export_scene(scene: Scene, path: str | os.PathLike[str], *, profile: Profile
         MissingExtraError: If usd-core is not installed.
     """
     check_profile(profile)
-    from trundle.export.usd_scene import scene_stage
+    from trundle.export.usd_stages import scene_stage
     from trundle.usd.stage import save
 
     if profile == "isaac":

@@ -16,7 +16,7 @@ from trundle.registry import PYTHON, is_plugin_file, name_of
 Option: TypeAlias = bool | int | float | str | list[bool | int | float | str] | None
 
 _PLAIN = (str, int, float, list, tuple, NoneType)
-"""What is no plug-in, and is left to the errors of the fields."""
+"""Types that are no plug-in: the field says what is wrong with them."""
 
 
 class Choice(Config):
@@ -50,19 +50,19 @@ class Choice(Config):
 
     @property
     def short_name(self) -> str:
-        """Its name in reports; of a file, the name in it."""
+        """Name for reports; of a plug-in in a file, its name in that file."""
         name = self.name.removeprefix(PYTHON)
         return name.rpartition(":")[2] if is_plugin_file(name) else name
 
     @property
     def given(self) -> object:
-        """The Python object; None where it is chosen by name."""
+        """The Python object, or None if the choice is a name."""
         return self._object
 
     def make_from(self) -> object:
-        """What the plug-in is made from: the name, or the Python object; of one that is made already, a copy.
+        """Return what the plug-in is made from: the name, or a copy of the Python object.
 
-        So each run has the object as it was given.
+        The copy gives each run the object as it was given.
 
         Raises:
             InputError: If it cannot be copied.
@@ -79,7 +79,7 @@ class Choice(Config):
 
 
 def split_choice(given: object) -> tuple[str, Any, dict[str, Any]]:
-    """The name for reports, what a plug-in is made from, and its options."""
+    """Return a choice's name for reports, what its plug-in is made from, and its options."""
     if isinstance(given, Choice):
         return given.short_name, given.make_from(), dict(given.options)
     return Choice(name=given).short_name if isinstance(given, str) else name_of(given), given, {}
@@ -100,7 +100,7 @@ def takes_plugin(kind: type[Choice], *, objects: bool = True, optional: bool = T
     Args:
         kind: What it makes of them.
         objects: Whether Python objects are accepted.
-        optional: Whether the field may be none.
+        optional: Whether the field may be None.
     """
 
     def read(value: object) -> object:

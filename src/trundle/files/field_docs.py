@@ -30,7 +30,7 @@ def describe_fields(model: type[BaseModel]) -> dict[str, str]:
 
 
 def json_schema(model: type[BaseModel], title: str) -> dict[str, Any]:
-    """The JSON Schema of a model, with a description of each field, for editors that validate YAML."""
+    """Return the JSON Schema of a model, with a description of each field, for editors that validate YAML."""
     schema = model.model_json_schema()
     kinds = {kind.__name__: kind for kind in models_in(model)}
     for name, part in [(model.__name__, schema), *schema.get("$defs", {}).items()]:
@@ -42,7 +42,7 @@ def json_schema(model: type[BaseModel], title: str) -> dict[str, Any]:
 
 
 def _with_plain_bounds(schema: Any) -> Any:
-    """The schema with whole bounds as integers.
+    """Return the schema with whole bounds as integers.
 
     Python takes `Annotated[float, Ge(0)]` and `Annotated[float, Ge(0.0)]` for one type, and keeps the one that was made
     first: which of the two a schema shows would depend on what was imported before.
@@ -100,7 +100,7 @@ def _lines(settings: BaseModel, plain: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _flow(value: object) -> str:
-    """A value on one line."""
+    """Write a value on one line."""
     text = yaml.safe_dump(value, default_flow_style=True, allow_unicode=True, width=10**9, sort_keys=False)
     return text.removesuffix("...\n").strip()
 
@@ -115,7 +115,7 @@ def _plain(value: object) -> Any:
 
 
 def fields_table(model: type[BaseModel]) -> str:
-    """A Markdown table of a model's fields: name, type, default, meaning."""
+    """Write a Markdown table of a model's fields: name, type, default, meaning."""
     rows = ["| field | type | default | |", "| --- | --- | --- | --- |"]
     properties = model.model_json_schema()["properties"]
     for name, text in describe_fields(model).items():
@@ -130,7 +130,7 @@ def _default(value: object) -> str:
 
 
 def _type(schema: Mapping[str, Any]) -> str:
-    """The type of a JSON Schema in a word or two."""
+    """Describe the type of a JSON Schema in a word or two."""
     if "anyOf" in schema or "oneOf" in schema:
         kinds = [_type(part) for part in schema.get("anyOf", schema.get("oneOf", ())) if part.get("type") != "null"]
         return " or ".join(dict.fromkeys(kinds))

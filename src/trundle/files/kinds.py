@@ -48,7 +48,7 @@ _SUITE_KEYS = frozenset(
 
 
 def find_kind(path: str | os.PathLike[str]) -> str | None:
-    """The kind of an existing file or folder; None if it is unclear."""
+    """Return the kind of an existing file or folder; None if it is unclear."""
     file = Path(path)
     try:
         if file.is_dir():
@@ -67,7 +67,7 @@ def find_kind(path: str | os.PathLike[str]) -> str | None:
 
 
 def kind_of_keys(keys: Iterable[str]) -> str | None:
-    """The kind of a YAML file that has these keys; None if it is unclear."""
+    """Return the kind of a YAML file that has these keys; None if it is unclear."""
     found = set(keys)
     if "image" in found and found & {"resolution", "origin", "negate"}:
         return MAP
@@ -78,5 +78,5 @@ def kind_of_keys(keys: Iterable[str]) -> str | None:
 
 
 def describe_mismatch(name: str, found: str | None, wanted: str) -> str:
-    """The message that a file is not of the expected kind."""
+    """Say that a file is not of the expected kind."""
     return f"{name}: this is {found}, not {wanted}"

@@ -37,7 +37,7 @@ class MeshPart:
     """One mesh of a file, with the file's transforms applied.
 
     Attributes:
-        name: Of its node in the file.
+        name: Name of its node in the file.
         geometry: Name of the mesh itself, which several nodes may share.
         vertices: [m], z up, shape (V, 3).
         faces: Indices into `vertices`, shape (F, 3).
@@ -51,11 +51,11 @@ class MeshPart:
     color: Color | None
 
     def scaled(self, scale: tuple[float, float, float]) -> Mesh:
-        """As a shape, scaled along the axes; a mirrored mesh has its faces flipped, so that they still face outward."""
+        """Return it as a shape, scaled along the axes. Faces of a mirrored mesh are flipped to face outward."""
         return Mesh(self.vertices * np.asarray(scale), self.faces if np.prod(scale) > 0.0 else self.faces[:, ::-1])
 
     def centred(self) -> MeshPart:
-        """A copy with the centre of its bounding box at the origin."""
+        """Return a copy with the centre of its bounding box at the origin."""
         middle = (self.vertices.min(axis=0) + self.vertices.max(axis=0)) / 2.0
         return replace(self, vertices=self.vertices - middle)
 
@@ -65,9 +65,9 @@ def read_mesh(path: Path, *, up: str | None = None, unit: str | float | None = N
 
     Args:
         path: The file.
-        up: The file's upward axis, "y" or "z"; None takes it from the format (glTF: y; COLLADA: as in the file), or z
+        up: The file's upward axis, "y" or "z"; by default that of the format (glTF: y; COLLADA: as in the file), or z
             for OBJ, STL and PLY, which do not store it.
-        unit: The file's unit: m, cm, mm, km, in, ft, or its length in metres; None takes it from the format
+        unit: The file's unit: m, cm, mm, km, in, ft, or its length in metres; by default that of the format
             (glTF: m; COLLADA: as in the file), or m for OBJ, STL and PLY, which do not store it.
 
     Raises:
@@ -101,7 +101,7 @@ class _Node(NamedTuple):
 
 
 def _read_nodes(path: Path) -> list[_Node]:
-    """Nodes with a mesh, sorted by name, because trimesh's order is that of a set. Points and lines are skipped."""
+    """Return the nodes with a mesh, sorted by name, as trimesh's order is that of a set; skip points and lines."""
     scene = _load_scene(path)
     with parser_errors(f"{path}: its node graph has a cycle or is not connected", WorldError):
         nodes = sorted(scene.graph.nodes_geometry, key=str)
@@ -241,7 +241,7 @@ def _check_gltf(path: Path) -> None:
 
 
 def _read_collada_asset(path: Path) -> tuple[str, float]:
-    """The upward axis and the unit [m] of a COLLADA file; refuses document types before another parser sees them."""
+    """Return the upward axis and the unit [m] of a COLLADA file. Document types are refused before trimesh reads it."""
     root = parse_xml(path, read_limited(path, error=WorldError), error=WorldError)
     up, unit = "y", 1.0
     for element in root.iter():
@@ -268,7 +268,7 @@ def _metres(unit: str | float) -> float:
 
 
 def _read_rgba(mesh: Any) -> Any:
-    """A mesh's colour from trimesh, channels 0 to 255: that of its material, or the mean of its faces."""
+    """Return a mesh's colour, channels 0 to 255: that of its material, or the mean of its faces."""
     visual = getattr(mesh, "visual", None)
     kind = getattr(visual, "kind", None)
     if visual is None or kind is None:

@@ -6,9 +6,11 @@ MuJoCo only reads the file here: nothing is simulated.
 from __future__ import annotations
 
 import logging
+import math
 import os
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
 
@@ -16,8 +18,7 @@ import numpy as np
 
 from trundle.errors import InputError
 from trundle.files.mesh import read_mesh
-from trundle.files.mjcf_check import check_mjcf
-from trundle.files.opening import is_file
+from trundle.files.opening import check_regular, exists, is_file
 from trundle.files.parser_errors import parser_errors
 from trundle.files.uris import describe_search, find_uri
 from trundle.files.xacro import expand_xacro
@@ -43,6 +44,22 @@ _NUMBERS = {
 """Numeric attributes of URDF elements: how many numbers, and their allowed range."""
 
 
+MAX_FILES = 1_000
+"""Limit on included and attached files together."""
+
+MAX_INCLUDES = 32
+"""Limit on nested includes."""
+
+MAX_ELEMENTS = 1_000_000
+"""Limit on elements in all files, counted once per generated copy."""
+
+MAX_SAMPLES = 20_000_000
+"""Limit on the heights of a height field: MuJoCo gives no reason where it gets no memory for them."""
+
+_COPIES = ("replicate", "composite", "flexcomp")
+_FOLDERS = ("meshdir", "texturedir", "assetdir")
+
+
 def log_warnings() -> None:
     """Make MuJoCo log its warnings; by default it writes a file MUJOCO_LOG.TXT in the working folder."""
     import mujoco
@@ -63,7 +80,7 @@ def read_spec(
         path: The file.
         folders: Folders to search for package:// and model:// names, after the folders above the file.
         error: Type of the exception.
-        geometry: For a URDF, read only its collision or only its visual geometry; None reads both.
+        geometry: For a URDF, read only its collision or only its visual geometry; by default both.
 
     Raises:
         InputError: Of the type `error`, if it cannot be read, is neither MJCF nor URDF, or a mesh is missing.
@@ -89,7 +106,7 @@ def read_mjcf(path: Path, root: XmlElement, *, error: type[InputError]) -> mujoc
     Raises:
         InputError: Of the type `error`, if it cannot be read.
     """
-    check_mjcf(path, root, error=error)
+    _check_mjcf(path, root, error=error)
     if path.suffix.lower() == ".xml":
         return _parse(path, error, lambda mujoco: mujoco.MjSpec.from_file(os.fspath(path)))
     # MuJoCo opens only .xml and .urdf: for .mjcf, pass it the text and the paths of the included files.
@@ -196,7 +213,7 @@ def _check_numbers(where: str, element: ElementTree.Element, error: type[InputEr
 
 
 def _mesh_asset(where: str, path: Path, stem: str, error: type[InputError]) -> tuple[str, bytes]:
-    """A mesh's name and content for MuJoCo, converted to binary STL if MuJoCo cannot read the format."""
+    """Return a mesh's name and content for MuJoCo, as binary STL if MuJoCo cannot read the format."""
     suffix = path.suffix.lower()
     if suffix in _AS_THEY_ARE:
         content = read_limited(path, error=error)
@@ -211,3 +228,114 @@ def _mesh_asset(where: str, path: Path, stem: str, error: type[InputError]) -> t
     triangles = np.zeros(len(corners), dtype=record)
     triangles["corners"] = corners
     return stem + ".stl", bytes(80) + np.uint32(len(corners)).tobytes() + triangles.tobytes()
+
+
+def _check_mjcf(path: Path, root: XmlElement, *, error: type[InputError]) -> None:
+    """Check an MJCF file and those that it includes or attaches, before MuJoCo reads them.
+
+    MuJoCo's reader recurses into a model that attaches itself until it crashes, blocks on pipes, and creates any number
+    of copies.
+
+    Args:
+        path: The file.
+        root: Its content.
+        error: Type of the exception.
+
+    Raises:
+        InputError: Of the type `error`, if a file includes itself, is not a regular file or not XML, or a limit is
+            exceeded; the message has file and line.
+    """
+    _MjcfCheck(error, path.parent).check(path, root, ())
+
+
+@dataclass(slots=True)
+class _MjcfCheck:
+    """Walks through an MJCF file and those that it includes.
+
+    Attributes:
+        error: Type of the exception.
+        home: Folder of the main file.
+        files: Number of files visited.
+        elements: Number of elements, counted once per generated copy.
+    """
+
+    error: type[InputError]
+    home: Path
+    files: int = 0
+    elements: int = 0
+    _folders: list[Path] = field(default_factory=list[Path])
+
+    def check(self, path: Path, root: XmlElement, above: tuple[Path, ...]) -> None:
+        """Check a file; `above` are the files that include it."""
+        above = (*above, path.resolve())
+        self._folders += [
+            self.home / folder
+            for compiler in root.iter("compiler")
+            for folder in map(compiler.get, _FOLDERS)
+            if folder is not None
+        ]
+        for element, copies in _elements_with_copies(root, 1):
+            where = f"{path}:{element.line}"
+            self.elements += copies
+            if self.elements > MAX_ELEMENTS:
+                raise self.error(f"{where}: this generates more than {MAX_ELEMENTS} elements; use fewer copies")
+            if element.tag == "hfield":
+                self._check_heights(where, element)
+            name = element.get("file")
+            if name is None:
+                continue
+            found = self._find(path, name)
+            if found is None:
+                continue  # if MuJoCo needs it, MuJoCo reports that it is missing
+            try:
+                check_regular(found)
+            except OSError as problem:
+                raise self.error(f"{where}: cannot read {found}: {problem.strerror or problem}") from problem
+            if element.tag in ("include", "model"):
+                self._enter(where, found, above)
+
+    def _check_heights(self, where: str, element: XmlElement) -> None:
+        """Check the size of a height field; MuJoCo checks all else of it."""
+        try:
+            rows, cols = (int(element.get(name, "0")) for name in ("nrow", "ncol"))
+        except ValueError:
+            return  # MuJoCo reports it
+        if min(rows, cols) < 0 or rows * cols > MAX_SAMPLES:
+            raise self.error(
+                f"{where}: a height field has up to {MAX_SAMPLES} heights, got nrow {rows} and ncol {cols}; "
+                "make it coarser, or correct the numbers"
+            )
+
+    def _enter(self, where: str, file: Path, above: tuple[Path, ...]) -> None:
+        if file.resolve() in above:
+            raise self.error(f"{where}: {file.name} includes itself")
+        self.files += 1
+        if self.files > MAX_FILES or len(above) > MAX_INCLUDES:
+            raise self.error(
+                f"{where}: this model includes more than {MAX_FILES} files, or nests them more than {MAX_INCLUDES} deep"
+            )
+        if file.suffix.lower() in (".xml", ".mjcf", ".urdf"):
+            self.check(file, read_xml(file, error=self.error), above)
+
+    def _find(self, path: Path, name: str) -> Path | None:
+        folders = (path.parent, self.home, *self._folders)
+        return next((folder / name for folder in folders if exists(folder / name)), None)
+
+
+def _elements_with_copies(root: XmlElement, copies: int) -> Iterator[tuple[XmlElement, int]]:
+    """Yield all elements, each with its number of generated copies."""
+    stack = [(root, copies)]
+    while stack:
+        element, times = stack.pop()
+        if element.tag in _COPIES:
+            times *= _count_copies(element)
+        yield element, times
+        stack.extend((cast("XmlElement", child), times) for child in element)
+
+
+def _count_copies(element: XmlElement) -> int:
+    """Return the number of copies that an element generates; 1 if MuJoCo cannot parse it."""
+    try:
+        return max(1, math.prod(int(word) for word in element.get("count", "1").split()))
+    except ValueError:
+        return 1

@@ -52,7 +52,7 @@ def parser_errors(message: str, error: type[InputError]) -> Iterator[None]:
 
 
 def parser_reason(problem: BaseException) -> str:
-    """The message of an exception on one line; where it says nothing to a user, that, and what to do."""
+    """Return the message of an exception on one line. If it says nothing to a user, say so, and what to do."""
     try:
         text = str(problem)
     except UnicodeDecodeError:  # its message quotes the file's bytes

@@ -35,7 +35,7 @@ def split_folders(folders: Folders) -> tuple[Path, ...]:
 
 
 def find_uri(uri: str, base: Path, folders: tuple[Path, ...]) -> Path | None:
-    """The file or folder that a URI names, or None if it does not exist.
+    """Return the file or folder that a URI names, or None if it does not exist.
 
     A plain or file:// path is searched beside the file that names it and in the folders above. The name in
     model://NAME/… or package://NAME/… is a folder above the file, or in `models` there. Then the given folders are
@@ -67,7 +67,7 @@ def find_uri(uri: str, base: Path, folders: tuple[Path, ...]) -> Path | None:
 
 
 def describe_search(folders: tuple[Path, ...]) -> str:
-    """The places that `find_uri` searches, for messages."""
+    """Describe the places that `find_uri` searches, for messages."""
     given = os.pathsep.join(map(str, folders)) or "none"
     there = [f"{name}={os.environ[name]}" for name in SEARCH_VARIABLES if os.environ.get(name)]
     missing = [name for name in SEARCH_VARIABLES if not os.environ.get(name)]
@@ -81,7 +81,7 @@ def describe_search(folders: tuple[Path, ...]) -> str:
 
 
 def _search(scheme: str, name: str, base: Path, folders: tuple[Path, ...]) -> Iterator[Path]:
-    """Folders to search, the nearest first."""
+    """Yield the folders to search, the nearest first."""
     above = list(base.resolve().parents)[:_ABOVE]
     yield from (base, *above) if scheme == "file" else (*above, base)
     yield from (folder / "models" for folder in (base, *above))
@@ -93,7 +93,7 @@ def _search(scheme: str, name: str, base: Path, folders: tuple[Path, ...]) -> It
 
 
 def _expand(variable: str, name: str, folder: Path) -> Iterator[Path]:
-    """Folders that one entry of an environment variable adds to the search."""
+    """Yield the folders that one entry of an environment variable adds to the search."""
     if variable == "AMENT_PREFIX_PATH":
         share = folder / "share"
         yield share
@@ -110,7 +110,7 @@ def _expand(variable: str, name: str, folder: Path) -> Iterator[Path]:
 
 
 def _literal(name: str) -> str:
-    """A glob pattern that matches exactly this name."""
+    """Return a glob pattern that matches exactly this name."""
     return re.sub(r"([*?\[])", r"[\1]", name)
 
 
@@ -121,13 +121,13 @@ _FUEL_CACHES = (".gz/fuel", ".ignition/fuel")
 
 
 def fuel_caches() -> tuple[Path, ...]:
-    """Folders where Gazebo keeps its downloads from Fuel."""
+    """Return the folders where Gazebo keeps its downloads from Fuel."""
     named = [os.environ.get(name, "") for name in ("GZ_FUEL_CACHE_PATH", "IGN_FUEL_CACHE_PATH")]
     return (*(Path(path) for path in named if path), *(Path.home() / folder for folder in _FUEL_CACHES))
 
 
 def _find_downloaded(address: str) -> Path | None:
-    """The folder or file of an address like https://fuel.gazebosim.org/1.0/OWNER/models/NAME[/VERSION][/files/PATH]."""
+    """Find the download of an address like https://fuel.gazebosim.org/1.0/OWNER/models/NAME[/VERSION][/files/PATH]."""
     try:
         parts = urlsplit(address)
     except ValueError:
@@ -151,14 +151,14 @@ def _find_downloaded(address: str) -> Path | None:
 
 
 def _own_versions(name: str, base: Path) -> Iterator[Path]:
-    """The folder of a downloaded model that refers to itself: the model lies in its version's folder, NAME/3."""
+    """Yield the folder of a downloaded model that refers to itself: it lies in its version's folder, NAME/3."""
     for folder in (base, *list(base.parents)[:_ABOVE]):
         if folder.name.isdigit() and folder.parent.name.lower() == name.lower():
             yield folder
 
 
 def _newest(home: Path) -> Path | None:
-    """The newest version of a downloaded model: its folders are named by version number."""
+    """Return the newest version of a downloaded model, whose folders are named by version number."""
     try:
         versions = [folder for folder in home.iterdir() if folder.name.isdigit() and folder.is_dir()]
     except OSError:

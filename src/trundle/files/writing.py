@@ -1,8 +1,10 @@
-"""Atomic file writes: to a temporary name beside the target, then renamed over it."""
+"""Writing files and folders: whole or not at all, by renaming, and in a folder that no other process writes to."""
 
 from __future__ import annotations
 
 import errno
+import fcntl
+import logging
 import os
 import re
 import stat
@@ -14,6 +16,11 @@ from pathlib import Path
 
 from trundle.errors import OutputError
 from trundle.values import as_path
+
+_LOGGER = logging.getLogger(__name__)
+
+LOCK = ".lock"
+"""The file by which a folder is locked."""
 
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """Errors of a system that has no room for a file."""
@@ -61,7 +68,7 @@ def atomic_path(target: str | os.PathLike[str], *, durable: bool = False) -> Ite
 
 
 def cannot_write(what: str | os.PathLike[str], error: OSError) -> OutputError:
-    """The error of a file that could not be written: which, why, and what to do where the disk is full."""
+    """Return the error of a file that could not be written: which, why, and what to do if the disk is full."""
     reason = f"cannot write {os.fspath(what)}: {error.strerror or error}"
     return OutputError(f"{reason}; {_ADVICE[error.errno]}" if error.errno in _ADVICE else reason)
 
@@ -168,7 +175,7 @@ def new_folder(root: str | os.PathLike[str], name: str) -> Path:
 
 
 def output_path(target: str | os.PathLike[str]) -> Path:
-    """The path of an output file or folder.
+    """Return the path of an output file or folder.
 
     Raises:
         OutputError: If it is not a valid path.
@@ -180,9 +187,10 @@ def output_path(target: str | os.PathLike[str]) -> Path:
 
 
 def path_beside(name: str, target: str | os.PathLike[str]) -> str:
-    """How a file that is to be written at `target` names another file.
+    """Return the path by which a file that is to be written at `target` names another file.
 
-    Relative to its folder where both are below the current folder, so that they can be moved together; else in full.
+    It is relative to the folder of `target` if both are below the current folder, so that they can be moved
+    together; else it is absolute.
     """
     here, folder, other = Path.cwd(), output_path(target).resolve().parent, Path(name).resolve()
     together = Path(name).suffix and other.is_relative_to(here) and folder.is_relative_to(here)
@@ -190,7 +198,7 @@ def path_beside(name: str, target: str | os.PathLike[str]) -> str:
 
 
 def _permissions(path: Path) -> int:
-    """Permissions of the file to replace, or the default ones of a new file."""
+    """Return the permissions of the file to replace, or the default ones of a new file."""
     try:
         return stat.S_IMODE(path.stat().st_mode)
     except FileNotFoundError:
@@ -201,3 +209,57 @@ def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
+
+
+class FolderLock:
+    """Holds a folder until `release`; the lock ends with its process.
+
+    A file system that cannot lock files is used without a lock.
+
+    Args:
+        folder: The folder; it is created if it does not exist.
+        user: What uses it, for the message to a second one ("run").
+
+    Raises:
+        OutputError: If another process holds it; its number is named.
+        OSError: If the folder cannot be written to.
+    """
+
+    def __init__(self, folder: Path, user: str) -> None:
+        self._path = folder / LOCK
+        self._descriptor = _lock(folder, user)
+
+    def release(self) -> None:
+        """Release the folder; a second time does nothing."""
+        if self._descriptor is None:
+            return
+        self._path.unlink(missing_ok=True)
+        os.close(self._descriptor)
+        self._descriptor = None
+
+
+def _lock(folder: Path, user: str) -> int | None:
+    """Lock a folder by a file in it, and return its descriptor; None if the file system cannot lock files."""
+    path = folder / LOCK
+    while True:
+        folder.mkdir(parents=True, exist_ok=True)  # Whoever held the lock may have removed it, and the folder.
+        with suppress(FileNotFoundError):
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                if os.path.samestat(os.fstat(descriptor), path.stat()):
+                    os.ftruncate(descriptor, 0)
+                    os.write(descriptor, f"{os.getpid()}\n".encode())
+                    return descriptor
+            except BlockingIOError:
+                owner = os.read(descriptor, 20).decode(errors="replace").strip() or "?"
+                os.close(descriptor)
+                raise OutputError(f"another {user} (process {owner}) is writing into {folder}") from None
+            except FileNotFoundError:
+                pass
+            except OSError as error:
+                os.close(descriptor)
+                path.unlink(missing_ok=True)
+                _LOGGER.info("%s cannot be locked: %s", folder, error)
+                return None
+            os.close(descriptor)

@@ -81,7 +81,7 @@ def _texts(element: XmlElement) -> list[str]:
 
 @dataclass(slots=True)
 class _Scope:
-    """Definitions of a file. Properties are evaluated where they are used, so their order does not matter."""
+    """The definitions of a file. Properties are evaluated where they are used, so their order does not matter."""
 
     path: Path
     error: type[InputError]
@@ -103,7 +103,7 @@ class _Scope:
             raise self.fault(element, f"<{element.tag}> is more xacro than trundle expands")
 
     def fault(self, element: XmlElement, what: str) -> InputError:
-        """An error with the command that expands the file."""
+        """Return an error with the command that expands the file."""
         out = self.path.name.removesuffix(".xacro").removesuffix(".urdf") + "_expanded.urdf"
         return self.error(
             f"{self.path}:{element.line}: {what}. Expand the file first: ros2 run xacro xacro {self.path.name} > {out}"

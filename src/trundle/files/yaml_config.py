@@ -52,7 +52,7 @@ class Config(_Model):
     """Keys that its files may have besides the fields; its loader takes them out first."""
 
     def part(self, model: type[ModelT]) -> ModelT:
-        """The fields of a model that this one has inherited, as that model alone."""
+        """Return the fields that this model has inherited from another, as that model alone."""
         return model.model_construct(**{name: getattr(self, name) for name in model.model_fields})
 
 

@@ -13,7 +13,10 @@ from trundle.files.opening import open_file, read_up_to
 from trundle.values import as_path
 
 MAX_BYTES = 250_000
+"""Size limit of a settings file: PyYAML takes seconds, and over a hundred times as much memory."""
+
 MAX_DEPTH = 32
+"""Limit on nested values: PyYAML calls itself for each level, and Python ends at about a thousand calls."""
 
 
 class _LimitedLoader(yaml.SafeLoader):
@@ -79,12 +82,12 @@ def compose_text(text: str, name: str, *, allow_duplicate_keys: bool = False) ->
 
 
 def place(node: yaml.Node, name: str) -> str:
-    """`file:line:column` of a node, counted from 1."""
+    """Return `file:line:column` of a node, counted from 1."""
     return _place(name, node.start_mark)
 
 
 def keys_of(node: yaml.Node) -> list[str]:
-    """Keys of a mapping; empty for any other node."""
+    """Return the keys of a mapping; of any other node none."""
     if not isinstance(node, yaml.MappingNode):
         return []
     return [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]

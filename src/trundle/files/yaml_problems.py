@@ -83,7 +83,7 @@ def describe_problems(
 
 
 def _is_other_branch(problem: ErrorDetails, problems: Sequence[ErrorDetails]) -> bool:
-    """Whether a mapping is no number, or the like, where another type takes a mapping and says what is wrong in it."""
+    """Whether a mapping was also tried as a number or the like: the type that takes a mapping says what is wrong."""
     union = problem["loc"][:-1]
     return (
         isinstance(problem["input"], Mapping)
@@ -93,7 +93,7 @@ def _is_other_branch(problem: ErrorDetails, problems: Sequence[ErrorDetails]) ->
 
 
 def _strip_tags(problem: ErrorDetails, given: object) -> Location:
-    """The location of a problem, without what pydantic adds: type names of unions, and the 0 of a list of one."""
+    """Return the location of a problem without what pydantic adds: names of union types, and the 0 of a list of one."""
     location: list[int | str] = []
     parts = problem["loc"]
     for index, part in enumerate(parts):
@@ -150,7 +150,7 @@ def _nearest(text: str, choices: Sequence[str]) -> str | None:
 
 
 def _range(field: FieldInfo | None, context: Mapping[str, Any]) -> str:
-    """Both limits of the allowed range, with the unit."""
+    """Describe both limits of the allowed range, with the unit."""
     ends = {key: context[key] for key in ("gt", "ge", "lt", "le") if key in context}
     unit = ""
     if field is not None:
@@ -176,7 +176,7 @@ def _length(field: FieldInfo | None, context: Mapping[str, Any]) -> str:
 
 
 def _keys(model: type[BaseModel], location: Location, in_file: bool) -> list[str]:
-    """Keys that a mapping at this location may have, in a file or as arguments in Python."""
+    """Return the keys that a mapping at this location may have, in a file or as arguments in Python."""
     owner = _item(_descend(model, location)[0])
     if not _is_model(owner):
         return []
@@ -184,7 +184,7 @@ def _keys(model: type[BaseModel], location: Location, in_file: bool) -> list[str
 
 
 def field_names(model: type[BaseModel]) -> list[str]:
-    """Names of a model's fields: its own first, then those inherited from its bases."""
+    """Return the names of a model's fields: its own first, then those inherited from its bases."""
     names = [name for kind in model.__mro__ for name in inspect.get_annotations(kind)]
     return [name for name in dict.fromkeys(names) if name in model.model_fields]
 
@@ -194,14 +194,14 @@ def _field(model: type[BaseModel], location: Location) -> FieldInfo | None:
 
 
 def _literals(field: FieldInfo | None) -> list[str]:
-    """Allowed values of a field with a fixed set of them; empty for others."""
+    """Return the allowed values of a field with a fixed set of them; of any other none."""
     kinds = [] if field is None else [field.annotation, *typing.get_args(field.annotation)]
     literals = [kind for kind in kinds if typing.get_origin(kind) is typing.Literal]
     return [str(choice) for literal in literals for choice in typing.get_args(literal)]
 
 
 def _descend(model: type[BaseModel], location: Location) -> tuple[Any, FieldInfo | None]:
-    """The type at a location in a model, and its field; None if the model does not define one."""
+    """Return the type at a location in a model, and its field; None if the model does not define one."""
     kind: Any = model
     field: FieldInfo | None = None
     for part in location:
@@ -223,13 +223,13 @@ def _descend(model: type[BaseModel], location: Location) -> tuple[Any, FieldInfo
 
 
 def _item(kind: Any) -> Any:
-    """The type of a list's items, as a single value may be given for the list; any other type is returned as it is."""
+    """Return the type of a list's items, as one value may be given for the list; any other type as it is."""
     arguments = typing.get_args(kind)
     return _unwrap(arguments[0])[0] if typing.get_origin(kind) in (list, tuple) and arguments else kind
 
 
 def _unwrap(kind: Any) -> tuple[Any, FieldInfo | None]:
-    """A type without `| None` and `Annotated`, and the field that an annotation holds."""
+    """Return a type without `| None` and `Annotated`, and the field that an annotation holds."""
     field = None
     while True:
         if typing.get_origin(kind) is Annotated:
@@ -247,7 +247,7 @@ def _is_model(kind: Any) -> typing.TypeGuard[type[BaseModel]]:
 
 
 def _place(location: Location, node: yaml.Node, name: str, *, of_key: bool) -> str:
-    """`file:line:column` of a value or its key; for a missing key, that of its mapping."""
+    """Return `file:line:column` of a value or its key; for a missing key, that of its mapping."""
     for index, part in enumerate(location):
         if isinstance(node, yaml.MappingNode):
             entry = next(((key, value) for key, value in node.value if key.value == str(part)), None)

@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Self
 
 from trundle.errors import OutputError
-from trundle.files.folder_lock import FolderLock
-from trundle.files.writing import make_folder, new_folder, sync_folder
+from trundle.files.writing import FolderLock, make_folder, new_folder, sync_folder
 
 _LOGGER = logging.getLogger(__name__)
 

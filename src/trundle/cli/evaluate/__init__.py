@@ -2,10 +2,13 @@
 
 from trundle.cli.evaluate.run import app
 
-app.command("trundle.cli.evaluate.report:app", name="report", help="Write report.html, junit.xml and summary.json.")
-app.command("trundle.cli.evaluate.compare:app", name="compare", help="Compare two evaluations of the same missions.")
-app.command("trundle.cli.evaluate.show:app", name="show", help="List episodes, each with the command that repeats it.")
-app.command("trundle.cli.evaluate.barn:app", name="barn", help="Drive in the public BARN worlds.")
-app.command("trundle.cli.evaluate.dynabarn:app", name="dynabarn", help="Drive among DynaBARN's moving cylinders.")
+for _name, _target, _help in (
+    ("report", "results:report_app", "Write report.html, junit.xml and summary.json."),
+    ("compare", "results:compare_app", "Compare two evaluations of the same missions."),
+    ("show", "results:show_app", "List episodes, each with the command that repeats it."),
+    ("barn", "public:barn_app", "Drive in the public BARN worlds."),
+    ("dynabarn", "public:dynabarn_app", "Drive among DynaBARN's moving cylinders."),
+):
+    app.command(f"trundle.cli.evaluate.{_target}", name=_name, help=_help)
 
 __all__ = ["app"]

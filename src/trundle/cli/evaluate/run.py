@@ -6,10 +6,12 @@ from typing import Annotated, Any
 
 from cyclopts import App, Parameter
 
-from trundle.cli.evaluate import verdict
-from trundle.cli.evaluate.execution import INTERRUPTED, carry_out
+from trundle.cli.evaluate.execution import TimeBudget, carry_out, parse_time_budget
+from trundle.cli.evaluate.results import Require, report_evaluation
 from trundle.cli.shared import nav2, options, sources
-from trundle.cli.shared.given import check_given
+from trundle.cli.shared.field_options import OptionField, options_class
+from trundle.cli.shared.sources import check_given
+from trundle.cli.shared.termination import INTERRUPTED
 from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation import Suite, maps_suite, suite_names
 from trundle.evaluation.suite import MAPS
@@ -33,31 +35,50 @@ app = App(
 )
 
 
-def _names(name: str, help_text: str) -> Any:
-    return Parameter(name=[f"--{name}s", f"--{name}"], help=help_text, negative="")
+def _list(field: str, help: str) -> OptionField:
+    """Make the option of a field of a suite that takes several values, by its singular and its plural."""
+    one = field.removesuffix("s")
+    return field, Annotated[str | None, Parameter(name=[f"--{one}s", f"--{one}"], help=help, negative="")], None
+
+
+_LISTS = (
+    _list("robots", "Robots, separated by commas: names or files."),
+    _list("planners", "Planners, separated by commas: auto,astar."),
+    _list("controllers", "Controllers, separated by commas."),
+    _list("agents", "Agents that drive instead, separated by commas."),
+    _list("localizer", "Localizers, separated by commas; default: the true pose."),
+    _list("backends", "Simulators, separated by commas: mujoco,kinematic."),
+)
+"""Fields of `Suite` that an option gives. A field that is added here has its option, and no more is needed."""
+
+
+@Parameter(name="*")
+class SuiteOptions(options_class(_LISTS)):
+    """Options that give a suite several robots, planners, … to cross."""
+
+    def changes(self) -> dict[str, Any]:
+        """Return the fields whose options were given."""
+        texts = {name: getattr(self, name) for name, _, _ in _LISTS}
+        return {name: options.parse_list(text) for name, text in texts.items() if text is not None}
 
 
 @app.default
 def run(
     *given: str,
-    robots: Annotated[str | None, _names("robot", "Robots, separated by commas: names or files.")] = None,
-    planners: Annotated[str | None, _names("planner", "Planners, separated by commas: auto,astar.")] = None,
-    controllers: Annotated[str | None, _names("controller", "Controllers, separated by commas.")] = None,
-    agents: Annotated[str | None, _names("agent", "Agents that drive instead, separated by commas.")] = None,
-    localizers: Annotated[
-        str | None, _names("localizer", "Localizers, separated by commas; default: the true pose.")
+    crossed: SuiteOptions = SuiteOptions(),  # noqa: B008 - frozen
+    seeds: Annotated[
+        str | None,
+        Parameter(name=["--seeds", "--seed"], help="Seeds of the missions: 100, 0:500 or 3,7,9.", negative=""),
     ] = None,
-    backends: Annotated[str | None, _names("backend", "Simulators, separated by commas: mujoco,kinematic.")] = None,
-    seeds: Annotated[str | None, _names("seed", "Seeds of the missions: 100, 0:500 or 3,7,9.")] = None,
     time_limit: float | None = None,
     nav2_params: nav2.Nav2Params = None,
     out: Annotated[str | None, Parameter(name=["--out", "-o"])] = None,
     workers: options.Integer | None = None,
     ray: str | None = None,
-    require: verdict.Require = (),
-    mixed: Annotated[bool, Parameter(negative="")] = False,
-    overwrite: Annotated[bool, Parameter(negative="")] = False,
-    time_budget: verdict.TimeBudget = None,
+    require: Require = (),
+    mixed: options.Flag = False,
+    overwrite: options.Flag = False,
+    time_budget: TimeBudget = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
@@ -82,18 +103,10 @@ def run(
             f"give a suite ({', '.join(suite_names())}, or a file), maps and a folder of ROS maps, or maps and "
             "worlds; trundle evaluate --help has examples"
         )
-    budget_s = verdict.parse_time_budget(time_budget)
-    lists = {
-        "robots": robots,
-        "planners": planners,
-        "controllers": controllers,
-        "agents": agents,
-        "localizer": localizers,
-        "backends": backends,
-    }
-    changes: dict[str, Any] = {name: _split(text) for name, text in lists.items() if text is not None}
+    budget_s = parse_time_budget(time_budget)
+    changes = crossed.changes()
     if seeds is not None:
-        changes["missions"] = {"seeds": _read_seeds(seeds)}
+        changes["missions"] = {"seeds": options.parse_seeds(seeds)}
     if time_limit is not None:
         changes["limits"] = {"time_limit_s": time_limit}
     if require:
@@ -115,22 +128,11 @@ def run(
         overwrite=overwrite,
         time_budget_s=budget_s,
     )
-    return INTERRUPTED if evaluation is None else verdict.give(evaluation, json=json, facts=told.facts)
-
-
-def _read_seeds(text: str) -> object:
-    numbers = _split(text)
-    if not all(part.isdecimal() for part in numbers):
-        return text
-    return [int(part) for part in numbers] if len(numbers) > 1 else int(text)
-
-
-def _split(text: str) -> list[str]:
-    return [part.strip() for part in text.split(",") if part.strip()]
+    return INTERRUPTED if evaluation is None else report_evaluation(evaluation, json=json, facts=told.facts)
 
 
 def _make_suite(given: tuple[str, ...], changes: dict[str, Any]) -> Suite:
-    """The suite that is given, changed by the options; or one of maps and worlds."""
+    """Make the suite that is given, changed by the options; or one of maps and worlds."""
     if given[0] == MAPS:
         missions = changes.get("missions", {})
         rest = {name: value for name, value in changes.items() if name != "missions"}
@@ -160,5 +162,5 @@ def _make_suite(given: tuple[str, ...], changes: dict[str, Any]) -> Suite:
 
 
 def _fields(model: Config) -> dict[str, Any]:
-    """The fields that were given."""
+    """Return the fields that were given."""
     return {name: getattr(model, name) for name in model.model_fields_set}

@@ -35,8 +35,8 @@ def build(
     *,
     out: Annotated[Path, Parameter(name=["--out", "-o"])] = Path("map.yaml"),
     resolution: float = 0.05,
-    z_min: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
-    z_max: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
+    z_min: options.Height = None,
+    z_max: options.Height = None,
     robot: options.RobotName = "nova_carter",
     assets_root: isaac.AssetsRoot = None,
     floor_z: options.FloorZ = None,
@@ -47,7 +47,7 @@ def build(
     free: Annotated[list[str] | None, Parameter(allow_leading_hyphen=True, negative="", metavar="X,Y|largest")] = None,
     coverage: Literal["any", "centre"] = "any",
     style: Literal["exact", "isaac"] = "exact",
-    half_cell_origin: Annotated[bool, Parameter(negative="")] = False,
+    half_cell_origin: options.Flag = False,
     max_cells: options.Integer | None = None,
     seed: options.Seed = 0,
     settings: options.Settings = None,
@@ -153,7 +153,7 @@ def _parse_bounds(text: str | None) -> Bounds | None:
 
 
 def _parse_free(texts: list[str] | None) -> list[tuple[float, float]] | None:
-    """Seeds of the flood fill; an empty list for the largest area, None for the world's own."""
+    """Return the seeds of the flood fill; an empty list stands for the largest area, None for the world's own seeds."""
     if texts is None:
         return None
     if "largest" in texts:

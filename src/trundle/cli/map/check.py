@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import options, output, sources
-from trundle.cli.shared.given import check_given
+from trundle.cli.shared.sources import check_given
 from trundle.errors import InputError
 from trundle.files.kinds import MAP
 from trundle.record.map_report_lines import MOST_LINES, tell_report
@@ -44,9 +44,9 @@ def check(
         list[str] | None, Parameter(name="--goal", allow_leading_hyphen=True, negative="", metavar="X,Y[,YAW]")
     ] = None,
     fix: Annotated[Path | None, Parameter(name="--fix")] = None,
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
-    z_min: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
-    z_max: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
+    out: options.Out = None,
+    z_min: options.Height = None,
+    z_max: options.Height = None,
     seed: options.Seed = 0,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
@@ -133,7 +133,7 @@ def check(
 def _written_lines(
     report: MapReport, fix: tuple[Path | None, Path | None], picture: tuple[Path | None, Path | None]
 ) -> list[str]:
-    """Lines on which of the requested files were written."""
+    """Return lines that say which of the requested files were written."""
     lines: list[str] = []
     for (asked, written), what in ((fix, "fixed"), (picture, "picture")):
         if written is not None:
@@ -155,6 +155,6 @@ def _draw(grid: OccupancyGrid, report: MapReport, target: Path, title: str, robo
 
 
 def _covered(corners: tuple[tuple[float, float], ...]) -> float:
-    """Area of a footprint [m²]."""
+    """Return the area of a footprint [m²], by the shoelace formula."""
     following = (*corners[1:], corners[0])
     return abs(sum(x * b - a * y for (x, y), (a, b) in zip(corners, following, strict=True))) / 2.0

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import options, output
-from trundle.cli.shared.given import check_given
+from trundle.cli.shared.sources import check_given
 from trundle.errors import InputError
 from trundle.files.kinds import MAP
 
@@ -43,7 +43,7 @@ def convert(
     mode: Literal["trinary", "scale", "raw"] | None = None,
     image: Literal["png", "pgm"] = "png",
     resolution: float | None = None,
-    align: Annotated[bool, Parameter(negative="")] = False,
+    align: options.Flag = False,
     crop: Annotated[str | None, Parameter(allow_leading_hyphen=True, metavar="X0,Y0,X1,Y1|content")] = None,
     prefer: Literal["occupied", "free", "first", "second"] = "occupied",
     source_resolution: float | None = None,

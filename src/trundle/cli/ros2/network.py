@@ -65,7 +65,7 @@ class NetworkOptions:
     ] = None
 
     def read(self) -> Settings:
-        """The environment, with these options before it.
+        """Read the settings of the network from the environment; options come before it.
 
         Raises:
             InputError: If a setting cannot be used.

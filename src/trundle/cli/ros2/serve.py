@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Parameter
 
-from trundle.cli.ros2 import network, offers
-from trundle.cli.shared import browser, isaac, nav2, options, output, scenarios, sources
+from trundle.cli.ros2 import network
+from trundle.cli.shared import browser, isaac, nav2, options, output, scenario_options
 from trundle.cli.shared.termination import ends_as_by_ctrl_c
 from trundle.errors import InputError
 from trundle.values import first_names
 
 if TYPE_CHECKING:
+    from trundle.messages.qos import Qos
     from trundle.mission import Episode, Mission, Observer, Scenario
-    from trundle.ros2.profile import Profile
     from trundle.ros2.record import WireRecord
     from trundle.ros2.transport.transport import Transport
     from trundle.ros2.types import Types
@@ -47,7 +46,7 @@ def serve(
     source: str = "warehouse",
     /,
     *,
-    given: scenarios.ScenarioOptions = scenarios.DEFAULTS,
+    given: scenario_options.ScenarioOptions = scenario_options.DEFAULTS,
     role: Annotated[
         Literal["simulator", "navigator"],
         Parameter(
@@ -124,7 +123,7 @@ def serve(
     target = _target(out, record=record, overwrite=overwrite)
     names_of = Profile.load(profile)
     told = nav2.Nav2Report()
-    scenario = _with_robot(given, names_of, source).make(source, told)
+    scenario = given.make(source, told, robot=names_of.robot)
     told.tell(quiet=quiet)
     with ends_as_by_ctrl_c(), ExitStack() as opened:
         opened.enter_context(isaac.start_for(scenario))
@@ -160,15 +159,8 @@ def serve(
     return _report(episode, bridge.wire, bag, json=json)
 
 
-def _with_robot(given: scenarios.ScenarioOptions, profile: Profile, source: str) -> scenarios.ScenarioOptions:
-    """The options with the robot of the profile, unless another one is given, or the scenario's file has one."""
-    if given.robot is not None or profile.robot is None or sources.is_written(source):
-        return given
-    return dataclasses.replace(given, robot=profile.robot)
-
-
 def _target(out: Path | None, *, record: bool, overwrite: bool) -> Path | None:
-    """Where `--out` says that the recording goes; None for a new folder."""
+    """Return the file that `--out` names for the recording; None stands for a new folder."""
     if not record:
         if out is not None:
             raise InputError(f"--out {out} is for a recording: give --record with it")
@@ -199,7 +191,7 @@ def _recording(target: Path | None, scenario: Scenario, types: Types, transport:
 def _page(
     scenario: Scenario, source: str, speed: float, *, shows: bool, quiet: bool
 ) -> Iterator[tuple[Steerer | None, Callable[[Mission, int], Sequence[Observer]] | None]]:
-    """What drives the runs and shows them in the browser; neither where no page is wanted."""
+    """Yield what drives the runs and what shows them in the browser; both are None if no page is wanted."""
     if not shows:
         yield None, None
         return
@@ -228,12 +220,12 @@ def _types(transport: Transport) -> Types:
 def _announce(wire: Wire, settings: dict[str, object], record: WireRecord | None, *, json: bool, quiet: bool) -> None:
     """Print what is offered, and what is not."""
     recording = None if record is None else record.path
-    offer = offers.describe(wire, {**settings, "recording": recording})
+    offer = describe_offer(wire, {**settings, "recording": recording})
     if json:
         output.print_json_line(offer)
         return
-    offers.show(offer, wire)
-    for note in offers.notes(wire.transport):
+    _print_offer(offer, wire)
+    for note in _notes(wire.transport):
         output.remark(note, quiet=quiet)
     if recording is not None:
         output.remark(f"Recording what goes over the wire into {recording}", quiet=quiet)
@@ -273,3 +265,87 @@ def _report(episode: Episode | None, wire: Wire, record: WireRecord | None, *, j
     print()
     output.print_facts(shown)
     return code
+
+
+def describe_offer(wire: Wire, settings: Mapping[str, object]) -> dict[str, object]:
+    """Describe what is published, read and served, with the node, the domain and what is off.
+
+    Args:
+        wire: The bridge's connection to the network.
+        settings: Further facts, which come first: the role, the profile, …
+    """
+    transport = wire.transport
+    return {
+        **settings,
+        **_describe_node(transport),
+        "publishes": _describe_topics((one.topic, one.type_name, one.qos) for one in wire.outlets),
+        "reads": _describe_topics((one.topic, one.type_name, one.qos) for one in wire.inlets),
+        "services": _describe_services(wire.services),
+        "actions": _describe_services(wire.actions),
+        "not_served": sorted(wire.missing),
+        "notes": _notes(transport),
+    }
+
+
+def _print_offer(offer: Mapping[str, object], wire: Wire) -> None:
+    """Print a description for people."""
+    transport = wire.transport
+    settings = transport.settings
+    output.print_facts(
+        {
+            "role": f"{offer['role']}, profile {offer['profile']}",
+            "node": transport.node,
+            "domain": f"{settings.domain}, distribution {transport.distro}, {settings.range}",
+            "transport": f"{transport.name} ({transport.rmw})",
+        }
+    )
+    for title, rows in (
+        ("publishes", [(one.topic, one.type_name, _describe_qos(one.qos)) for one in wire.outlets]),
+        ("reads", [(one.topic, one.type_name, _describe_qos(one.qos)) for one in wire.inlets]),
+        ("services", [(name, kind, None) for name, kind in wire.services]),
+        ("actions", [(name, kind, None) for name, kind in wire.actions]),
+    ):
+        if rows:
+            print()
+            output.print_table((title, "type", "qos" if rows[0][2] else ""), [_filled(row) for row in sorted(rows)])
+    if wire.missing:
+        print(f"\nnot served: {len(wire.missing)} services and actions, which --json lists")
+    print(end="", flush=True)
+
+
+def _notes(transport: Transport) -> list[str]:
+    """Return what the user should know of the network: what is off, and which variables are overruled."""
+    return [*transport.settings.notes, *transport.notes]
+
+
+def _describe_node(transport: Transport) -> dict[str, object]:
+    settings = transport.settings
+    return {
+        "node": transport.node,
+        "domain": settings.domain,
+        "distro": transport.distro,
+        "range": settings.range,
+        "transport": transport.name,
+        "rmw": transport.rmw,
+        "variables": dict(settings.variables),
+    }
+
+
+def _describe_topics(rows: Iterable[tuple[str, str, Qos]]) -> list[dict[str, object]]:
+    return [
+        {"topic": topic, "type": kind, "reliability": qos.reliability, "durability": qos.durability, "depth": qos.depth}
+        for topic, kind, qos in sorted(rows, key=lambda row: row[:2])
+    ]
+
+
+def _describe_services(rows: Iterable[tuple[str, str]]) -> list[dict[str, str]]:
+    return [{"name": name, "type": kind} for name, kind in sorted(rows)]
+
+
+def _describe_qos(qos: Qos) -> str:
+    latched = ", transient local" if qos.durability == "transient_local" else ""
+    return f"{qos.reliability.replace('_', ' ')}{latched}"
+
+
+def _filled(row: tuple[str, str, str | None]) -> tuple[str, str, str]:
+    return row[0], row[1], row[2] or ""

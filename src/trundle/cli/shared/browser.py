@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from trundle.serve.server import PageServer
 
 CLOSED_S = 5.0
-"""A page that is away for longer than this after the run has been closed, not reloaded."""
+"""A page that stays away for longer than this [s] after a run was closed, not reloaded."""
 
 _LOOK_S = 0.2
 NEVER_OPENED_S = 10.0
-"""How long a run that nobody has watched is shown after its end."""
+"""How long [s] a run is shown after its end if nobody has opened the page."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,10 +47,10 @@ def serving(
     """Serve the page while the block runs.
 
     Args:
-        base: What the choices of the page change; None where it has none.
+        base: The scenario that the choices of the page change. If None, the page offers no choices.
         source: What the page begins with.
         host: What to listen on.
-        port: The port; None means the usual one, or a free one where that is taken.
+        port: The port; by default the usual one, or a free one where that is taken.
 
     Raises:
         InputError: If it cannot listen there.
@@ -107,7 +107,7 @@ def advise(page: ServedPage, *, opens: bool, quiet: bool) -> None:
 
 
 def linger(page: ServedPage, serve: Callable[[Callable[[], bool]], None], *, quiet: bool) -> None:
-    """After a run, keep the page until it is closed, or Ctrl-C; a page that never came is not waited for long.
+    """Keep the page after a run until it is closed, or Ctrl-C; if nobody opened it, only for a short time.
 
     Args:
         page: The page.
@@ -130,7 +130,7 @@ def linger(page: ServedPage, serve: Callable[[Callable[[], bool]], None], *, qui
 
 
 def wait_until(is_over: Callable[[], bool]) -> None:
-    """Wait, where a page can ask for nothing more."""
+    """Wait until `is_over` is true: for a page that can ask for nothing more."""
     while not is_over():
         time.sleep(_LOOK_S)
 

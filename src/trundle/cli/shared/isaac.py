@@ -76,7 +76,7 @@ class IsaacOptions:
     livestream: Annotated[bool, Parameter(negative="")] = False
 
     def given(self) -> dict[str, str | float | bool]:
-        """The given options, as the simulator takes them; paths are made absolute, to be valid from any folder."""
+        """Return the given options as the simulator takes them, with absolute paths: they are valid from any folder."""
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         for name in ("environment", "robot_usd", "assets_root"):
             text = values[name]
@@ -165,7 +165,7 @@ def open_place(
 
 
 def _environment(world: str | None, settings: Mapping[str, object]) -> dict[str, str]:
-    """The environment for a USD world; empty for any other world, which is written as USD."""
+    """Return the environment for a USD world; empty for any other world, which is written as USD."""
     from trundle.sim.isaac.assets import is_usd
 
     own = str(Path(world).resolve()) if world is not None and is_usd(world) else None
@@ -282,7 +282,7 @@ def show(
 
 
 def script_options(scenario: Scenario) -> dict[str, object]:
-    """Options of an Isaac Sim script from a scenario: its USD world, and its backend's options."""
+    """Return the options of an Isaac Sim script for a scenario, from its USD world and its backend."""
     found: dict[str, object] = {}
     if scenario.world is not None and sources.is_usd(scenario.world.name) and not scenario.world.options:
         found["environment"] = scenario.world.name

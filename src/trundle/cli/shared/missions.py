@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from trundle.cli.shared import browser, isaac, output
+from cyclopts import Parameter
+
+from trundle.cli.shared import browser, isaac, options, output
 from trundle.cli.shared.recordings import FolderRecording
+from trundle.cli.shared.recordings import choose as choose_recording
 from trundle.fault import is_of_plugin
 from trundle.values import first_names
 
@@ -20,43 +23,54 @@ if TYPE_CHECKING:
     from trundle.viewer.scene import SceneFrames
 
 
-@dataclass(frozen=True, slots=True)
-class Presentation:
-    """How a run is shown while it drives, and what is recorded of it.
+@Parameter(name="*")
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PresentationOptions:
+    """Options of how a run is shown while it drives, and of what is recorded of it.
 
     Attributes:
-        out: Output folder; None means a new one under runs.
-        overwrite: Replace an existing run in it.
-        video: Whether to make a video.
-        view: Whether to show it in a window while it drives.
-        browser: Whether to show it in the browser, where it can be steered.
-        speed: Simulated seconds per second, infinity for as fast as it can; None means 1 where it is shown.
-        json: Print one JSON value.
-        quiet: No progress bar and no remarks.
-        with_place: Whether to add the map and a picture of the scene to the folder.
-        narrate: Whether to print each stage, and the progress if there is no terminal for a progress bar.
-        page: Whether to write report.html.
-        facts: More for the JSON value.
+        report: Write report.html: one file with the replay, plots and figures of the run.
+        video: Write video.mp4.
+        view: Watch it drive in a window, if there is a screen.
+        out: Output folder, which must not hold a run; default: a new one under runs.
     """
 
-    out: Path | None
-    overwrite: bool
-    video: bool
-    view: bool
-    browser: bool
-    speed: float | None
-    json: bool
-    quiet: bool
-    with_place: bool = False
-    narrate: bool = False
-    page: bool = True
-    facts: Mapping[str, object] = field(default_factory=dict[str, object])
+    report: bool = True
+    video: bool = True
+    view: options.Flag = False
+    browser: options.Browser = False
+    speed: options.RunSpeed = None
+    record: options.Record = False
+    distro: options.Distro = None
+    out: options.Out = None
+    overwrite: options.Overwrite = False
+    json: options.Json = False
+    quiet: options.Quiet = False
+
+    @property
+    def factor(self) -> float | None:
+        """Simulated seconds per second; infinity is as fast as possible. None is 1 where the run is shown."""
+        return None if self.speed is None else options.parse_speed(self.speed)
 
 
-def drive(scenario: Scenario, shown: Presentation) -> int:
+def drive(
+    scenario: Scenario,
+    shown: PresentationOptions,
+    *,
+    with_place: bool = False,
+    narrate: bool = False,
+    facts: Mapping[str, object] | None = None,
+) -> int:
     """Run a scenario once, record it, and print the result.
 
     In the browser it can be restarted; the last run counts, and the command ends when the page is closed.
+
+    Args:
+        scenario: The scenario.
+        shown: How it is shown, and what is recorded.
+        with_place: Whether to add the map and a picture of the scene to the folder.
+        narrate: Whether to print each stage, and the progress if there is no terminal for a progress bar.
+        facts: Further members of the JSON value.
 
     Returns:
         The exit code: 0 if the robot arrived, else 1.
@@ -68,24 +82,27 @@ def drive(scenario: Scenario, shown: Presentation) -> int:
     from trundle.record.run_folder import with_images
     from trundle.sim.mujoco.engine import import_engine
 
-    check_free(shown.out, overwrite=shown.overwrite, extra=with_images(_place_of(shown)))
+    scenario = choose_recording(scenario, record=shown.record, distro=shown.distro)
+    speed = shown.factor
+    place = tuple(_PLACE) if with_place else ()
+    check_free(shown.out, overwrite=shown.overwrite, extra=with_images(place))
     isaac.check_window(shown.view, scenario.backend.name)
     if scenario.backend.name == "mujoco":
         import_engine()
-    recorder = _Recorder(scenario, shown)
+    recorder = _Recorder(scenario, shown, place, narrate=narrate)
     try:
         # The report comes before the simulator is closed: closing Isaac Sim may end the process.
         with ExitStack() as opened:
             opened.enter_context(isaac.start_for(scenario))
             if shown.browser:
-                episode = _drive_in_browser(scenario, shown, recorder, opened)
+                episode = _drive_in_browser(scenario, shown, 1.0 if speed is None else speed, recorder, opened)
             else:
                 recorder.narrate("Building the world, its map and the simulation")
                 mission = opened.enter_context(scenario.build())
                 with ExitStack() as stack:
                     observers, _ = recorder(mission, stack)
-                    episode = _run(mission, observers, shown)
-            recorder.report(episode)
+                    episode = _run(mission, observers, speed)
+            recorder.report(episode, facts)
     except BaseException as error:
         if not shown.browser and is_of_plugin(error) and not recorder.has_record:
             recorder.record_failure(error, scenario)
@@ -95,9 +112,8 @@ def drive(scenario: Scenario, shown: Presentation) -> int:
     return 0 if episode.arrived else 1
 
 
-def _run(mission: Mission, observers: Sequence[Observer], shown: Presentation) -> Episode:
+def _run(mission: Mission, observers: Sequence[Observer], speed: float | None) -> Episode:
     """Run it as fast as it can, or at the wanted speed."""
-    speed = shown.speed
     if speed is None:
         return mission.run(observers=observers)
     from trundle.mission import LiveRun, Steering
@@ -106,14 +122,15 @@ def _run(mission: Mission, observers: Sequence[Observer], shown: Presentation) -
     return LiveRun(lambda _: mission.session(observers=observers, steering=steering), steering, speed=speed).run()
 
 
-def _drive_in_browser(scenario: Scenario, shown: Presentation, recorder: _Recorder, opened: ExitStack) -> Episode:
+def _drive_in_browser(
+    scenario: Scenario, shown: PresentationOptions, speed: float, recorder: _Recorder, opened: ExitStack
+) -> Episode:
     """Show it in the browser, until it has ended and the page is closed."""
     from trundle.serve.run_service import RunService
 
     page = opened.enter_context(browser.serving(scenario, source=scenario.title))
     browser.announce(page, quiet=shown.quiet)
     recorder.narrate("Building the world, its map and the simulation")
-    speed = 1.0 if shown.speed is None else shown.speed
     service = opened.enter_context(RunService(page.hub, scenario, recorder, recorder.record_failure, speed=speed))
     try:
         service.drive(scenario)
@@ -128,8 +145,11 @@ def _drive_in_browser(scenario: Scenario, shown: Presentation, recorder: _Record
 class _Recorder:
     """Opens what records and shows a run, and prints its result."""
 
-    def __init__(self, scenario: Scenario, shown: Presentation) -> None:
+    def __init__(
+        self, scenario: Scenario, shown: PresentationOptions, place: tuple[str, ...], *, narrate: bool
+    ) -> None:
         self._scenario, self._shown = scenario, shown
+        self._place, self._narrate = place, narrate
         self._out = shown.out
         self._folder: RunFolder | None = None
         self._recording: FolderRecording | None = self._new_recording()
@@ -146,7 +166,7 @@ class _Recorder:
 
             window = opened.enter_context(open_window(mission.world, mission.robot, mission.start))
             observers.append(Watcher(window, paces=shown.speed is None and not shown.browser))
-        bar = opened.enter_context(ProgressBar(quiet=shown.quiet, plain=shown.narrate))
+        bar = opened.enter_context(ProgressBar(quiet=shown.quiet, plain=self._narrate))
         recording = self._recording or self._new_recording()
         self._recording = None
         frames = None
@@ -159,11 +179,11 @@ class _Recorder:
                 name=self._scenario.title,
                 overwrite=shown.overwrite,
                 scenario=mission.scenario,
-                page=shown.page,
+                page=shown.report,
                 video=shown.video,
                 frames=frames,
                 report=bar.report,
-                extras={**{name: _PLACE[name](mission) for name in _place_of(shown)}, **recording.files},
+                extras={**{name: _PLACE[name](mission) for name in self._place}, **recording.files},
             )
         )
         observers += opened.enter_context(recording).start(folder.path, mission.scenario)
@@ -187,17 +207,17 @@ class _Recorder:
         folder = self._folder
         out = self._out if folder is None or folder.record is not None else folder.path
         self._out = self._folder = None
-        record_failure(error, scenario, out, overwrite=self._shown.overwrite, page=self._shown.page)
+        record_failure(error, scenario, out, overwrite=self._shown.overwrite, page=self._shown.report)
 
     def narrate(self, stage: str) -> None:
         """Print a stage, if that is wanted."""
-        if self._shown.narrate:
+        if self._narrate:
             output.remark(stage, quiet=self._shown.quiet)
 
-    def report(self, episode: Episode) -> None:
-        """Print the result of the last run."""
+    def report(self, episode: Episode, facts: Mapping[str, object] | None) -> None:
+        """Print the result of the last run; as JSON with more facts."""
         if self._folder is not None:
-            report(episode, self._folder, json=self._shown.json, facts=self._shown.facts)
+            report(episode, self._folder, json=self._shown.json, facts=facts)
 
 
 def _remark_on_encoder(scenario: Scenario, *, quiet: bool) -> None:
@@ -213,7 +233,7 @@ def _remark_on_encoder(scenario: Scenario, *, quiet: bool) -> None:
 
 
 def _scene_frames(mission: Mission, *, quiet: bool) -> MakeFrames | None:
-    """Frames rendered with OpenGL; None for a video drawn from above: in Isaac Sim, or without a driver."""
+    """Return what renders frames with OpenGL. In Isaac Sim or without a driver return None: it is drawn from above."""
     if mission.scenario.backend.name == isaac.BACKEND:
         return None
     from trundle.viewer.gl import describe_missing_gl, find_gl
@@ -253,16 +273,11 @@ def _write_scene(mission: Mission) -> WriteExtra:
 
 _MAP, _SCENE = "map.yaml", "scene.png"
 _PLACE = {_MAP: _write_map, _SCENE: _write_scene}
-"""Writers of the map and the picture of the scene."""
-
-
-def _place_of(shown: Presentation) -> tuple[str, ...]:
-    """Files of the place that are added to the folder."""
-    return tuple(_PLACE) if shown.with_place else ()
+"""Files of the place, the map and a picture of the scene, and what writes them."""
 
 
 def _sensing_facts(metrics: Metrics) -> dict[str, str]:
-    """What a run with a localizer, moving obstacles, a collision monitor or standstills adds to the report."""
+    """Return what the report adds on a localizer, moving obstacles, a collision monitor and standstills."""
     facts: dict[str, str] = {}
     if metrics.standing_contacts:
         facts["run into while standing"] = first_names(metrics.standing_contacts)
@@ -279,7 +294,7 @@ def _sensing_facts(metrics: Metrics) -> dict[str, str]:
 
 
 def _behavior_facts(episode: Episode) -> dict[str, str]:
-    """What a run with recovery or other behaviors adds to the report."""
+    """Return what the report adds on recovery and other behaviors."""
     from trundle.navigation.behaviors import describe_behaviors
 
     recovery = describe_behaviors([ran for ran in episode.behaviors if ran.recovery])

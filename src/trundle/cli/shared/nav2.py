@@ -29,11 +29,11 @@ Nav2Params = Annotated[
 
 @dataclass(slots=True)
 class Nav2Report:
-    """What became of the parameters.
+    """What became of the parameters of a file.
 
     Attributes:
-        file: The file; None where none was given.
-        remarks: What means something else, or has no counterpart.
+        file: The file, or None if none was given.
+        remarks: Parameters that mean something else in trundle, or have no counterpart.
     """
 
     file: Path | None = None
@@ -41,7 +41,7 @@ class Nav2Report:
 
     @property
     def facts(self) -> dict[str, object]:
-        """For the JSON of a verb; nothing where no file was given."""
+        """The members of a verb's JSON value; empty if no file was given."""
         return {} if self.file is None else {"nav2_params": {"file": self.file, "remarks": self.remarks}}
 
     def tell(self, *, quiet: bool) -> None:
@@ -62,7 +62,7 @@ class Nav2Report:
 def add_to_suite(
     file: Path, robots: Sequence[str], changes: dict[str, object], report: Nav2Report
 ) -> dict[str, object]:
-    """Fields of a suite that a parameter file gives.
+    """Return the fields of a suite that a parameter file gives, and `changes`.
 
     Args:
         file: The file.
@@ -95,11 +95,11 @@ def add_to_suite(
 def translate(
     file: Path | None, scenario: Scenario, changes: dict[str, object], report: Nav2Report
 ) -> dict[str, object]:
-    """Fields of a scenario that a parameter file gives; none without a file.
+    """Return the fields of a scenario that a parameter file gives, and `changes`; without a file nothing.
 
     Args:
         file: The file.
-        scenario: What they are for; its start stays.
+        scenario: The scenario that gets them; its start stays.
         changes: Fields that options give, which come first.
         report: Where the remarks are put.
 

@@ -13,14 +13,11 @@ from cyclopts import CoercionError, Parameter, Token
 from trundle.errors import InputError, OutputError
 from trundle.geometry.angles import FORM as ANGLE_FORM
 from trundle.geometry.angles import parse_angle, warn_of_degrees
+from trundle.messages.codec import Distro as Distribution
 
 if TYPE_CHECKING:
     from trundle.geometry import Goal as Target
     from trundle.geometry import Pose2D
-
-
-def _pose(name: str, help: str, negative: str | None = None) -> Parameter:
-    return Parameter(name=name, allow_leading_hyphen=True, negative=negative, metavar="X,Y[,YAW]", help=help)
 
 
 def _read_angle(_kind: object, tokens: Sequence[Token]) -> float:
@@ -56,7 +53,7 @@ def _speed(help: str) -> Parameter:
 FirstSpeed = Annotated[
     str, _speed("Simulated seconds per second of the first run, 0.1 to 50, or max; the page can change it.")
 ]
-"""Of what is set up in the page."""
+"""Speed of the first run of `trundle serve`."""
 
 RunSpeed = Annotated[
     str | None,
@@ -65,7 +62,7 @@ RunSpeed = Annotated[
         "else max."
     ),
 ]
-"""Of a run."""
+"""Speed of a run of any other verb."""
 
 Browser = Annotated[
     bool,
@@ -76,17 +73,15 @@ Browser = Annotated[
     ),
 ]
 
-
-def _pairs(name: str, help: str) -> Parameter:
-    return Parameter(name=name, allow_leading_hyphen=True, negative="", metavar="KEY=VALUE", help=help)
-
-
 ROBOT_CHOICES = "nova_carter, jackal, turtlebot3_burger, turtlebot3_waffle, a plug-in's, or the path of its YAML"
 ROBOT_HELP = f"A robot: {ROBOT_CHOICES}."
-_PLUGIN = "a plug-in: its name, module:name or file.py:name"
-PLANNER_HELP = f"The planner: auto, least_cost, hybrid_astar, any_angle, astar, manhattan_astar or {_PLUGIN}."
-CONTROLLER_HELP = f"The controller: regulated_pure_pursuit, mppi, lookahead or {_PLUGIN}."
-AGENT_HELP = f"What drives instead of planner and controller: {_PLUGIN}."
+
+Flag = Annotated[bool, Parameter(negative="")]
+"""A flag that is off unless it is given."""
+
+Out = Annotated[Path | None, Parameter(name=["--out", "-o"])]
+Height = Annotated[float | None, Parameter(allow_leading_hyphen=True)]
+"""A height [m], which may be below 0."""
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON value and nothing else.")]
 Quiet = Annotated[bool, Parameter(name="--quiet", negative="", help="No progress bar and no remarks.")]
@@ -106,7 +101,7 @@ Record = Annotated[
     ),
 ]
 Distro = Annotated[
-    Literal["humble", "jazzy", "kilted", "lyrical"] | None,
+    Distribution | None,
     Parameter(name="--distro", help="The distribution of ROS 2 whose message types the bag has; default: jazzy."),
 ]
 Seed = Annotated[Integer, Parameter(name="--seed", help="Random seed: the same seed gives the same result.")]
@@ -120,47 +115,8 @@ WorldName = Annotated[
     ),
 ]
 RobotName = Annotated[str, Parameter(name="--robot", help=ROBOT_HELP)]
-SmootherName = Annotated[
-    str | None, Parameter(name="--smoother", help=f"The smoother of planned paths: constrained or {_PLUGIN}.")
-]
-LocalizerName = Annotated[
-    str | None,
-    Parameter(name="--localizer", help=f"What estimates the robot's pose: odometry or {_PLUGIN}; default: none."),
-]
-Lidar = Annotated[
-    bool | None,
-    Parameter(name="--lidar", negative="--no-lidar", help="Simulate the robot's lidars, which sense obstacles."),
-]
-NoMap = Annotated[
-    bool, Parameter(name="--no-map", negative="", help="Start without a map, and drive by lidar alone; needs --lidar.")
-]
-LatencyPairs = Annotated[
-    list[str] | None,
-    _pairs("--latency", "How late data arrives: scan_age_s=0.1 or command_delay_s=0.1 [s]; repeatable."),
-]
-OdometryPairs = Annotated[
-    list[str] | None,
-    _pairs("--odometry", "An error of the robot's odometry, for example scale=0.01 or heading=1deg; repeatable."),
-]
-LayersPairs = Annotated[
-    list[str] | None,
-    _pairs("--layers", "How scans go into the costmap, for example rolling_window=true; repeatable."),
-]
-MonitorPairs = Annotated[
-    list[str] | None,
-    _pairs("--monitor", "A setting of the collision monitor, for example time_before_collision=1.5; repeatable."),
-]
-CollisionMonitor = Annotated[
-    bool | None,
-    Parameter(
-        name="--collision-monitor",
-        negative="--no-collision-monitor",
-        help="Check every command against the scans; default: where there are scans.",
-    ),
-]
-Backend = Annotated[
-    str, Parameter(name="--backend", help="The simulator: mujoco, kinematic, isaac or a plug-in's name.")
-]
+BACKEND_HELP = "The simulator: mujoco, kinematic, isaac or a plug-in's name."
+Backend = Annotated[str, Parameter(name="--backend", help=BACKEND_HELP)]
 Compat = Annotated[
     Literal["humble"] | None,
     Parameter(name="--compat", help="Read the map as Nav2 of ROS 2 Humble does, instead of the current Nav2."),
@@ -173,77 +129,25 @@ MaxCells = Annotated[
         help="The most cells of a map that is read; left out: 20 million, for which check takes up to 1.5 GB.",
     ),
 ]
-EXAMPLES = {
-    "planner": "goal_tolerance=0.5",
-    "controller": "desired_linear_vel=0.4",
-    "smoother": "minimum_turning_radius=0.5",
-    "localizer": "particles=500",
-    "agent": "speed=0.3",
-}
-"""An option of each seam, for help and messages."""
-
-PlannerOptions = Annotated[
-    list[str] | None,
-    _pairs("--planner-option", f"An option of the planner, for example {EXAMPLES['planner']}; repeatable."),
-]
-ControllerOptions = Annotated[
-    list[str] | None,
-    _pairs(
-        "--controller-option",
-        f"An option of the controller, for example {EXAMPLES['controller']}; repeatable.",
-    ),
-]
-SmootherOptions = Annotated[
-    list[str] | None,
-    _pairs("--smoother-option", f"An option of the smoother, for example {EXAMPLES['smoother']}; repeatable."),
-]
-AgentName = Annotated[str | None, Parameter(name="--agent", help=AGENT_HELP)]
-AgentOptions = Annotated[
-    list[str] | None, _pairs("--agent-option", "An option of the agent, as KEY=VALUE; repeatable.")
-]
-LocalizerOptions = Annotated[
-    list[str] | None, _pairs("--localizer-option", "An option of the localizer, as KEY=VALUE; repeatable.")
-]
-Keepout = Annotated[
-    Path | None,
-    Parameter(
-        name="--keepout", help="The YAML of a keep-out mask: a ROS map whose black areas the robot must not enter."
-    ),
-]
-SpeedMaskFile = Annotated[
-    Path | None,
-    Parameter(
-        name="--speed-mask",
-        help="The YAML of a speed mask: a ROS map of limits, with type, base and multiplier as in Nav2.",
-    ),
-]
-Start = Annotated[
-    str | None,
-    _pose(
-        "--start",
-        "Start pose [m, m, rad or 90deg], map frame; default: picked from the free space by seed.",
-    ),
-]
 Pose = Annotated[
     str | None,
-    _pose(
-        "--start",
-        "Robot's pose [m, m, rad or 90deg], map frame; default: a free place in the world, or the origin.",
+    Parameter(
+        name="--start",
+        allow_leading_hyphen=True,
+        metavar="X,Y[,YAW]",
+        help="Robot's pose [m, m, rad or 90deg], map frame; default: a free place in the world, or the origin.",
     ),
 ]
-Goals = Annotated[
+Settings = Annotated[
     list[str] | None,
-    _pose(
-        "--goal",
-        "Goal; repeat it for several goals in order; default: picked from the free space by seed.",
+    Parameter(
+        name="--set",
+        allow_leading_hyphen=True,
         negative="",
+        metavar="KEY=VALUE",
+        help="An option of the world's generator or file; repeatable.",
     ),
 ]
-Through = Annotated[
-    bool, Parameter(name="--through", negative="", help="Drive through the goals without stopping, but for the last.")
-]
-Goal = Annotated[str | None, _pose("--goal", "Goal of the path; default: picked from the free space by seed.")]
-Settings = Annotated[list[str] | None, _pairs("--set", "An option of the world's generator or file; repeatable.")]
 FloorZ = Annotated[
     float | None,
     Parameter(
@@ -287,6 +191,19 @@ def parse_numbers(option: str, text: str, form: str, *, at_least: int, at_most: 
     if not (at_least <= len(numbers) <= at_most and all(math.isfinite(number) for number in numbers)):
         raise InputError(f"{option} {text!r}: give {form} as finite numbers with commas, without spaces")
     return numbers
+
+
+def parse_list(text: str) -> list[str]:
+    """Read texts with commas between them."""
+    return [part.strip() for part in text.split(",") if part.strip()]
+
+
+def parse_seeds(text: str) -> int | str | list[int]:
+    """Read seeds: a number of them, several with commas between them, or a range such as `0:50`, which is returned."""
+    parts = parse_list(text)
+    if not all(part.isdecimal() for part in parts):
+        return text
+    return [int(part) for part in parts] if len(parts) > 1 else int(text)
 
 
 def parse_speed(text: str) -> float:
@@ -349,12 +266,12 @@ def parse_settings(texts: list[str] | None, exclude: list[str] | None = None) ->
 
 
 def join_paths(folders: list[str] | None) -> str:
-    """The folders of `--paths` as one text."""
+    """Join the folders of `--paths` into one text."""
     return os.pathsep.join(folders or ())
 
 
 def output_file(out: Path, default_name: str, suffixes: tuple[str, ...]) -> Path:
-    """Where a verb writes its one file: `out` itself when it has one of the suffixes, else `default_name` in it.
+    """Return the file that a verb writes: `out` if it has one of the suffixes, else `default_name` in that folder.
 
     The folder is created and checked before any work is done.
 
@@ -372,7 +289,7 @@ def output_file(out: Path, default_name: str, suffixes: tuple[str, ...]) -> Path
 
 
 def new_yaml_file(out: Path, default_name: str, *, overwrite: bool) -> Path:
-    """The `output_file` of a verb that writes YAML, and replaces a file only with --overwrite.
+    """Return the `output_file` of a verb that writes YAML, and replaces a file only with --overwrite.
 
     Raises:
         OutputError: As `output_file`.

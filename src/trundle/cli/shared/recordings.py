@@ -20,7 +20,7 @@ FILE = "run.mcap"
 
 
 def choose(scenario: Scenario, *, record: bool, distro: Distro | None) -> Scenario:
-    """The scenario with what `--record` and `--distro` say.
+    """Return the scenario with what `--record` and `--distro` say.
 
     Raises:
         InputError: If a distribution is given for a run that is not recorded.
@@ -30,7 +30,7 @@ def choose(scenario: Scenario, *, record: bool, distro: Distro | None) -> Scenar
 
 
 def choose_record(kept: RecordChoice | None, *, record: bool, distro: Distro | None) -> RecordChoice | None:
-    """What is recorded, by a scenario and the options; see `choose`."""
+    """Return what is recorded by a scenario and the options; see `choose`."""
     from trundle.mission.fields import RecordChoice
 
     if not record and kept is None:
@@ -41,11 +41,11 @@ def choose_record(kept: RecordChoice | None, *, record: bool, distro: Distro | N
 
 
 class FolderRecording:
-    """The recording in a run's folder, or none. Use it in a `with` block.
+    """Writes the recording in a run's folder, if one is wanted. Use it in a `with` block.
 
     Args:
-        choice: What is recorded; None for nothing.
-        out: The folder; None for a new one.
+        choice: What is recorded. If None, nothing is.
+        out: The folder. If None, it is a new one.
         overwrite: Replace what the folder has.
 
     Raises:
@@ -76,11 +76,11 @@ class FolderRecording:
 
     @property
     def files(self) -> Mapping[str, WriteExtra]:
-        """For `RunFolder(extras=…)`."""
+        """What writes the recording, by file name, for `RunFolder(extras=…)`."""
         return {} if self._choice is None else {FILE: lambda path, _: self.save(path)}
 
     def start(self, folder: Path, scenario: Scenario | None = None) -> list[Observer]:
-        """The observers that record a run into a folder that was claimed."""
+        """Return the observers that record a run into a folder that was claimed."""
         if self._choice is None:
             return []
         from trundle.messages.codec import DEFAULT

@@ -1,4 +1,4 @@
-"""Interpreting a verb's first argument: a world by name, a world's file, a map's YAML, or a scenario's."""
+"""What an argument is, a world, a map, a robot, a scenario or a run, by its name or its file; and loading it."""
 
 from __future__ import annotations
 
@@ -7,16 +7,102 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from trundle.cli.shared.given import check_given
 from trundle.cli.shared.options import join_paths, parse_pose, parse_settings
 from trundle.errors import InputError, UnknownNameError
-from trundle.files.kinds import MAP, ROBOT, WORLD
+from trundle.files.kinds import (
+    DRIVE,
+    EVALUATION,
+    MAP,
+    PICTURE,
+    ROBOT,
+    RUN,
+    SCENARIO,
+    SUITE,
+    WORLD,
+    describe_mismatch,
+    find_kind,
+)
 
 if TYPE_CHECKING:
     from trundle.costmap import Costmap
     from trundle.geometry import Goal, Pose2D
     from trundle.robots import Robot
     from trundle.worlds import World
+
+
+_ADVICE = {
+    (WORLD, MAP): "make its map with trundle map build {text} -o map.yaml",
+    (SCENARIO, MAP): "give its map, or drive it with trundle run {text}",
+    (SCENARIO, WORLD): "give its world or map, or drive it with trundle run {text}",
+    (PICTURE, MAP): "give the map's YAML file, which has the image's name and the resolution",
+    (PICTURE, WORLD): "of a map give the YAML file, which has the image's name and the resolution",
+    (ROBOT, WORLD): "give it with --robot {text}",
+    (ROBOT, MAP): "give it with --robot {text}",
+    (WORLD, ROBOT): "give a robot first, and this with --world {text}",
+    (MAP, ROBOT): "give a robot first, and this with --world {text}",
+    (SCENARIO, ROBOT): "give its robot",
+    (RUN, SCENARIO): "to repeat it give {text}/scenario.yaml",
+    (RUN, MAP): "give the YAML file of a map",
+    (DRIVE, RUN): "a drive has no replay; trundle compare reads it",
+    (SUITE, RUN): "run it with trundle evaluate {text}",
+    (SCENARIO, RUN): "run it with trundle run {text}, and give the folder that it writes",
+    (RUN, EVALUATION): "compare runs with trundle compare; the figures and pictures of one are in its folder",
+    ("a folder", EVALUATION): "give the folder that trundle evaluate wrote",
+    (DRIVE, EVALUATION): "compare drives with trundle compare",
+    (EVALUATION, RUN): "compare evaluations with trundle evaluate compare, or run one of its episodes again with "
+    "trundle run --from {text}:ID",
+    (EVALUATION, SCENARIO): "to run one of its episodes again, trundle run --from {text}:ID; to resume it, "
+    "trundle evaluate {text}/suite.yaml -o {text}",
+    (EVALUATION, SUITE): "to continue it, trundle evaluate {text}/suite.yaml -o {text}; its report, trundle evaluate "
+    "report {text}",
+    (SUITE, SCENARIO): "run its episodes with trundle evaluate {text}",
+    (SUITE, EVALUATION): "run it with trundle evaluate {text}, and give the folder that it writes",
+    (EVALUATION, MAP): "give the YAML file of a map",
+    (DRIVE, SCENARIO): "to repeat its commands, trundle drive ROBOT --like {text}",
+    (
+        "a simulator",
+        RUN,
+    ): "drive with trundle drive ROBOT --like RUN --backend {text}, and compare the folders",
+    ("a folder", MAP): "give the YAML file of a map in it",
+}
+
+
+def check_given(text: str | os.PathLike[str], *wanted: str) -> None:
+    """Refuse a file or a name that is clearly of another kind than those wanted; the first of them is the main one.
+
+    A missing file or unknown name is left to the loader to report.
+
+    Raises:
+        InputError: If it is of another kind; the message says what to give instead.
+    """
+    text = os.fspath(text)
+    # A file or folder may have a known name: `drive -o mujoco` creates one.
+    found = find_kind(text)
+    kinds = [*_kinds_of_name(text), *([] if found is None else [found])]
+    if not kinds or set(kinds) & set(wanted):
+        return
+    advice = next((_ADVICE[kinds[0], kind] for kind in wanted if (kinds[0], kind) in _ADVICE), None)
+    *others, last = wanted
+    message = describe_mismatch(text, kinds[0], f"{', '.join(others)} or {last}" if others else last)
+    raise InputError(message if advice is None else f"{message}; {advice.format(text=text)}")
+
+
+def _kinds_of_name(text: str) -> list[str]:
+    """Return the kinds of known things with this name."""
+    from trundle.control import controller_names
+    from trundle.planning import planner_names
+    from trundle.robots import robot_names
+    from trundle.sim import simulator_names
+    from trundle.worlds import world_names
+
+    names = {
+        WORLD: world_names,
+        ROBOT: robot_names,
+        "a planner": planner_names,
+        "a controller": controller_names,
+        "a simulator": simulator_names,
+    }
+    return [kind for kind, known in names.items() if text in known()]
 
 
 def is_map(path: Path) -> bool:
@@ -147,7 +233,7 @@ def read_settings(
 def find_floor_z(
     world: World, source: str | None, robot: Robot, start: tuple[float, float] | Pose2D | None, floor_z: float | None
 ) -> float:
-    """Height [m] of the floor: --floor-z, else under the start, or under most of a world from a file.
+    """Return the height [m] of the floor: --floor-z, else under the start, or under most of a world from a file.
 
     Raises:
         InputError: If --floor-z is given without a world.
@@ -171,14 +257,14 @@ def find_floor_z(
 def stand_on_floor(
     world: World, source: str | None, robot: Robot, start: Pose2D | None, floor_z: float | None
 ) -> World:
-    """A world with its floor at z = 0; see `find_floor_z`."""
+    """Move a world so that its floor is at z = 0; see `find_floor_z`."""
     from trundle.worlds.floors import lower_world
 
     return lower_world(world, find_floor_z(world, source, robot, start, floor_z))
 
 
 def start_pose(world: World, text: str | None) -> Pose2D:
-    """A robot's start pose: --start, else the world's first free place, else the origin."""
+    """Return a robot's start pose: --start, else the world's first free place, else the origin."""
     from trundle.geometry import Pose2D
 
     if text is not None:

@@ -33,9 +33,8 @@ from trundle.evaluation.store.journal import Journal
 from trundle.evaluation.store.mending import Found, mend
 from trundle.evaluation.store.parts import PartWriter, has_duckdb
 from trundle.evaluation.store.row_encoding import IdSet, Keys, encode_row
-from trundle.files.folder_lock import FolderLock
 from trundle.files.opening import exists
-from trundle.files.writing import make_folder, new_folder, write_bytes, write_text
+from trundle.files.writing import FolderLock, make_folder, new_folder, write_bytes, write_text
 
 PART_ROWS = 5000
 """Rows in the journal that become a Parquet file: about 0.1 s of work, during which no row is taken."""

@@ -1,4 +1,4 @@
-"""A `Robot` as a USD stage: the bodies, joints and colliders of its simulation model."""
+"""A robot as a USD stage, with the bodies, joints and colliders of its simulation model; and a world with it."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics
 
 from trundle.errors import OutputError
+from trundle.export.plain import Scene
 from trundle.geometry import FloatArray, Pose3D
 from trundle.geometry.solids import Mesh
 from trundle.robots import Robot
@@ -27,6 +28,7 @@ from trundle.usd.stage import (
     set_extent,
     set_pose,
 )
+from trundle.usd.world import world_stage
 from trundle.worlds.affine import pose_of
 
 _DEGREE = math.pi / 180.0
@@ -57,6 +59,31 @@ def robot_stage(robot: Robot) -> Any:
     # The robot does not collide with itself; bodies connected by a joint are already excluded.
     others = [Sdf.Path(writer.paths[body]) for body in bodies if writer.paths[body] != str(base.GetPath())]
     UsdPhysics.FilteredPairsAPI.Apply(base).CreateFilteredPairsRel().SetTargets(others)
+    return stage
+
+
+def scene_stage(scene: Scene, *, height: float = 0.0) -> Any:
+    """Make the stage of a world with the robot in it, at its start.
+
+    Args:
+        scene: The scene.
+        height: Height of base_link above the floor [m].
+    """
+    stage = world_stage(scene.world)
+    root = stage.GetDefaultPrim()
+    names = PrimNames()
+    for taken in (*root.GetAllChildrenNames(), "Lights"):
+        names.take(taken)
+    robot = robot_stage(scene.robot)
+    source = robot.GetDefaultPrim()
+    path = root.GetPath().AppendChild(names.take(source.GetName()))
+    # Joints, materials and filtered pairs refer to prims within the robot, and are remapped with it.
+    Sdf.CopySpec(robot.GetRootLayer(), source.GetPath(), stage.GetRootLayer(), path)
+    start = scene.start
+    w, x, y, z = Pose3D.planar(start.x, start.y, height, start.yaw).quaternion
+    placed = UsdGeom.Xformable(stage.GetPrimAtPath(path))
+    placed.AddTranslateOp().Set(Gf.Vec3d(start.x, start.y, height))
+    placed.AddOrientOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Quatd(w, x, y, z))
     return stage
 
 
@@ -196,7 +223,7 @@ class _Writer:
         return Mesh(model.mesh_vert[vertex : vertex + vertices].astype(float), model.mesh_face[face : face + faces])
 
     def _material(self, friction: float) -> Any:
-        """A material with a friction. Wheels combine it with the floor's; casters use the lower of the two."""
+        """Return a material with a friction. Wheels combine it with the floor's; casters use the lower of the two."""
         if friction not in self._materials:
             UsdGeom.Scope.Define(self.stage, f"{self.root}/materials")
             path = f"{self.root}/materials/friction_{friction:g}".replace(".", "_")
@@ -205,7 +232,7 @@ class _Writer:
 
 
 def _add_lidars(stage: Any, base: str, robot: Robot) -> None:
-    """A frame for each lidar, to attach a sensor to."""
+    """Add a frame for each lidar, to attach a sensor to."""
     names = PrimNames()
     for name, lidar in robot.lidars.items():
         frame = UsdGeom.Xform.Define(stage, f"{base}/{names.take(name if 'lidar' in name else f'lidar_{name}')}")
@@ -213,12 +240,12 @@ def _add_lidars(stage: Any, base: str, robot: Robot) -> None:
 
 
 def _axis(axis: FloatArray) -> str | None:
-    """The USD axis equal to an axis; None if there is none."""
+    """Return the USD axis equal to an axis; None if there is none."""
     return next((name for name, unit in _AXES.items() if np.allclose(axis, unit, atol=1e-12)), None)
 
 
 def _frame(axis: FloatArray) -> FloatArray:
-    """Rotation, shape (3, 3), from one of USD's axes to a joint's: identity if it is one of them, else from x."""
+    """Return the rotation, shape (3, 3), from one of USD's axes to a joint's: identity if it is one, else from x."""
     if _axis(axis) is not None:
         return np.eye(3)
     x, y, z = (float(number) for number in axis)

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from support.command_line import Trundle
-from trundle.cli.shared.given import check_given
+from trundle.cli.shared.sources import check_given
 from trundle.errors import InputError
 from trundle.files.kinds import EVALUATION
 
