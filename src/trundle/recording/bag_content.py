@@ -15,7 +15,7 @@ from trundle.observation import Scan
 from trundle.recording import bag_topics as kinds
 from trundle.recording.bag_reader import BagReader, BagTopic
 from trundle.recording.transforms import TransformTree
-from trundle.sim.simulator import MoverState
+from trundle.sim.state import MoverState
 
 
 @dataclass(slots=True, eq=False)

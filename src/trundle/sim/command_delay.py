@@ -9,7 +9,8 @@ from dataclasses import replace
 from trundle.errors import InputError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.sim.ramp import count_steps
-from trundle.sim.simulator import Contact, RobotState, Simulator, timestep_of
+from trundle.sim.simulator import Simulator, timestep_of
+from trundle.sim.state import Contact, RobotState
 from trundle.sim.wrapper import SimulatorWrapper
 
 _ROUNDING = 1e-6

@@ -16,7 +16,7 @@ from trundle.geometry.solids import OccupancyCells, Solid
 from trundle.robots import Robot
 from trundle.sim.convex import take_apart
 from trundle.sim.sections import Disc, Polygon, piece_section, slab_section
-from trundle.sim.simulator import Contact
+from trundle.sim.state import Contact
 from trundle.worlds import World
 
 _TOUCH = 1e-9

@@ -18,7 +18,7 @@ from trundle.sim.lidar import LidarChoice, LidarSet
 from trundle.sim.movers import MoverField
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.scene_beams import SceneBeams
-from trundle.sim.simulator import Contact, RobotState, Substep
+from trundle.sim.state import Contact, RobotState, Substep
 from trundle.worlds import World
 
 TIMESTEP = 0.005

@@ -11,7 +11,7 @@ import numpy as np
 from trundle.errors import WorldWarning
 from trundle.geometry import FloatArray, Footprint
 from trundle.sim.footprint import FootprintChecker
-from trundle.sim.simulator import Contact
+from trundle.sim.state import Contact
 from trundle.worlds import World
 from trundle.worlds.movers.mover import Mover, outline_of, top_of
 

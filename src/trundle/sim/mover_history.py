@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from trundle.geometry import FloatArray
-from trundle.sim.simulator import MoverState
+from trundle.sim.state import MoverState
 
 TRAIL_S = 8.0
 """How far a trail reaches back [s]."""

@@ -14,7 +14,7 @@ from trundle.robots import Robot
 from trundle.sim.beams import WorldOutline
 from trundle.sim.footprint import FootprintChecker
 from trundle.sim.mover_checks import warn_of_motions, warn_of_start
-from trundle.sim.simulator import Contact, MoverState
+from trundle.sim.state import Contact, MoverState
 from trundle.worlds import World
 from trundle.worlds.movers.crowd import Crowd
 from trundle.worlds.movers.mover import Mover, outline_of

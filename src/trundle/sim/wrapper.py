@@ -6,7 +6,8 @@ from typing import Self
 
 from trundle.geometry import Pose2D, Twist2D
 from trundle.robots import Robot
-from trundle.sim.simulator import RobotState, Simulator, world_of
+from trundle.sim.simulator import Simulator, world_of
+from trundle.sim.state import RobotState
 from trundle.worlds import World
 
 

@@ -9,7 +9,7 @@ import mujoco
 from trundle.sim.cells import CellNames
 from trundle.sim.mujoco.robot_parts import part_of
 from trundle.sim.mujoco.world_parts import FLOOR, solid_of
-from trundle.sim.simulator import Contact
+from trundle.sim.state import Contact
 from trundle.worlds import World
 
 

@@ -26,7 +26,7 @@ from trundle.sim.mujoco.mover_bodies import MoverBodies
 from trundle.sim.mujoco.robot_parts import FeedForward, scale_robot, traction_joints
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.scene_beams import SceneBeams
-from trundle.sim.simulator import Contact, RobotState, Substep
+from trundle.sim.state import Contact, RobotState, Substep
 from trundle.values import as_number, check_seed
 from trundle.worlds import World
 
