@@ -9,7 +9,7 @@ import numpy as np
 from trundle.geometry import FloatArray, Pose2D
 from trundle.robots import Lidar
 from trundle.ros2.role import BridgeContext
-from trundle.sim import RobotState, world_of
+from trundle.sim import RobotState
 from trundle.sim.lidar import beam_angles
 from trundle.sim.mujoco.ring_beams import RingBeams
 from trundle.worlds import World
@@ -34,7 +34,7 @@ class RingPoints:
 
     def measure(self, state: RobotState) -> FloatArray:
         """Points [m] in the frame of the lidar, ring by ring, shape (rings × beams, 3); NaN without a return."""
-        world, lidar = world_of(self._sim), self._lidar
+        world, lidar = self._sim.world, self._lidar
         if self._beams is None or world is not self._world:
             self._world = world
             self._beams = RingBeams(World("empty", ()) if world is None else world)

@@ -21,6 +21,7 @@ from trundle.sim.isaac.signatures import differences
 from trundle.sim.isaac.stage import check_joints, check_units
 from trundle.sim.lidar import LidarChoice
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
+from trundle.sim.simulator import Simulator
 from trundle.sim.state import Contact, RobotState
 from trundle.usd.isaac_physics import GROUND_OFFSET, TIMESTEP
 from trundle.usd.write import write_world
@@ -42,7 +43,7 @@ _LARGEST_FALL = 0.1
 _ADAPTERS = {5: "trundle.sim.isaac.api5:Isaac5Adapter", 6: "trundle.sim.isaac.api6:Isaac6Adapter"}
 
 
-class IsaacSimulator:
+class IsaacSimulator(Simulator):
     """Drives a robot through a stage in Isaac Sim 5.1 or 6.x.
 
     The limits of the robot are applied at every physics step, and its wheels are commanded through Isaac Sim's own
