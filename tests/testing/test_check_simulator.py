@@ -6,9 +6,8 @@ import pytest
 from trundle.errors import WorldError
 from trundle.geometry import Pose2D
 from trundle.sim.kinematic import KinematicSimulator
-from trundle.sim.lidar import LidarSet
+from trundle.sim.lidar import LidarSet, SceneBeams
 from trundle.sim.mujoco.simulator import MujocoSimulator
-from trundle.sim.scene_beams import SceneBeams
 from trundle.testing import ConformanceError, check_simulator
 from trundle.worlds import World
 

@@ -14,10 +14,9 @@ from trundle.geometry import FloatArray, Pose2D, Twist2D, arc_shares
 from trundle.geometry.solids import Solid
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.footprint import FootprintChecker
-from trundle.sim.lidar import LidarChoice, LidarSet
+from trundle.sim.lidar import LidarChoice, LidarSet, SceneBeams
 from trundle.sim.movers import MoverField
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
-from trundle.sim.scene_beams import SceneBeams
 from trundle.sim.simulator import Simulator
 from trundle.sim.state import Contact, RobotState, Substep
 from trundle.worlds import World

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 from support.mppi_oracle import arguments_of
 from trundle import _core
-from trundle.control.mppi.discs import cover_with_discs
-from trundle.control.mppi.fields import FieldStyle, Window
+from trundle.control.mppi.fields import FieldStyle, Window, cover_with_discs
 from trundle.costmap import Costmap
 from trundle.geometry import Pose2D
 from trundle.maps import KeepoutMask, OccupancyGrid

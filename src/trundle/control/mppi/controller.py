@@ -22,13 +22,11 @@ import numpy as np
 from trundle.control.collision import can_stop
 from trundle.control.controller import Controller, Rollouts
 from trundle.control.intent import Intent
-from trundle.control.mppi.discs import cover_with_discs
-from trundle.control.mppi.fields import FieldStyle, Window
+from trundle.control.mppi.fields import FieldStyle, Window, cover_with_discs
 from trundle.control.mppi.guide import Guide
-from trundle.control.mppi.headway import Headway
-from trundle.control.mppi.route import Route
+from trundle.control.mppi.mppi_settings import MppiSettings
+from trundle.control.mppi.route import Headway, Route
 from trundle.control.mppi.sampler import Aim, Answer, Sampler, Start
-from trundle.control.mppi.settings import MppiSettings
 from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
 from trundle.costmap import Costmap
 from trundle.errors import InputError, NoValidControlError

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from trundle import _core
 from trundle.control.intent import Intent
 from trundle.control.mppi.fields import Window
-from trundle.control.mppi.settings import MppiSettings
+from trundle.control.mppi.mppi_settings import MppiSettings
 from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.robots import Robot
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from trundle.control.mppi.settings import MOST_STEPS, MppiSettings
+from trundle.control.mppi.mppi_settings import MOST_STEPS, MppiSettings
 from trundle.nav2.critics import OBSTACLES, WEIGHTS, to_setting
 from trundle.nav2.parameters import NodeParameters
 from trundle.nav2.reading.notes import Notes

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 from trundle.control import GoalChecker, ProgressChecker
-from trundle.control.mppi.settings import MppiSettings
+from trundle.control.mppi.mppi_settings import MppiSettings
 from trundle.control.pursuit_settings import PursuitSettings
 from trundle.nav2.critics import WEIGHTS, Weight, to_parameter
 from trundle.nav2.names import MPPI, POSE_PROGRESS, RPP, SIMPLE_PROGRESS, STOPPED_GOAL

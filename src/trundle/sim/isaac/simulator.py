@@ -16,9 +16,8 @@ from trundle.geometry import Pose2D, Twist2D, integrate_twist, wrap_angle
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.isaac.adapter import Adapter, BodyState, base_motion, planar_pose
 from trundle.sim.isaac.application import Application, running_application
-from trundle.sim.isaac.assets import environment_path, find_root, given_root, robot_path
+from trundle.sim.isaac.assets import check_joints, check_units, environment_path, find_root, given_root, robot_path
 from trundle.sim.isaac.signatures import differences
-from trundle.sim.isaac.stage import check_joints, check_units
 from trundle.sim.lidar import LidarChoice
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.simulator import Simulator

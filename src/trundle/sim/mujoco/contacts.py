@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import mujoco
 import numpy as np
 
-from trundle.sim.cells import CellNames
+from trundle.sim.footprint import CellNames
 from trundle.sim.mujoco.robot_parts import BASE, part_of
 from trundle.sim.mujoco.world_parts import FLOOR, solid_of
 from trundle.sim.state import Contact

@@ -18,14 +18,13 @@ from trundle.geometry.solids import Solid
 from trundle.observation import Scan
 from trundle.robots import Robot, WheelSpeeds
 from trundle.robots.balance import describe_imbalance
-from trundle.sim.lidar import LidarChoice, LidarSet
+from trundle.sim.lidar import LidarChoice, LidarSet, SceneBeams
 from trundle.sim.movers import MoverField
 from trundle.sim.mujoco.contacts import ContactReader
 from trundle.sim.mujoco.model import TIMESTEP, build_spec, robot_spec, within_reach
 from trundle.sim.mujoco.mover_bodies import MoverBodies
 from trundle.sim.mujoco.robot_parts import FeedForward, scale_robot, traction_joints
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
-from trundle.sim.scene_beams import SceneBeams
 from trundle.sim.simulator import Simulator
 from trundle.sim.state import Contact, RobotState, Substep
 from trundle.values import as_number, check_seed
