@@ -1,8 +1,9 @@
-"""`Sampler`: the kernel's arrays, made of settings and of what the robot may do now."""
+"""`Sampler`: what the kernel is given, made of settings and of what the robot may do now."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,11 +14,14 @@ from trundle.control.intent import Intent
 from trundle.control.mppi.fields import Window
 from trundle.control.mppi.mppi_settings import MppiSettings
 from trundle.geometry import FloatArray, Pose2D, Twist2D
+from trundle.observation import Track
 from trundle.robots import Robot
 
 _BLOCK = 16
-_CALM, _AMONG_MOVERS = (0.25, 0.3), (0.3, 0.375)  # deviations as shares of the limits
-_MOST_TURN_RAD = 1.0  # in one step of the model
+_CALM, _AMONG_MOVERS = (0.25, 0.3), (0.3, 0.375)
+"""Deviations of speed and turn as shares of the limits: wider ones evade sooner, narrower ones drive smoother."""
+
+_MOST_TURN_RAD = 1.0  # in one step of the model; see MppiSettings
 _FORWARD = 1.0  # paths that are driven backwards are not sampled
 _UNLIMITED_MPS = 1e6  # the kernel takes no infinity
 
@@ -142,7 +146,7 @@ class Sampler:
         self._shift = 0.0
 
     def step(
-        self, window: Window, to_go: npt.NDArray[np.float32], start: Start, aim: Aim, movers: FloatArray
+        self, window: Window, to_go: npt.NDArray[np.float32], start: Start, aim: Aim, movers: Sequence[Track]
     ) -> Answer:
         """Rate the samples from here on, and return what their mean does first.
 
@@ -151,14 +155,14 @@ class Sampler:
             to_go: Cost to go in it [m].
             start: How the robot moves now.
             aim: Where to.
-            movers: (x, y, vx, vy, radius, variance of position, of velocity), the window's frame, shape (M, 7).
+            movers: What moves, map frame.
         """
         twist, change, speed_limit = start.twist, start.change, start.speed_limit
         settings, limits = self.settings, self._limits
         x, y, yaw = window.pose_in(start.pose)
         forward = min(limits.linear_speed, speed_limit)
         back = min(self._back, speed_limit)
-        v_std, w_std = self._wide if len(movers) else self._deviations
+        v_std, w_std = self._wide if movers else self._deviations
         shift, self._shift = self._shift, start.dt / self._step_s
         self._window = window
         v, w, _, _, free, blocked, contacts, dropped, *_ = self._kernel.step(
@@ -190,7 +194,7 @@ class Sampler:
                 fade=settings.threshold_to_consider,
                 direction=_FORWARD,
             ),
-            movers=movers,
+            movers=_mover_rows(movers, window),
             critics=self._critics,
         )
         command = self._limits.clamp(Twist2D(min(max(v, -back), max(forward, twist.v)), w))
@@ -211,3 +215,15 @@ class Sampler:
             return np.zeros((0, 0, 3)), np.zeros(0)
         poses, costs = self._kernel.rollouts(count)
         return self._window.poses_out(np.asarray(poses, np.float64)), np.asarray(costs, np.float64)
+
+
+def _mover_rows(movers: Sequence[Track], window: Window) -> FloatArray:
+    """What moves, in the window's frame: x, y, vx, vy, radius, variances of position and velocity, shape (M, 7)."""
+    rows: list[tuple[float, ...]] = []
+    for track in movers:
+        x, y = window.to_window(track.x, track.y)
+        vx, vy = window.turn_in(track.vx, track.vy)
+        position = 0.5 * float(track.covariance[0, 0] + track.covariance[1, 1])
+        velocity = 0.5 * float(track.covariance[2, 2] + track.covariance[3, 3])
+        rows.append((x, y, vx, vy, track.radius, position, velocity))
+    return np.array(rows, np.float64).reshape(-1, 7)
