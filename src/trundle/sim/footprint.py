@@ -1,4 +1,4 @@
-"""Contacts of a footprint: convex outlines against the sections of solids, for many poses at once."""
+"""Contacts of a footprint: convex outlines against the sections of solids, for many poses at once, and their names."""
 
 from __future__ import annotations
 

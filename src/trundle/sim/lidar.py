@@ -1,4 +1,4 @@
-"""Timing, directions and noise of a robot's lidars; the simulator provides the ranges."""
+"""A robot's lidars: their timing, directions and noise, and their beams through a world and its movers."""
 
 from __future__ import annotations
 

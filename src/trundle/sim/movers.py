@@ -1,4 +1,7 @@
-"""`MoverField`: the movers of a world while a simulator runs: where they are, what they touch, what lidars see."""
+"""`MoverField`: the movers of a world while a simulator runs: where they are, what they touch, what lidars see.
+
+It warns of motions that leave the world, pass through solids, or start on the robot.
+"""
 
 from __future__ import annotations
 
@@ -163,6 +166,8 @@ def _gather(parts: Sequence[FloatArray], width: int) -> tuple[FloatArray, npt.ND
 _STEP_S = 0.1
 _MOST_STEPS = 2000
 _LONGEST_S = 600.0
+"""A motion is sampled in such steps, for ten minutes at most: making a simulator must not take long."""
+
 _FLOOR_TOP = 0.05  # what is not higher is no obstacle [m]
 
 

@@ -242,6 +242,8 @@ def _part(data: npt.NDArray[np.generic], row: int, col: int, size: int) -> npt.N
 
 
 MOST_DISCS = 8
+"""As many as the kernel takes: each costs a look-up in every step of every sample."""
+
 _WIDER = 0.17
 """Share of the half width by which a disc may reach past the sides; more discs reach less far."""
 

@@ -1,4 +1,4 @@
-"""`Route`: a path as closely spaced poses, and where the robot is on it."""
+"""`Route`: a path as closely spaced poses, and where the robot is on it; `Headway`: whether it gets on along it."""
 
 from __future__ import annotations
 
@@ -114,8 +114,11 @@ def _leg(first: list[float], last: list[float], *, back: bool) -> FloatArray:
 
 _BY_M = 0.3
 _WITHIN_M, _WITHIN_RAD = 2.0, 2.0 * math.pi
+"""Headway is 0.3 m less of the path after so much driving: samples may drive to and fro a little, but not for ever."""
+
 _STRETCH_M, _MOST_M = 0.3, 10.0
 _FORGET_M = 5.0
+"""The stretch that is followed doubles up to 10 m, until 5 m of the path were made: then the place is behind."""
 
 
 class Headway:

@@ -1,4 +1,4 @@
-"""Locations of Isaac Sim's environments and robots: names, the asset root, local folders for offline use."""
+"""Isaac Sim's environments and robots: their names and places, and whether a robot can drive in a stage."""
 
 from __future__ import annotations
 

@@ -53,13 +53,13 @@ class IsaacSimulator(Simulator):
         world: The world; contacts are reported with its solids and cells by name.
         robot: The robot.
         lidar: Must be False: Isaac Sim's lidars are not read.
-        environment: An environment by name (`warehouse_with_forklifts`), or a USD file; None means the world as USD.
+        environment: An environment by name (`warehouse_with_forklifts`), or a USD file. If None, the world as USD.
             Its frame is the map frame.
-        robot_usd: The robot's USD file; None means that of Isaac Sim's assets.
+        robot_usd: The robot's USD file. If None, that of Isaac Sim's assets.
         headless: Start Isaac Sim without a window.
         livestream: Start it without a window and stream by WebRTC.
         physics_dt: Length of a physics step [s].
-        assets_root: Folder or address that contains Isaac/Environments and Isaac/Robots; None means
+        assets_root: Folder or address that contains Isaac/Environments and Isaac/Robots. If None,
             TRUNDLE_ISAAC_ASSETS, or Isaac Sim's own asset root.
         ground_offset: Initial height [m] of the robot's prim above z = 0, from which it settles.
         application: A running SimulationApp. It is not closed.

@@ -35,6 +35,8 @@ Casters = Literal["trailing", "reversed"]
 
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 _SETTLE_S = 2.0
+"""A robot has come to rest on its wheels within this time [s], or has tipped over."""
+
 _LARGEST_TILT = 0.05
 """Maximum tilt of a robot at rest [rad]; one that has tipped over exceeds it."""
 
