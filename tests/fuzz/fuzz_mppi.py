@@ -85,8 +85,9 @@ def one_round(generator: random.Random) -> None:
     if math.prod(size for size in sizes[:3] if isinstance(size, int)) < 2**30:
         attempt(Mppi, sizes)
     kernel = Mppi(request.samples, request.steps, request.knot_steps)
-    arguments = spoil(generator, request.arguments())
+    numbers = spoil(generator, request.numbers())
     try:
+        arguments = oracle.arguments_of(*numbers)
         answer = kernel.step(*arguments)
     except REFUSALS:
         return

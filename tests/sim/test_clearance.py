@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from trundle.geometry import Pose2D, Pose3D
 from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.robots import Robot
-from trundle.sim.clearance import least_clearance, map_world
-from trundle.sim.distances import polygon_distances
+from trundle.sim.clearance import least_clearance, map_world, polygon_distances
 from trundle.sim.sections import cut_triangles
 from trundle.worlds import World
 

@@ -4,8 +4,7 @@ import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics
 
 from trundle.errors import RobotError, WorldWarning
-from trundle.sim.mujoco.joint import Joint
-from trundle.sim.mujoco.joints import list_joints
+from trundle.sim.mujoco.joints import Joint, list_joints
 
 
 @pytest.fixture

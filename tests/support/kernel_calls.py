@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from support.mppi_oracle import arguments_of
 from trundle import _core
 
 THREADS, CALLS = 4, 150
@@ -72,12 +73,13 @@ GRID = _core.BinaryGrid(BLOCKED, 8, "jps")
 LEAST_COST = _core.LeastCost(LINE_WEIGHTS)
 HYBRID_ASTAR = _core.HybridAStar(**HYBRID)
 SMOOTHER = _core.PathSmoother()
-MPPI_STEP = (
+MPPI_NUMBERS = (
     *(np.array([1.2, 1.2, 0.3, 0.0, 0.0, 0.0, 0.0]), np.zeros((10, 2), np.float32)),
     *(np.array([0.05, -0.2, 0.5, 1.0, 1.0, 1.0, 2.0]), np.array([0.2, 0.3, 0.1, 1.0, 1.0]), np.array([(0.0, 0.1)])),
     *(COSTS, RNG.random((SIDE, SIDE), np.float32), 0.1, 0.01, np.array([2.0, 2.0, 1.0, 1.0, 0.5, 0.2, 1.0])),
     *(np.array([(1.0, 0.5, 0.1, 0.0, 0.2, 0.01, 0.01)]), np.ones(15), np.ones(5)),
 )
+MPPI_STEP = arguments_of(*MPPI_NUMBERS)
 RIM = 2.0 * np.column_stack([np.cos(np.linspace(-3.0, 3.0, 60)), np.sin(np.linspace(-3.0, 3.0, 60))])
 TURN = (np.arange(60) % 7 + 1.0, np.arange(60) * 0.1, np.zeros((1, 3)), np.array([0.0, 0.0, 0.0, 0.0, 9.0]))
 TRACKER = _core.ScanTracker(np.array([15.0, 3.0, 1.0, 0.07, 0.6, 0.2, 2.0, 0.8, 1.5]), OUTLINE)
@@ -96,6 +98,10 @@ def step_mppi() -> Any:
     state, controls, *others = MPPI_STEP
     controls = controls.copy()
     return MPPI.step(state, controls, *others), controls
+
+
+def mppi_arguments() -> list[str]:
+    return [type(one).__name__ for one in arguments_of(*MPPI_NUMBERS)]
 
 
 def painted_marks() -> Any:
@@ -187,6 +193,7 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "PathSmoother.smooth": lambda: SMOOTHER.smooth(
         OPEN, 0.1, OUTLINE, np.array([(0.5, 0.5, 0.0), (1.0, 0.5, 0.0), (1.5, 0.7, 0.0)]), OPEN[0, :2], **SMOOTH
     ),
+    **{f"Mppi{part}": mppi_arguments for part in ("Aim", "Critics", "Limits", "Noise", "State", "Window")},
     "Mppi": lambda: _core.Mppi(128, 10, 3, "base").level,
     "Mppi.level": lambda: MPPI.level,
     "Mppi.step": step_mppi,

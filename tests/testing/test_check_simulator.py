@@ -6,9 +6,8 @@ import pytest
 from trundle.errors import WorldError
 from trundle.geometry import Pose2D
 from trundle.sim.kinematic import KinematicSimulator
-from trundle.sim.lidar import LidarSet
+from trundle.sim.lidar import LidarSet, SceneBeams
 from trundle.sim.mujoco.simulator import MujocoSimulator
-from trundle.sim.scene_beams import SceneBeams
 from trundle.testing import ConformanceError, check_simulator
 from trundle.worlds import World
 
@@ -88,6 +87,69 @@ class Undead(KinematicSimulator):
         pass
 
 
+class Least:
+    """A good simulator with what every simulator must have, and no more."""
+
+    def __init__(self, world, robot):
+        self._sim = KinematicSimulator(world, robot)
+        self.robot, self.reset, self.step, self.close = robot, self._sim.reset, self._sim.step, self._sim.close
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+
+class Elsewhere(KinematicSimulator):
+    """Says that it simulates another world."""
+
+    @property
+    def world(self):
+        return World("another", ())
+
+
+class Timeless(KinematicSimulator):
+    """Its physics steps have no length."""
+
+    @property
+    def timestep(self):
+        return 0.0
+
+
+class Watched(KinematicSimulator):
+    """Can no longer be left alone by a watcher."""
+
+    def watch_substeps(self, watch):
+        return watch is not None and super().watch_substeps(watch)
+
+
+class Hollow(KinematicSimulator):
+    """Takes solids, and forgets them."""
+
+    def add_solid(self, solid):
+        pass
+
+
+class Cluttered(KinematicSimulator):
+    """Keeps added solids for ever."""
+
+    def add_solid(self, solid):
+        super().add_solid(solid)
+        self._first_world = self._world
+
+
+class Skidding(KinematicSimulator):
+    """Its wheels turn as the robot is placed."""
+
+    def place(self, pose):
+        return replace(super().place(pose), odometry=pose)
+
+
+def test_a_simulator_needs_no_more_than_it_must_have():
+    check_simulator(Least)
+
+
 @pytest.mark.parametrize(
     ("broken", "message"),
     [
@@ -97,6 +159,12 @@ class Undead(KinematicSimulator):
         (Boundless, "its limit is"),
         (Undead, "after close"),
         (Unmoved, "the movers are"),
+        (Elsewhere, "the world that it was made for"),
+        (Timeless, "timestep must be a positive number"),
+        (Watched, "still reported"),
+        (Hollow, "is not touched"),
+        (Cluttered, "still there after a reset"),
+        (Skidding, "moves the odometry"),
     ],
 )
 def test_broken_simulators_do_not(broken, message):

@@ -283,7 +283,6 @@ def _drive_in_browser(
     from trundle.navigation import CommandScript
     from trundle.serve.steerer import Steerer
     from trundle.serve.watch import Watch
-    from trundle.sim import world_of
 
     script = None if commands is None else CommandScript(commands, period_s=PERIOD_S)
     agent = _make_navigator(simulator, start) if script is None else script
@@ -291,7 +290,7 @@ def _drive_in_browser(
     steerer = Steerer(speed=speed, restarts=False)
 
     def make(_seed: int | None) -> Session:
-        watch = Watch(page.hub, 1, None, world=lambda: world_of(simulator), steering=steerer.steering)
+        watch = Watch(page.hub, 1, None, world=lambda: simulator.world, steering=steerer.steering)
         return Session(
             simulator,
             agent,
@@ -321,10 +320,9 @@ def _make_navigator(simulator: Simulator, start: Pose2D) -> Agent:
     from trundle.geometry import Pose2D
     from trundle.maps import OccupancyGrid
     from trundle.navigation import Navigator
-    from trundle.sim import world_of
     from trundle.worlds import World
 
-    world: World = world_of(simulator) or World(name="empty", solids=())
+    world: World = simulator.world or World(name="empty", solids=())
     low, high = world.bounds if world.solids else ((start.x, start.y, 0.0), (start.x, start.y, 0.0))
     bounds = (
         (min(low[0], start.x - _ROOM_M), min(low[1], start.y - _ROOM_M)),

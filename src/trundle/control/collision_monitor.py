@@ -30,13 +30,13 @@ MonitorAction = Literal["none", "slow", "approach", "stop"]
 
 _HERE = Pose2D(0.0, 0.0)
 _STAND = Twist2D(0.0, 0.0)
-_CLOSER_SHARE = 0.1
+_CLOSER_SHARE = 0.1  # what is within the padding already may come closer by this share of its distance
 _SAME_M = 1e-6
 _TICK_S = 0.05
-_MARGIN_M = 0.1
+_MARGIN_M = 0.1  # hits a little beyond what can be reached are looked at, too
 _MOST_STEPS = 1000
 _MOVER_STEPS = 5
-_INTENT_S, _INTENT_STEPS = 2.0, 11
+_INTENT_S, _INTENT_STEPS = 2.0, 11  # an intent is known for longer than a command can be taken for granted
 _SLOWEST_MPS = 0.02  # of any point of the robot: slower, it would creep until the noise of a scan lets it touch
 _AT_HERE = np.zeros((1, 3))
 
@@ -63,7 +63,7 @@ class MonitorSettings(Config):
         simulation_time_step: Between two poses that are tested on the way [s].
         min_points: So many points of scans count as something.
         source_timeout: A lidar that is silent for longer than this [s] stops the robot.
-        sources: Names of lidars that must send scans; none means those that have sent one, and at least one.
+        sources: Names of lidars that must send scans. If None, those that have sent one, and at least one.
 
     Raises:
         InputError: If a value is out of range.
@@ -114,7 +114,7 @@ class CollisionMonitor:
 
     Args:
         robot: The robot; points inside its footprint are its own body.
-        settings: The settings; none means the defaults.
+        settings: The settings. If None, the defaults.
 
     Attributes:
         settings: The same.

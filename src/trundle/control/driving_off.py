@@ -6,7 +6,10 @@ from trundle.geometry import Twist2D
 from trundle.robots import Robot
 
 _LEAD_S = 0.2
+"""How far commands may lead what the robot reaches: with less, motors that lag behind would hardly speed it up."""
+
 _LEAST_SHARE = 0.25
+"""Share of the acceleration that is left in any turn, so that a robot that turns all the time still drives off."""
 
 
 class DrivingOff:

@@ -8,7 +8,7 @@ import numpy as np
 
 from trundle.geometry import FloatArray, Twist2D, integrate_twist
 
-_SAME = 1e-3
+_SAME = 1e-3  # [m/s] and [rad/s]: rounding in single precision is below it
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,7 +12,7 @@ from trundle.files.yaml_config import Config
 from trundle.geometry import Pose2D, Twist2D, integrate_twist, wrap_angle
 from trundle.robots import Limits
 
-_SUBSTEP_S = 0.05
+_SUBSTEP_S = 0.05  # the prediction's steps: as long as a usual control period
 _SAME_S = 1e-6
 _Delay = Annotated[float, Field(ge=0.0, le=2.0)]
 

@@ -10,6 +10,7 @@ from trundle.robots import Robot
 from trundle.values import is_finite_number, show_value
 
 _FULL_SPEED_IN_S = 0.5
+"""Robots with strong motors drive off more gently than they can: a wheel that slips falsifies the odometry."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,7 +18,7 @@ class PursuitSettings:
     """Settings of `RegulatedPurePursuit`, under Nav2's names where Nav2 has them.
 
     Attributes:
-        desired_linear_vel: Speed on a free straight [m/s]; none means the robot's limit.
+        desired_linear_vel: Speed on a free straight [m/s]. If None, the robot's limit.
         lookahead_dist: Distance along the path to the point that is driven at [m].
         min_lookahead_dist: The same while the usual one is blocked, and along curves that it would cut too short [m].
         rotate_to_heading_min_angle: Above this angle to the path the robot turns in place [rad].
@@ -28,7 +29,7 @@ class PursuitSettings:
         approach_velocity_scaling_dist: Nearer to the end than this the robot drives slower [m].
         min_approach_linear_velocity: But not slower than this [m/s].
         approach_deceleration: Share of the robot's deceleration that is used to stop at the end of a section.
-        max_linear_accel: Acceleration of each wheel when the robot drives off [m/s²]; none means the robot's limit, or
+        max_linear_accel: Acceleration of each wheel when the robot drives off [m/s²]. If None, the robot's limit, or
             what reaches its top speed in half a second if that is less.
         footprint_padding: What the footprint is widened by in the check of each command [m]; where the path itself
             comes closer to something, half of what it keeps there.

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from trundle.control.collision import can_stop, cost_under
+from trundle.control.controller import Controller
 from trundle.control.driving_off import DrivingOff
 from trundle.control.pursuit_settings import PursuitSettings
 from trundle.control.sections import Motion, Section, Vertex, changes_direction, cut_sections, path_vertices, turn_by
@@ -27,13 +28,17 @@ from trundle.path import Path
 from trundle.robots import Robot
 
 _STAND = Twist2D(0.0, 0.0)
-_SIMULATION_STEP_M = 0.05
-_TURN_DONE_RAD = 0.02
+_SIMULATION_STEP_M = 0.05  # of the curve that the robot would drive, when the lookahead is chosen
+_TURN_DONE_RAD = 0.02  # about a degree: pursuit makes what is left of the turn
 _SECTION_DONE_M = 0.01
 _SECTION_MISSED_M = 0.02
+"""A section is done so near its end. A lookahead with which the robot would miss the end by more is too long for it."""
+
 _ROOM_STEP_M = 0.005
 _ROOM_STEP_RAD = math.radians(0.5)
-_SLOWER = (1.0, 0.5, 0.25)
+"""Steps in which the least room along a path is looked for, fine enough not to step over its narrowest place."""
+
+_SLOWER = (1.0, 0.5, 0.25)  # shares of a command that are tried, the same arc at less speed
 
 
 @dataclass(slots=True)
@@ -44,7 +49,7 @@ class _Turn:
     yaw: float
 
 
-class RegulatedPurePursuit:
+class RegulatedPurePursuit(Controller):
     """Follows a path of straight stretches, curves and turns in place; stops at its end, turned to its last yaw.
 
     Args:

@@ -14,9 +14,9 @@ from trundle.geometry import FloatArray, Footprint, Pose2D
 from trundle.observation import PoseBuffer, Scan
 
 _COMPARE_S = 0.25  # movement is found between scans this far apart [s]
-_KEPT_S = 1.0
-_BEAMS_ASIDE = 3
-_BODY_M = 1e-6
+_KEPT_S = 1.0  # older scans are compared with none any more
+_BEAMS_ASIDE = 3  # an edge may be seen by another beam in the next scan: ranges of so many on each side count
+_BODY_M = 1e-6  # hits within the outline are the robot's own body
 _AT_ORIGIN = np.zeros((1, 3))
 _NOTHING = np.zeros((0, 2))
 

@@ -27,7 +27,8 @@ LOCALIZERS: Registry[Localizer] = Registry(
 class Localizer(Protocol):
     """Estimates a robot's pose. It may also be a function, or return poses alone: see `LocalizerLike`.
 
-    It gets observations only, never the truth of a simulation.
+    It gets observations only, never the truth of a simulation. A run asks nothing else of it than these two methods. A
+    localizer of another package may have a `reset` without `seed`, if it draws no random numbers.
     """
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> None:
@@ -101,14 +102,14 @@ class LocalizerAdapter:
         is_function = isinstance(localizer, PluginFunction)
         self.localizer: Any = localizer.function if is_function else localizer
         self._estimate: Callable[[Observation], Any] = localizer if is_function else localizer.update
+        self._reset: Callable[..., Any] | None = None if is_function else localizer.reset
         self._time: float | None = None
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> None:
         """Start over with the robot at `pose`; see `Localizer`. A function keeps nothing."""
         self._time = None
-        reset = getattr(self.localizer, "reset", None)
-        if callable(reset):
-            reset(pose, **({"seed": seed} if keywords_taken(reset, ("seed",)) else {}))
+        if self._reset is not None:
+            self._reset(pose, **({"seed": seed} if keywords_taken(self._reset, ("seed",)) else {}))
 
     def update(self, observation: Observation) -> Estimate:
         """Return where the robot is; see `Localizer`.

@@ -15,7 +15,7 @@ from trundle.maps import OccupancyGrid
 from trundle.messages.codec import STAMPED_COMMANDS, Codec
 from trundle.observation import Scan
 from trundle.robots import Robot
-from trundle.sim.simulator import MoverState
+from trundle.sim.state import MoverState
 
 _MARKER_RED, _MARKER_GREEN, _MARKER_BLUE = 0.85, 0.33, 0.1
 _LINE_WIDTH_M = 0.05

@@ -12,7 +12,7 @@ from trundle.mission.observers import Observer
 from trundle.mission.running.session import Session
 from trundle.mission.simulation import SessionOptions
 from trundle.navigation.agents import AgentLike
-from trundle.sim import Simulator
+from trundle.sim.simulator import SomeSimulator
 
 
 class RunOptions(SessionOptions, total=False):
@@ -27,7 +27,7 @@ class RunOptions(SessionOptions, total=False):
 
 
 def run(
-    sim: Simulator,
+    sim: SomeSimulator,
     navigator: AgentLike,
     start: Pose2D | Sequence[float],
     goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]] | None,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from trundle.control.mppi.settings import MOST_STEPS, MppiSettings
+from trundle.control.mppi.mppi_settings import MOST_STEPS, MppiSettings
 from trundle.nav2.draft import NOT_IN_CONTROLLER, Block, Draft
 from trundle.nav2.names import MPPI
 from trundle.nav2.notes import Notes

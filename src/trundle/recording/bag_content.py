@@ -15,7 +15,7 @@ from trundle.messages import readers
 from trundle.observation import Scan
 from trundle.recording.bag_reader import BagReader, BagTopic
 from trundle.recording.transforms import TransformTree
-from trundle.sim.simulator import MoverState
+from trundle.sim.state import MoverState
 
 TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 MAPS = ("nav_msgs/msg/OccupancyGrid",)

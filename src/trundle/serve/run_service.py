@@ -19,7 +19,6 @@ from trundle.serve.messages import Message, Order, Preview, Setup
 from trundle.serve.run_feed import RunFeed, scene_message
 from trundle.serve.steerer import Refuse, Steerer
 from trundle.serve.watch import Watch
-from trundle.sim import world_of
 
 _LOOK_S = 0.2  # how often `until` is asked while nothing is requested
 
@@ -170,7 +169,7 @@ class RunService:
             observers, folder = self._record(mission, self._opened)
             self._number += 1
             steering = self._steerer.steering
-            watch = Watch(self._hub, self._number, folder, world=lambda: world_of(mission.sim), steering=steering)
+            watch = Watch(self._hub, self._number, folder, world=lambda: mission.sim.world, steering=steering)
             return mission.session(observers=[watch, *observers, watch.recorded], steering=steering)
         except BaseException as error:
             if is_of_plugin(error) and (folder is None or not (folder / RECORD).is_file()):

@@ -10,7 +10,8 @@ from pydantic import Field
 from trundle.files.yaml_config import Config
 from trundle.geometry import Pose2D, Twist2D, integrate_twist, wrap_angle
 from trundle.robots import WheelSpeeds
-from trundle.sim.simulator import RobotState, Simulator
+from trundle.sim.simulator import Simulator
+from trundle.sim.state import RobotState
 from trundle.sim.wrapper import SimulatorWrapper
 
 _Factor = Annotated[float, Field(ge=0.5, le=2.0)]

@@ -9,8 +9,10 @@ from dataclasses import replace
 from trundle.errors import InputError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.sim.ramp import count_steps
-from trundle.sim.simulator import Contact, RobotState, Simulator, timestep_of
+from trundle.sim.simulator import SomeSimulator
+from trundle.sim.state import Contact, RobotState
 from trundle.sim.wrapper import SimulatorWrapper
+from trundle.values import check_number
 
 _ROUNDING = 1e-6
 """A delay that exceeds a whole number of steps by less than this share of a step is that number."""
@@ -19,8 +21,8 @@ _ROUNDING = 1e-6
 class DelayedSimulator(SimulatorWrapper):
     """A simulator whose robot receives its commands late; until the first one arrives, it is commanded to stand.
 
-    A command takes effect at the first physics step at or after its time plus the delay. Where the simulator does not
-    say how long its steps are (`timestep_of`), or they do not divide the control period, that is the first control
+    A command takes effect at the first physics step at or after its time plus the delay. If the simulator does not say
+    how long its steps are (`Simulator.timestep`), or they do not divide the control period, that is the first control
     period.
 
     Args:
@@ -28,7 +30,7 @@ class DelayedSimulator(SimulatorWrapper):
         delay_s: Time [s] from a command until the wheels receive it.
     """
 
-    def __init__(self, sim: Simulator, delay_s: float) -> None:
+    def __init__(self, sim: SomeSimulator, delay_s: float) -> None:
         super().__init__(sim)
         self._delay_s = delay_s
         self._pending: deque[tuple[float, Twist2D]] = deque()
@@ -69,9 +71,12 @@ class DelayedSimulator(SimulatorWrapper):
 
     def _steps_in(self, dt: float) -> tuple[float, int]:
         """Length [s] and number of the steps of a control period at which a command can take effect."""
-        step_s = timestep_of(self._sim)
+        timestep = self._sim.timestep
+        if timestep is None:
+            return dt, 1
+        step_s = check_number("the timestep of a simulator", timestep, 1e-6, 10.0, "s")
         try:
-            return (dt, 1) if step_s is None else (step_s, count_steps(dt, step_s))
+            return step_s, count_steps(dt, step_s)
         except InputError:
             return dt, 1
 

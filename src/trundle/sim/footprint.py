@@ -1,4 +1,4 @@
-"""Contacts of a footprint: convex outlines against the sections of solids, for many poses at once."""
+"""Contacts of a footprint: convex outlines against the sections of solids, for many poses at once, and their names."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from trundle.geometry.solids import OccupancyCells, Solid
 from trundle.robots import Robot
 from trundle.sim.convex import take_apart
 from trundle.sim.sections import Disc, Polygon, piece_section, slab_section
-from trundle.sim.simulator import Contact
+from trundle.sim.state import Contact
 from trundle.worlds import World
 
 _TOUCH = 1e-9
@@ -220,3 +220,39 @@ def _clip(polygon: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray
         if here * there < 0.0:
             kept.append(point + (here / (here - there)) * (polygon[following] - point))
     return np.array(kept).reshape(-1, 2)
+
+
+class CellNames:
+    """Names contacts with a world's blocked cells, alike for all simulators: `map[row,col]`.
+
+    Args:
+        world: Whose cells.
+    """
+
+    def __init__(self, world: World) -> None:
+        self._cells = {
+            solid.name: (solid, solid.shape) for solid in world.solids if isinstance(solid.shape, OccupancyCells)
+        }
+
+    def name(self, solid: str, x: float, y: float) -> str:
+        """Return a solid's name, followed by the touched cell at (x, y) [m], map frame, if the solid has cells."""
+        if solid not in self._cells:
+            return solid
+        row, col = nearest_blocked_cell(*self._cells[solid], x, y)
+        return f"{solid}[{row},{col}]"
+
+
+def nearest_blocked_cell(solid: Solid, cells: OccupancyCells, x: float, y: float) -> tuple[int, int]:
+    """The blocked cell (row, col) nearest to a point [m] in the map frame, among its own cell and the neighbours."""
+    origin = Pose2D(solid.pose.position[0], solid.pose.position[1], solid.pose.yaw())
+    local = origin.inverse() @ Pose2D(x, y)
+    along, across = local.x / cells.resolution, local.y / cells.resolution
+    rows, cols = cells.blocked.shape
+    row = min(max(math.floor(across), 0), rows - 1)
+    col = min(max(math.floor(along), 0), cols - 1)
+    low_row, low_col = max(row - 1, 0), max(col - 1, 0)
+    near = np.argwhere(cells.blocked[low_row : row + 2, low_col : col + 2]) + np.array([low_row, low_col])
+    if len(near) == 0:
+        return row, col
+    best = near[np.argmin(np.hypot(near[:, 0] + 0.5 - across, near[:, 1] + 0.5 - along))]
+    return int(best[0]), int(best[1])

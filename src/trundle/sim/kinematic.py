@@ -14,11 +14,11 @@ from trundle.geometry import FloatArray, Pose2D, Twist2D, arc_shares
 from trundle.geometry.solids import Solid
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.footprint import FootprintChecker
-from trundle.sim.lidar import LidarChoice, LidarSet
+from trundle.sim.lidar import LidarChoice, LidarSet, SceneBeams
 from trundle.sim.movers import MoverField
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
-from trundle.sim.scene_beams import SceneBeams
-from trundle.sim.simulator import Contact, RobotState, Substep
+from trundle.sim.simulator import Simulator
+from trundle.sim.state import Contact, RobotState, Substep
 from trundle.worlds import World
 
 TIMESTEP = 0.005
@@ -27,7 +27,7 @@ TIMESTEP = 0.005
 _NOT_PLACED = Pose2D(0.0, 0.0)
 
 
-class KinematicSimulator:
+class KinematicSimulator(Simulator):
     """Simulates an ideal robot: no slip, no lag, every arc integrated exactly.
 
     The robot's limits are applied at every step. If the footprint overlaps a solid, a contact is reported and the
@@ -78,6 +78,11 @@ class KinematicSimulator:
     def timestep(self) -> float:
         """Length of a physics step [s]."""
         return self._timestep
+
+    def watch_substeps(self, watch: Callable[[Substep], None] | None) -> bool:
+        """Call `watch` after every physics step from now on, or no longer (None)."""
+        self.on_substep = watch
+        return True
 
     def add_solid(self, solid: Solid) -> None:
         """Put a solid into the world until the next reset.

@@ -1,4 +1,4 @@
-"""Timing, directions and noise of a robot's lidars; the simulator provides the ranges."""
+"""A robot's lidars: their timing, directions and noise, and their beams through a world and its movers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from trundle.errors import UnknownNameError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.observation import Scan
 from trundle.robots import Lidar, Robot
+from trundle.sim.beams import WorldOutline
+from trundle.sim.movers import MoverField, MoverOutline
 from trundle.values import check_seed
+from trundle.worlds import World
 
 BeamCaster: TypeAlias = Callable[[float, float, float, FloatArray, float], FloatArray]
 """`cast(x, y, z, angles, reach)`: distances [m] in the map frame from (x, y, z) [m] along level beams at `angles`
@@ -90,3 +93,37 @@ class LidarSet:
             ranges = ranges + self._rng.normal(0.0, lidar.noise, len(angles))
         ranges = np.where(hit, np.clip(ranges, lidar.range_min, lidar.range_max), np.inf)
         return Scan(name, now, mount, lidar.z, angles, ranges, lidar.range_min, lidar.range_max)
+
+
+class SceneBeams:
+    """Casts beams against the outline of a world at their height, and against its movers where they are now.
+
+    Args:
+        world: The world.
+        movers: Its movers; None without any.
+    """
+
+    def __init__(self, world: World, movers: MoverField | None) -> None:
+        self._world, self._movers = world, movers
+        self._outlines: dict[float, WorldOutline] = {}
+        self._mover_outlines: dict[float, MoverOutline] = {}
+
+    def prepare(self, heights: Iterable[float]) -> None:
+        """Cut the world at these heights above the floor [m]; beams can be cast at no others."""
+        for height in heights:
+            if height not in self._outlines:
+                self._outlines[height] = WorldOutline(self._world, height)
+                if self._movers is not None:
+                    self._mover_outlines[height] = MoverOutline(self._movers, height)
+
+    def change_world(self, world: World) -> None:
+        """Cast against another world with the same movers from now on."""
+        self._world = world
+        self._outlines = {height: WorldOutline(world, height) for height in self._outlines}
+
+    def cast(self, x: float, y: float, z: float, angles: FloatArray, reach: float) -> FloatArray:
+        """Distances [m] from (x, y, z) along level beams; see `trundle.sim.lidar.BeamCaster`."""
+        ranges = self._outlines[z].cast(x, y, angles, reach)
+        if self._movers is not None:
+            np.minimum(ranges, self._mover_outlines[z].cast(x, y, angles, reach), out=ranges)
+        return ranges

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from trundle.geometry import FloatArray
-from trundle.sim.simulator import MoverState
+from trundle.sim.state import MoverState
 
 TRAIL_S = 8.0
 """How far a trail reaches back [s]."""
@@ -48,7 +48,7 @@ class MoverHistory:
         self._steps.append(tuple(movers))
 
     def at(self, time: float) -> ShownMovers:
-        """The movers at the last step up to a time [s]; none before the first one."""
+        """Return the movers at the last step up to a time [s], and no movers before the first one."""
         end = bisect.bisect_right(self._times, time + 1e-6)
         if end == 0:
             return ShownMovers()

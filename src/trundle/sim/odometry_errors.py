@@ -13,7 +13,8 @@ from pydantic import BeforeValidator, Field
 from trundle.files.config_fields import read_angle
 from trundle.files.yaml_config import Config
 from trundle.geometry import Pose2D, Twist2D, wrap_angle
-from trundle.sim.simulator import RobotState, Simulator
+from trundle.sim.simulator import Simulator
+from trundle.sim.state import RobotState
 from trundle.sim.wrapper import SimulatorWrapper
 from trundle.values import check_seed
 

@@ -1,21 +1,20 @@
-"""The interface of every simulator, its state, and the simulators by name."""
+"""The interface of every simulator, and the simulators by name."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, Protocol, Self, cast, runtime_checkable
+from typing import Any, Protocol, Self, runtime_checkable
 
 from trundle.errors import InputError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.geometry.solids import Solid
-from trundle.observation import Observation, Scan
 from trundle.registry import Registry
-from trundle.robots import Robot, WheelSpeeds
-from trundle.values import check_kind, check_number
+from trundle.robots import Robot
+from trundle.sim.state import RobotState, Substep
+from trundle.values import check_kind
 from trundle.worlds import World
 
-SIMULATORS: Registry[Simulator] = Registry(
+SIMULATORS: Registry[SomeSimulator] = Registry(
     "backend",
     "trundle.simulators",
     {
@@ -26,107 +25,36 @@ SIMULATORS: Registry[Simulator] = Registry(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Contact:
-    """A contact between the robot and something other than the floor.
-
-    Attributes:
-        part: Part of the robot ("chassis", "wheel_left", …).
-        other: Name of the touched solid; for a map with the cell: `map[row,col]`.
-        x, y: Position in the map frame [m].
-    """
-
-    part: str
-    other: str
-    x: float
-    y: float
-
-
-@dataclass(frozen=True, slots=True)
-class MoverState:
-    """Where a moving obstacle is.
-
-    Attributes:
-        name: Of the mover.
-        pose: Pose of its frame, map frame.
-        vx, vy: Velocity, map frame [m/s].
-        w: Speed of rotation [rad/s], positive to the left.
-        outline: Its convex outline on the floor [m], in its frame, counter-clockwise.
-    """
-
-    name: str
-    pose: Pose2D
-    vx: float = 0.0
-    vy: float = 0.0
-    w: float = 0.0
-    outline: tuple[tuple[float, float], ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Substep:
-    """Where the simulated robot is after one physics step, within a control period.
-
-    Attributes:
-        time: Simulated time since the reset [s].
-        pose: True pose of base_link in the map frame.
-        twist: True twist in base_link.
-        wheel_positions: Angles of the drive wheels since the reset [rad]; None where they are not reported.
-        wheel_speeds: Speeds of the drive wheels [rad/s]; likewise.
-    """
-
-    time: float
-    pose: Pose2D
-    twist: Twist2D
-    wheel_positions: WheelSpeeds | None = None
-    wheel_speeds: WheelSpeeds | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class RobotState:
-    """State of the simulated robot at one moment.
-
-    Attributes:
-        time: Simulated time since the reset [s].
-        pose: True pose of base_link in the map frame.
-        twist: True twist in base_link.
-        wheel_positions: Angles of the drive wheels since the reset [rad].
-        wheel_speeds: Speeds of the drive wheels [rad/s].
-        odometry: Pose from wheel odometry, in the odom frame (REP-105), which starts at the reset's pose.
-        contacts: Contacts during the last control period, except with the floor.
-        scans: Lidar scans taken during the last control period, at most one per lidar.
-        odometry_twist: Twist from the speeds of the wheels, base_link; None where wheels never slip: then it is the
-            true one.
-        movers: The world's moving obstacles now.
-        tilt: Angle between the robot's vertical axis and the world's [rad]; 0 in a simulator without one.
-    """
-
-    time: float
-    pose: Pose2D
-    twist: Twist2D
-    wheel_positions: WheelSpeeds
-    wheel_speeds: WheelSpeeds
-    odometry: Pose2D
-    contacts: tuple[Contact, ...] = ()
-    scans: tuple[Scan, ...] = ()
-    odometry_twist: Twist2D | None = None
-    movers: tuple[MoverState, ...] = ()
-    tilt: float = 0.0
-
-    @property
-    def observation(self) -> Observation:
-        """All of it that the robot could know."""
-        twist = self.twist if self.odometry_twist is None else self.odometry_twist
-        return Observation(self.time, twist, self.odometry, self.scans)
-
-
 @runtime_checkable
 class Simulator(Protocol):
-    """Moves a robot through a world. The robot's limits in speed and acceleration are applied here, at every step."""
+    """Moves a robot through a world. The robot's limits in speed and acceleration are applied here, at every step.
+
+    `robot`, `reset`, `step`, `close` and the two methods of a `with` statement are what every simulator has. Every
+    other member is optional: its default is the one of a simulator that does not know or cannot do it. `as_simulator`
+    gives these defaults to a simulator of another package that lacks a member.
+    """
 
     @property
     def robot(self) -> Robot:
         """The simulated robot."""
         ...
+
+    @property
+    def world(self) -> World | None:
+        """The world, with what was added since the reset; None where it does not say, as of a real robot.
+
+        Some metrics of a run depend on it; see `trundle.mission.Metrics`.
+        """
+        return None
+
+    @property
+    def timestep(self) -> float | None:
+        """Length of a physics step [s]; None where it does not say.
+
+        Control periods that are a multiple of it can be driven in parts, so that a late command takes effect in
+        between.
+        """
+        return None
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
         """Put the robot at rest at `pose` (map frame) and set the time to 0. The same seed gives the same run."""
@@ -139,6 +67,32 @@ class Simulator(Protocol):
             SimulationError: If it was closed, or the physics diverged.
         """
         ...
+
+    def watch_substeps(self, watch: Callable[[Substep], None] | None) -> bool:
+        """Call `watch` after every physics step from now on, or no longer (None); return False if it cannot."""
+        return False
+
+    def add_solid(self, solid: Solid) -> None:
+        """Put a solid into the world, in the middle of a run; the next reset takes it out again.
+
+        Moving obstacles pass through what is added.
+
+        Raises:
+            InputError: If this simulator cannot add solids, as by default.
+            WorldError: If the world has a solid or a mover of that name.
+        """
+        raise _cannot_add(self)
+
+    def place(self, pose: Pose2D) -> RobotState:
+        """Put the robot at rest at `pose` (map frame), in the middle of a run, and return the state without scans.
+
+        The time stays. The wheels do not turn, and the odometry does not change.
+
+        Raises:
+            InputError: If this simulator cannot place the robot, as by default.
+            SimulationError: If it was closed.
+        """
+        raise _cannot_place(self)
 
     def close(self) -> None:
         """Release its resources; closing twice does nothing."""
@@ -153,70 +107,170 @@ class Simulator(Protocol):
         ...
 
 
-def world_of(simulator: Simulator) -> World | None:
-    """The world of a simulator; None if it does not provide one.
+@runtime_checkable
+class SomeSimulator(Protocol):
+    """The least that an object needs to be used as a simulator; `as_simulator` makes a `Simulator` of it."""
 
-    It is an optional attribute `world`, not part of `Simulator`: a real robot and older simulators do not have it. Some
-    metrics of a run depend on it; see `trundle.mission.Metrics`.
+    @property
+    def robot(self) -> Robot:
+        """The simulated robot."""
+        ...
+
+    def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
+        """Put the robot at rest at `pose` (map frame) and set the time to 0."""
+        ...
+
+    def step(self, command: Twist2D, dt: float) -> RobotState:
+        """Drive one control period of `dt` [s] with a commanded twist."""
+        ...
+
+    def close(self) -> None:
+        """Release its resources."""
+        ...
+
+    def __enter__(self) -> Any:
+        """Begin a `with` statement."""
+        ...
+
+    def __exit__(self, *_: object) -> object:
+        """Close."""
+        ...
+
+
+_INNER = "inner"
+
+
+class SimulatorAdapter(Simulator):
+    """Gives a simulator of another package the whole protocol.
+
+    It hands on each optional member that the simulator has, or one that it keeps as `inner`, and has the default of
+    `Simulator` for each other. A simulator that has no `watch_substeps` may have an attribute `on_substep`, which is
+    set instead. What the simulator has besides can be read here as well.
+
+    Args:
+        simulator: The simulator to wrap.
+
+    Attributes:
+        simulator: The same.
     """
-    return getattr(simulator, "world", None)
+
+    def __init__(self, simulator: Any) -> None:
+        self.simulator: Any = simulator
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "simulator" or name.startswith("__"):  # a copy that is being made has none yet
+            raise AttributeError(name)
+        return getattr(self.simulator, name)
+
+    def _owner(self, member: str) -> Any:
+        """The simulator, or one within it, that has an optional member; None where none has."""
+        simulator = self.simulator
+        while simulator is not None and not hasattr(simulator, member):
+            simulator = getattr(simulator, _INNER, None)
+        return simulator
+
+    @property
+    def robot(self) -> Robot:
+        """The simulated robot."""
+        return self.simulator.robot
+
+    @property
+    def world(self) -> World | None:
+        """The world, where the simulator says it; see `Simulator`."""
+        owner = self._owner("world")
+        return None if owner is None else owner.world
+
+    @property
+    def timestep(self) -> float | None:
+        """Length of a physics step [s], where the simulator says it; see `Simulator`."""
+        owner = self._owner("timestep")
+        return None if owner is None else owner.timestep
+
+    def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
+        """Put the robot at rest at `pose` (map frame); see `Simulator`."""
+        return self.simulator.reset(pose, seed=seed)
+
+    def step(self, command: Twist2D, dt: float) -> RobotState:
+        """Drive one control period; see `Simulator`."""
+        return self.simulator.step(command, dt)
+
+    def watch_substeps(self, watch: Callable[[Substep], None] | None) -> bool:
+        """Let the simulator report every physics step, where it can; see `Simulator`."""
+        owner = self._owner("watch_substeps")
+        if owner is not None:
+            return bool(owner.watch_substeps(watch))
+        owner = self._owner("on_substep")
+        if owner is None:
+            return False
+        owner.on_substep = watch
+        return True
+
+    def add_solid(self, solid: Solid) -> None:
+        """Put a solid into the simulator's world, where it can take one; see `Simulator`."""
+        owner = self._owner("add_solid")
+        if owner is None:
+            raise _cannot_add(self.simulator)
+        owner.add_solid(solid)
+
+    def place(self, pose: Pose2D) -> RobotState:
+        """Put the robot somewhere else, where the simulator can; see `Simulator`."""
+        owner = self._owner("place")
+        if owner is None:
+            raise _cannot_place(self.simulator)
+        return owner.place(pose)
+
+    def close(self) -> None:
+        """Close the simulator."""
+        self.simulator.close()
+
+    def __enter__(self) -> Self:
+        self.simulator.__enter__()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.simulator.__exit__(*error)
 
 
-def timestep_of(simulator: Simulator) -> float | None:
-    """Length of the physics steps of a simulator [s]; None if it does not say.
+def as_simulator(simulator: SomeSimulator, what: str = "a simulator") -> Simulator:
+    """Return a simulator with every member of `Simulator`: itself where it has them all, and an adapter otherwise.
 
-    It is an optional attribute `timestep` of a simulator, which may be within others that have it as `inner`. Control
-    periods that are a multiple of it can be driven in parts, so that a late command takes effect in between.
+    Args:
+        simulator: Any simulator.
+        what: What it is, for the message of the error.
 
     Raises:
-        InputError: If it is not a positive number.
+        InputError: If it lacks a member of `SomeSimulator`.
     """
-    while (inner := getattr(simulator, "inner", None)) is not None:
-        simulator = inner
-    timestep = getattr(simulator, "timestep", None)
-    if timestep is None:
-        return None
-    return check_number("the timestep of a simulator", timestep, 1e-6, 10.0, "s")
+    if not isinstance(simulator, SomeSimulator):
+        found = type(simulator).__name__
+        raise InputError(f"{what} must be of type Simulator, got {found}; trundle.simulate(world, robot) makes one")
+    return _complete(simulator)
 
 
-def watch_substeps(simulator: Simulator, watch: Callable[[Substep], None] | None) -> bool:
-    """Let a simulator report every physics step from now on, or no longer (None); False if it cannot.
-
-    It is an optional attribute `on_substep` of a simulator, which may be within others that have it as `inner`.
-    """
-    while (inner := getattr(simulator, "inner", None)) is not None:
-        simulator = inner
-    if not hasattr(simulator, "on_substep"):
-        return False
-    simulator.on_substep = watch  # pyright: ignore[reportAttributeAccessIssue] - optional
-    return True
+def _complete(simulator: SomeSimulator) -> Simulator:
+    return simulator if isinstance(simulator, Simulator) else SimulatorAdapter(simulator)
 
 
-def add_solid(simulator: Simulator, solid: Solid) -> None:
-    """Put a solid into the world of a simulator, in the middle of a run; its next reset takes it out again.
+def world_of(simulator: SomeSimulator) -> World | None:
+    """The world of a simulator; None if it does not provide one. See `Simulator.world`."""
+    return _complete(simulator).world
 
-    It is an optional method `add_solid(solid)` of a simulator, which may be within others that have it as `inner`.
-    `kinematic` and `mujoco` have it. Moving obstacles pass through what is added.
+
+def add_solid(simulator: SomeSimulator, solid: Solid) -> None:
+    """Put a solid into the world of a simulator until its next reset. See `Simulator.add_solid`.
+
+    `kinematic` and `mujoco` can.
 
     Raises:
         InputError: If the simulator cannot add solids.
     """
-    while (inner := getattr(simulator, "inner", None)) is not None:
-        simulator = inner
-    add = getattr(simulator, "add_solid", None)
-    if not callable(add):
-        raise InputError(
-            f"{type(simulator).__name__} cannot put anything into its world during a run; use the backend mujoco or "
-            "kinematic"
-        )
-    add(solid)
+    _complete(simulator).add_solid(solid)
 
 
-def place_robot(simulator: Simulator, pose: Pose2D) -> RobotState:
-    """Put the robot of a simulator somewhere else, at rest, in the middle of a run; the time stays.
+def place_robot(simulator: SomeSimulator, pose: Pose2D) -> RobotState:
+    """Put the robot of a simulator somewhere else, at rest, in the middle of a run. See `Simulator.place`.
 
-    The wheels do not turn, and the odometry does not change. It is an optional method `place(pose)` of a simulator,
-    which may be within others that have it as `inner`. `kinematic` and `mujoco` have it.
+    `kinematic` and `mujoco` can.
 
     Args:
         simulator: The simulator.
@@ -228,14 +282,20 @@ def place_robot(simulator: Simulator, pose: Pose2D) -> RobotState:
     Raises:
         InputError: If the simulator cannot place the robot.
     """
-    while (inner := getattr(simulator, "inner", None)) is not None:
-        simulator = inner
-    place = getattr(simulator, "place", None)
-    if not callable(place):
-        raise InputError(
-            f"{type(simulator).__name__} cannot place the robot during a run; use the backend mujoco or kinematic"
-        )
-    return cast("RobotState", place(pose))
+    return _complete(simulator).place(pose)
+
+
+def _cannot_add(simulator: object) -> InputError:
+    return InputError(
+        f"{type(simulator).__name__} cannot put anything into its world during a run; use the backend mujoco or "
+        "kinematic"
+    )
+
+
+def _cannot_place(simulator: object) -> InputError:
+    return InputError(
+        f"{type(simulator).__name__} cannot place the robot during a run; use the backend mujoco or kinematic"
+    )
 
 
 def simulator_names() -> list[str]:
@@ -257,4 +317,4 @@ def simulate(world: World, robot: str | Robot, *, backend: str = "mujoco", **opt
         InputError: If the backend does not take these options, or the world is not a `World`.
     """
     check_kind(world, World, "a simulator's world", "World.load(path) and World.generate(name) make one")
-    return SIMULATORS.make(backend, world, Robot.load(robot), **options)
+    return as_simulator(SIMULATORS.make(backend, world, Robot.load(robot), **options), f"backend {backend!r}")

@@ -22,7 +22,7 @@ def unseen_names(world: World, robot: Robot, lidars: Iterable[str] | None = None
     Args:
         world: The world.
         robot: The robot.
-        lidars: Names of the lidars that are used; None means all of the robot's.
+        lidars: Names of the lidars that are used. If None, all of the robot's.
 
     Returns:
         Names as contacts have them. Of the cells of a map, the name of the solid. A mover is seen if one of its solids

@@ -13,8 +13,9 @@ from trundle.geometry import Pose2D, Pose3D, Twist2D, wrap_angle
 from trundle.geometry.solids import Box, Cylinder, Solid
 from trundle.observation import Scan
 from trundle.robots import Robot
-from trundle.sim import RobotState, Simulator
+from trundle.sim import RobotState, Simulator, Substep
 from trundle.sim.kinematic import KinematicSimulator
+from trundle.sim.simulator import SomeSimulator, as_simulator
 from trundle.testing.conformance import expect
 from trundle.worlds import World
 from trundle.worlds.movers import AlongPath, Mover
@@ -41,13 +42,17 @@ class Tolerances:
 
 
 def check_simulator(
-    make: Callable[[World, Robot], Simulator],
+    make: Callable[[World, Robot], SomeSimulator],
     *,
     robot: str | Robot = "nova_carter",
     tolerances: Tolerances = Tolerances(),
-    with_lidars: Callable[[World, Robot], Simulator] | None = None,
+    with_lidars: Callable[[World, Robot], SomeSimulator] | None = None,
 ) -> None:
     """Check that a simulator meets the contract of `trundle.sim.Simulator` and agrees with the kinematic one.
+
+    Of its optional members those are checked that it has: what `world` and `timestep` say, that watched physics steps
+    lead to the end of the control period, that an added solid is touched until the next reset, and that placing the
+    robot changes its pose alone.
 
     Args:
         make: Creates a simulator of a robot in a world, without lidars.
@@ -59,17 +64,35 @@ def check_simulator(
         ConformanceError: If it does not; the message says what was required and what was found.
     """
     machine = Robot.load(robot)
-    with make(_EMPTY, machine) as simulator:
-        expect(isinstance(simulator, Simulator), f"{type(simulator).__name__} lacks a method of trundle.sim.Simulator")
+
+    def made(world: World, robot: Robot) -> Simulator:
+        return _accept(make(world, robot))
+
+    def made_with_lidars(world: World, robot: Robot) -> Simulator:
+        return _accept((with_lidars or make)(world, robot))
+
+    with made(_EMPTY, machine) as simulator:
         expect(simulator.robot == machine, f"its robot is {simulator.robot.name}, not {machine.name}")
         _check_reset(simulator, tolerances)
         _check_repeats(simulator)
         _check_limits(simulator, tolerances)
         _check_motion(simulator, tolerances)
         _check_period(simulator)
-    _check_contacts(make, machine)
-    _check_movers(make, with_lidars, machine)
-    _check_close(make, machine)
+    _check_contacts(made, machine)
+    _check_movers(made_with_lidars, machine)
+    with made(_EMPTY, machine) as simulator:
+        _check_optional_members(simulator)
+    _check_close(made, machine)
+
+
+def _accept(simulator: SomeSimulator) -> Simulator:
+    """Give a simulator the whole protocol; it must have the least of it.
+
+    Raises:
+        ConformanceError: If it has not.
+    """
+    expect(isinstance(simulator, SomeSimulator), f"{type(simulator).__name__} lacks a method of trundle.sim.Simulator")
+    return as_simulator(simulator)
 
 
 def _check_reset(simulator: Simulator, tolerances: Tolerances) -> None:
@@ -158,16 +181,14 @@ def _check_contacts(make: Callable[[World, Robot], Simulator], robot: Robot) -> 
         expect("the_box" in names, "a reset inside a solid does not report the contact")
 
 
-def _check_movers(
-    make: Callable[[World, Robot], Simulator], with_lidars: Callable[[World, Robot], Simulator] | None, robot: Robot
-) -> None:
+def _check_movers(make: Callable[[World, Robot], Simulator], robot: Robot) -> None:
     """A post that moves into the robot; a simulator without movers must refuse the world."""
     front = float(robot.outline[:, 0].max())
     post = (Solid("post", Cylinder(0.2, 2.0), Pose3D((0.0, 0.0, 1.0))),)
     motion = AlongPath(((front + 1.2, 0.0), (front + 0.15, 0.0)), 0.5)
     world = World("mover", (), movers=(Mover("the_post", post, motion),))
     try:
-        simulator = (with_lidars or make)(world, robot)
+        simulator = make(world, robot)
     except InputError as error:
         expect("movers" in str(error), f"a world with movers is refused for another reason: {error}")
         return
@@ -206,6 +227,72 @@ def _check_scan(scan: Scan, robot: Robot, ahead: float) -> None:
         abs(found - expected) <= allowed,
         f"lidar {scan.lidar} measures {found:.3f} m to a mover that is {expected:.3f} m away",
     )
+
+
+def _check_optional_members(simulator: Simulator) -> None:
+    """Check what a simulator in an empty world says of itself, and what can be done to it in the middle of a run."""
+    world, timestep = simulator.world, simulator.timestep
+    expect(
+        world is None or (isinstance(world, World) and world.name == _EMPTY.name),
+        f"world must be the world that it was made for, or None; found: {world!r}",
+    )
+    expect(
+        timestep is None or (math.isfinite(timestep) and timestep > 0.0),
+        f"timestep must be a positive number of seconds, or None; found: {timestep!r}",
+    )
+    _check_substeps(simulator)
+    _check_adding(simulator)
+    _check_placing(simulator)
+
+
+def _check_substeps(simulator: Simulator) -> None:
+    seen: list[Substep] = []
+    simulator.reset(Pose2D(0.0, 0.0))
+    if not simulator.watch_substeps(seen.append):
+        return
+    state = simulator.step(Twist2D(0.3, 0.3), _PERIOD)
+    times = [substep.time for substep in seen]
+    expect(times == sorted(times) and len(times) > 0, f"watched physics steps must follow each other; found: {times} s")
+    last = seen[-1]
+    expect(
+        abs(last.time - state.time) < 1e-6 and last.pose.distance_to(state.pose) < 1e-6,
+        f"the last physics step must be where the control period ends, {state.pose} at {state.time:g} s; found: "
+        f"{last.pose} at {last.time:g} s",
+    )
+    simulator.watch_substeps(None)
+    simulator.step(Twist2D(0.3, 0.3), _PERIOD)
+    expect(len(seen) == len(times), "physics steps are still reported after watch_substeps(None)")
+
+
+def _check_adding(simulator: Simulator) -> None:
+    """Add a box around the robot: it is touched in the next control period, and not after a reset."""
+    simulator.reset(Pose2D(0.0, 0.0))
+    front = float(simulator.robot.outline[:, 0].max())
+    box = Solid("the_added_box", Box((0.2, 2.0, 1.0)), Pose3D((front + 0.05, 0.0, 0.5)))
+    try:
+        simulator.add_solid(box)
+    except InputError:
+        return  # it cannot, and says so
+    names = {contact.other for contact in simulator.step(Twist2D(0.1, 0.0), _PERIOD).contacts}
+    expect("the_added_box" in names, "a solid that was added in the robot's place is not touched")
+    found = simulator.reset(Pose2D(0.0, 0.0)).contacts
+    expect(not found, f"a solid that was added is still there after a reset: {found}")
+
+
+def _check_placing(simulator: Simulator) -> None:
+    simulator.reset(Pose2D(0.0, 0.0))
+    before = simulator.step(Twist2D(0.3, 0.0), _PERIOD)
+    there = Pose2D(3.5, -2.25, 2.5)
+    try:
+        state = simulator.place(there)
+    except InputError:
+        return  # it cannot, and says so
+    off = state.pose.distance_to(there)
+    expect(off < 1e-6, f"the robot that was placed at {there} is {off:.4f} m away")
+    expect(state.twist == Twist2D(0.0, 0.0), f"the robot is not at rest where it was placed: {state.twist}")
+    expect(state.time == before.time, f"placing the robot changes the time from {before.time:g} to {state.time:g} s")
+    moved = state.odometry.distance_to(before.odometry)
+    expect(moved < 1e-6, f"placing the robot moves the odometry by {moved:.4f} m")
 
 
 def _check_close(make: Callable[[World, Robot], Simulator], robot: Robot) -> None:

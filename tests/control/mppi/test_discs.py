@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from shapely.geometry import Point, Polygon
 from shapely.ops import unary_union
 
-from trundle.control.mppi.discs import MOST_DISCS, cover_with_discs
+from trundle.control.mppi.fields import MOST_DISCS, cover_with_discs
 from trundle.geometry import Footprint
 from trundle.robots import Robot
 

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from support.mppi_oracle import arguments_of
 from trundle import _core
-from trundle.control.mppi.discs import cover_with_discs
-from trundle.control.mppi.fields import FieldStyle, Window
+from trundle.control.mppi.fields import FieldStyle, Window, cover_with_discs
 from trundle.costmap import Costmap
 from trundle.geometry import Pose2D
 from trundle.maps import KeepoutMask, OccupancyGrid
@@ -30,7 +30,7 @@ def kernel_touches(window, x, y, discs, yaw=0.0):
     """How many discs the kernel finds to touch something at a pose in the window."""
     kernel = _core.Mppi(128, 2, 1)
     model = np.array([0.05, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0])
-    answer = kernel.step(
+    arguments = arguments_of(
         np.array([x, y, yaw, 0.0, 0.0, 0.0, 0.0]),
         np.zeros((2, 2), np.float32),
         model,
@@ -45,7 +45,7 @@ def kernel_touches(window, x, y, discs, yaw=0.0):
         np.ones(15),
         np.array([0.3, 0.3, 1.0, 0.3, 1.0]),
     )
-    return answer[8]
+    return kernel.step(*arguments)[8]
 
 
 @settings(max_examples=40)

@@ -31,10 +31,9 @@ class Mppi {
   Mppi(int samples, int steps, int knot_steps, const std::optional<std::string> &level)
       : optimizer_(samples, steps, knot_steps, level_of(level)) {}
 
-  nb::tuple step(In<double, 1> state, Sequence controls, In<double, 1> model, In<double, 1> noise, In<double, 2> discs,
-                 In<std::uint8_t, 2> nearness, In<float, 2> to_go, double resolution, double unit, In<double, 1> goal,
-                 In<double, 2> movers, In<double, 1> weights, In<double, 1> bounds) {
-    const Request request{state, model, noise, discs, nearness, to_go, resolution, unit, goal, movers, weights, bounds};
+  nb::tuple step(const State &state, Sequence controls, const Limits &limits, const Noise &noise, In<double, 2> discs,
+                 const Window &window, const Aim &aim, In<double, 2> movers, const Critics &critics) {
+    const Request request{state, limits, noise, discs, window, aim, movers, critics};
     check(request);
     refuse_unless(controls.shape(0) == static_cast<std::size_t>(optimizer_.steps()), "the controls need shape (steps, 2)");
     Answer a;
@@ -82,16 +81,50 @@ class Mppi {
 
 }  // namespace trundle
 
+namespace {
+
+// Plain values: made by keyword, and only read.
+void bind_arguments(nanobind::module_ &m) {
+  namespace nb = nanobind;
+  using nb::arg;
+  using namespace trundle;
+  using namespace trundle::mppi;
+  nb::class_<State>(m, "MppiState")
+      .def(nb::init<double, double, double, double, double, double, double>(), nb::kw_only(), arg("x"), arg("y"),
+           arg("yaw"), arg("v"), arg("w"), arg("v_rate"), arg("w_rate"));
+  nb::class_<Limits>(m, "MppiLimits")
+      .def(nb::init<double, double, double, double, double, double, double, double>(), nb::kw_only(), arg("dt"),
+           arg("v_min"), arg("v_max"), arg("w_max"), arg("acceleration"), arg("deceleration"),
+           arg("angular_acceleration"), arg("speed_limit"));
+  nb::class_<Noise>(m, "MppiNoise")
+      .def(nb::init<double, double, double, double, double>(), nb::kw_only(), arg("v_std"), arg("w_std"), arg("share"),
+           arg("seed"), arg("shift"));
+  nb::class_<Window>(m, "MppiWindow")
+      .def(nb::init<In<std::uint8_t, 2>, In<float, 2>, double, double>(), nb::kw_only(), arg("nearness").noconvert(),
+           arg("to_go").noconvert(), arg("resolution"), arg("unit"));
+  nb::class_<Aim>(m, "MppiAim")
+      .def(nb::init<double, double, double, bool, double, double, double>(), nb::kw_only(), arg("x"), arg("y"),
+           arg("yaw"), arg("has_yaw"), arg("reach"), arg("fade"), arg("direction"));
+  nb::class_<Critics>(m, "MppiCritics")
+      .def(nb::init<double, double, double, double, double, double, double, double, double, double, double, double,
+                    double, double, double, double, double, double, double>(),
+           nb::kw_only(), arg("collision"), arg("contact"), arg("to_go"), arg("to_go_end"), arg("heading"), arg("yaw"),
+           arg("overshoot"), arg("obstacle"), arg("obstacle_speed"), arg("mover"), arg("direction"), arg("twirl"),
+           arg("acceleration"), arg("jerk"), arg("speed"), arg("obstacle_reach"), arg("mover_margin"),
+           arg("mover_sigmas"), arg("free_heading"));
+}
+
+}  // namespace
+
 void bind_mppi(nanobind::module_ &m) {
   namespace nb = nanobind;
   using nb::arg;
+  bind_arguments(m);
   nb::class_<trundle::Mppi>(m, "Mppi")
       .def(nb::init<int, int, int, const std::optional<std::string> &>(), arg("samples"), arg("steps"), arg("knot_steps"),
            arg("level") = nb::none())
-      .def("step", &trundle::Mppi::step, arg("state").noconvert(), arg("controls").noconvert(), arg("model").noconvert(),
-           arg("noise").noconvert(), arg("discs").noconvert(), arg("nearness").noconvert(), arg("to_go").noconvert(),
-           arg("resolution"), arg("unit"), arg("goal").noconvert(), arg("movers").noconvert(),
-           arg("weights").noconvert(), arg("bounds").noconvert())
+      .def("step", &trundle::Mppi::step, arg("state"), arg("controls").noconvert(), arg("limits"), arg("noise"),
+           arg("discs").noconvert(), arg("window"), arg("aim"), arg("movers").noconvert(), arg("critics"))
       .def("costs", &trundle::Mppi::costs)
       .def("rollouts", &trundle::Mppi::rollouts, arg("count"))
       .def_prop_ro("level", &trundle::Mppi::level);

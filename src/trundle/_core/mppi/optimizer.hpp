@@ -55,7 +55,7 @@ class Optimizer {
     roll(problem_, {costs_.data(), hit_step_.data(), contact_.data()}, level_);
     stepped_ = true;
     Answer answer = count();
-    improve(answer, static_cast<float>(request.noise.data()[2]));
+    improve(answer, static_cast<float>(request.noise.share));
     std::copy(mean_.begin(), mean_.end(), controls);
     return answer;
   }
@@ -95,20 +95,21 @@ class Optimizer {
     p.start = read_start(request);
     p.goal = read_goal(request);
     p.weights = read_weights(request, p.steps);
-    p.resolution = static_cast<float>(request.resolution);
-    const double *bounds = request.bounds.data(), *noise = request.noise.data();
-    p.near_scale = static_cast<float>(request.unit / std::max(bounds[0], 1e-6));
-    p.heading_free = static_cast<float>(std::cos(0.5 * std::min(bounds[3], 3.14159265)));
-    p.speed_limit = static_cast<float>(bounds[4]);
-    p.stop_scale = static_cast<float>(0.5 / request.model.data()[5]);
-    p.v_std = static_cast<float>(noise[0]), p.w_std = static_cast<float>(noise[1]);
-    read_window(request);
+    p.resolution = static_cast<float>(request.window.resolution);
+    const Critics &critics = request.critics;
+    const Noise &noise = request.noise;
+    p.near_scale = static_cast<float>(request.window.unit / std::max(critics.obstacle_reach, 1e-6));
+    p.heading_free = static_cast<float>(std::cos(0.5 * std::min(critics.free_heading, 3.14159265)));
+    p.speed_limit = static_cast<float>(request.limits.speed_limit);
+    p.stop_scale = static_cast<float>(0.5 / request.limits.deceleration);
+    p.v_std = static_cast<float>(noise.v_std), p.w_std = static_cast<float>(noise.w_std);
+    read_window(request.window);
     touching_ = read_discs(request, p);
     read_movers(request, p.steps, movers_);
     p.mover_count = static_cast<int>(request.movers.shape(0));
     p.movers = movers_.data();
-    shift(controls, noise[4], nominal_);
-    const auto seed = static_cast<std::uint64_t>(noise[3]);
+    shift(controls, noise.shift, nominal_);
+    const auto seed = static_cast<std::uint64_t>(noise.seed);
     if (seed_ != seed) draw(p, seed, draws_);
     seed_ = seed;
     lay_arcs(p, arcs_);
@@ -116,14 +117,14 @@ class Optimizer {
   }
 
   // Both fields are copied: the bytes need some more at their end, and the costs must be numbers.
-  void read_window(const Request &request) {
+  void read_window(const Window &window) {
     Problem &p = problem_;
-    p.rows = static_cast<std::int32_t>(request.nearness.shape(0));
-    p.cols = static_cast<std::int32_t>(request.nearness.shape(1));
-    nearness_.resize(std::max(nearness_.size(), request.nearness.size() + 3));
-    std::copy_n(request.nearness.data(), request.nearness.size(), nearness_.data());
-    to_go_.resize(std::max(to_go_.size(), request.to_go.size()));
-    p.unreachable = read_to_go(request, to_go_.data());
+    p.rows = static_cast<std::int32_t>(window.nearness.shape(0));
+    p.cols = static_cast<std::int32_t>(window.nearness.shape(1));
+    nearness_.resize(std::max(nearness_.size(), window.nearness.size() + 3));
+    std::copy_n(window.nearness.data(), window.nearness.size(), nearness_.data());
+    to_go_.resize(std::max(to_go_.size(), window.to_go.size()));
+    p.unreachable = read_to_go(window, to_go_.data());
     p.edge = kRim * p.resolution;
     p.nearness = nearness_.data(), p.to_go = to_go_.data();
   }

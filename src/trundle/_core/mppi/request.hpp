@@ -1,4 +1,4 @@
-// The arrays of one tick, checked, as the numbers that the rollouts work with.
+// What one tick is given, in metres and radians, checked, and as the numbers that the rollouts work with.
 #pragma once
 
 #include <algorithm>
@@ -15,15 +15,50 @@ namespace trundle::mppi {
 
 using Sequence = nb::ndarray<float, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
 
-struct Request {
-  In<double, 1> state, model, noise;
-  In<double, 2> discs;
+// Where the robot is in the window's frame and how it moves, with its accelerations during the last period.
+struct State {
+  double x, y, yaw, v, w, v_rate, w_rate;
+};
+
+// The length of a step, and what the robot can do. Above `speed_limit` speed costs something.
+struct Limits {
+  double dt, v_min, v_max, w_max, acceleration, deceleration, angular_acceleration, speed_limit;
+};
+
+// How samples differ from the controls; `share` of them takes effect, and the controls are shifted by `shift` steps.
+struct Noise {
+  double v_std, w_std, share, seed, shift;
+};
+
+// The square of the map around the robot.
+struct Window {
   In<std::uint8_t, 2> nearness;
   In<float, 2> to_go;
   double resolution, unit;
-  In<double, 1> goal;
+};
+
+struct Aim {
+  double x, y, yaw;
+  bool has_yaw;
+  double reach, fade, direction;
+};
+
+// The weights of the critics, then the distances and angles from which on they count.
+struct Critics {
+  double collision, contact, to_go, to_go_end, heading, yaw, overshoot, obstacle, obstacle_speed, mover, direction, twirl,
+      acceleration, jerk, speed;
+  double obstacle_reach, mover_margin, mover_sigmas, free_heading;
+};
+
+struct Request {
+  const State &state;
+  const Limits &limits;
+  const Noise &noise;
+  In<double, 2> discs;
+  const Window &window;
+  const Aim &aim;
   In<double, 2> movers;
-  In<double, 1> weights, bounds;
+  const Critics &critics;
 };
 
 // Every finite number that is accepted is below this, so that no product of a few of them is infinite.
@@ -37,49 +72,55 @@ inline void refuse_wild(const double *numbers, std::size_t count, const char *me
   for (std::size_t i = 0; i < count; ++i) refuse_unless(std::fabs(numbers[i]) <= kMost, message);
 }
 
+inline void refuse_wild(std::initializer_list<double> numbers, const char *message) {
+  refuse_wild(numbers.begin(), numbers.size(), message);
+}
+
+inline void refuse_outside(std::initializer_list<double> numbers, const char *message) {
+  for (const double number : numbers) refuse_unless(number >= 0.0 && number <= kMost, message);
+}
+
 inline void check(const Request &request) {
-  const auto sized = [](const In<double, 1> &array, std::size_t size, const char *message) {
-    refuse_unless(array.shape(0) == size, message);
-  };
-  sized(request.state, 7, "the state needs 7 numbers: x, y, yaw, v, w and the accelerations of v and w");
-  sized(request.model, 7, "the model needs 7 numbers: dt, v_min, v_max, w_max and three accelerations");
-  sized(request.noise, 5, "the noise needs 5 numbers: deviations of v and w, share, seed, shift");
-  sized(request.goal, 7, "the goal needs 7 numbers: x, y, yaw, has_yaw, reach, fade, direction");
-  sized(request.weights, 15, "there must be 15 weights");
-  sized(request.bounds, 5, "there must be 5 bounds");
+  const State &state = request.state;
+  const Limits &limits = request.limits;
+  const Noise &noise = request.noise;
+  const Window &window = request.window;
+  const Aim &aim = request.aim;
+  const Critics &c = request.critics;
   refuse_unless(request.discs.shape(1) == 2 && request.discs.shape(0) >= 1 && request.discs.shape(0) <= kMaxDiscs,
                 "the discs need shape (1 to 8, 2)");
   refuse_unless(request.movers.shape(1) == 7 && request.movers.shape(0) <= 1024, "the movers need shape (up to 1024, 7)");
-  const std::size_t rows = request.nearness.shape(0), cols = request.nearness.shape(1);
+  const std::size_t rows = window.nearness.shape(0), cols = window.nearness.shape(1);
   refuse_unless(rows >= 2 && cols >= 2 && rows <= 4096 && cols <= 4096, "the window needs 2 to 4096 rows and columns");
-  refuse_unless(request.to_go.shape(0) == rows && request.to_go.shape(1) == cols,
+  refuse_unless(window.to_go.shape(0) == rows && window.to_go.shape(1) == cols,
                 "nearness and cost to go need the same shape");
-  refuse_wild(request.state.data(), 7, "the state must be finite, and below 1e6");
-  refuse_wild(request.model.data(), 7, "the model must be finite, and below 1e6");
-  refuse_wild(request.goal.data(), 7, "the goal must be finite, and below 1e6");
+  refuse_wild({state.x, state.y, state.yaw, state.v, state.w, state.v_rate, state.w_rate},
+              "the state must be finite, and below 1e6");
+  refuse_wild({limits.dt, limits.v_min, limits.v_max, limits.w_max, limits.acceleration, limits.deceleration,
+               limits.angular_acceleration},
+              "the limits must be finite, and below 1e6");
+  refuse_wild({aim.x, aim.y, aim.yaw, aim.reach, aim.fade, aim.direction}, "the aim must be finite, and below 1e6");
   refuse_wild(request.discs.data(), request.discs.size(), "the discs must be finite, and below 1e6");
   refuse_wild(request.movers.data(), request.movers.size(), "the movers must be finite, and below 1e6");
-  const double *model = request.model.data(), *noise = request.noise.data();
-  refuse_unless(model[0] >= 1e-4 && model[0] <= 10.0, "dt must be within 1e-4 and 10 s");
-  refuse_unless(model[1] <= 0.0 && model[2] >= 0.0 && model[3] >= 0.0, "v_min must be at most 0, v_max and w_max at least 0");
-  refuse_unless(model[4] >= 1e-4 && model[5] >= 1e-4 && model[6] >= 1e-4, "the accelerations must be at least 1e-4");
-  refuse_unless(std::fabs(request.state.data()[4]) * model[0] <= 1.0 && model[3] * model[0] <= 1.0,
+  refuse_unless(limits.dt >= 1e-4 && limits.dt <= 10.0, "dt must be within 1e-4 and 10 s");
+  refuse_unless(limits.v_min <= 0.0 && limits.v_max >= 0.0 && limits.w_max >= 0.0,
+                "v_min must be at most 0, v_max and w_max at least 0");
+  refuse_unless(limits.acceleration >= 1e-4 && limits.deceleration >= 1e-4 && limits.angular_acceleration >= 1e-4,
+                "the accelerations must be at least 1e-4");
+  refuse_unless(std::fabs(state.w) * limits.dt <= 1.0 && limits.w_max * limits.dt <= 1.0,
                 "the robot must turn by at most 1 rad in a step");
-  refuse_unless(noise[0] >= 0.0 && noise[0] <= 1e3 && noise[1] >= 0.0 && noise[1] <= 1e3,
+  refuse_unless(noise.v_std >= 0.0 && noise.v_std <= 1e3 && noise.w_std >= 0.0 && noise.w_std <= 1e3,
                 "the deviations must be within 0 and 1000");
-  refuse_unless(noise[2] > 0.0 && noise[2] <= 1.0, "the share must be above 0, and at most 1");
-  refuse_unless(noise[3] >= 0.0 && noise[3] < 9e15 && noise[4] >= 0.0 && noise[4] <= kMost,
+  refuse_unless(noise.share > 0.0 && noise.share <= 1.0, "the share must be above 0, and at most 1");
+  refuse_unless(noise.seed >= 0.0 && noise.seed < 9e15 && noise.shift >= 0.0 && noise.shift <= kMost,
                 "the seed and the shift must be at least 0");
-  refuse_unless(request.resolution >= 1e-4 && request.resolution <= 1e3, "the resolution must be within 1e-4 and 1000 m");
-  refuse_unless(request.unit >= 1e-6 && request.unit <= 1e3, "the unit must be within 1e-6 and 1000 m");
-  for (std::size_t i = 0; i < 15; ++i) {
-    refuse_unless(request.weights.data()[i] >= 0.0 && request.weights.data()[i] <= kMost,
-                  "the weights must be within 0 and 1e6");
-  }
-  for (std::size_t i = 0; i < 5; ++i) {
-    refuse_unless(request.bounds.data()[i] >= 0.0 && request.bounds.data()[i] <= kMost,
-                  "the bounds must be within 0 and 1e6");
-  }
+  refuse_unless(window.resolution >= 1e-4 && window.resolution <= 1e3, "the resolution must be within 1e-4 and 1000 m");
+  refuse_unless(window.unit >= 1e-6 && window.unit <= 1e3, "the unit must be within 1e-6 and 1000 m");
+  refuse_outside({c.collision, c.contact, c.to_go, c.to_go_end, c.heading, c.yaw, c.overshoot, c.obstacle,
+                  c.obstacle_speed, c.mover, c.direction, c.twirl, c.acceleration, c.jerk, c.speed},
+                 "the weights must be within 0 and 1e6");
+  refuse_outside({c.obstacle_reach, c.mover_margin, c.mover_sigmas, c.free_heading, limits.speed_limit},
+                 "the bounds must be within 0 and 1e6");
   for (std::size_t k = 0; k < request.discs.shape(0); ++k) {
     refuse_unless(request.discs.data()[2 * k + 1] >= 0.0, "the discs' radii must be at least 0");
   }
@@ -91,64 +132,66 @@ inline void check(const Request &request) {
 }
 
 inline Model read_model(const Request &request) {
-  const double *model = request.model.data();
-  const double dt = model[0];
+  const Limits &limits = request.limits;
+  const double dt = limits.dt;
   return {static_cast<float>(dt),
-          static_cast<float>(model[1]),
-          static_cast<float>(model[2]),
-          static_cast<float>(model[3]),
-          static_cast<float>(model[4] * dt),
-          static_cast<float>(model[5] * dt),
-          static_cast<float>(model[6] * dt),
-          static_cast<float>(0.5 * dt / request.resolution)};
+          static_cast<float>(limits.v_min),
+          static_cast<float>(limits.v_max),
+          static_cast<float>(limits.w_max),
+          static_cast<float>(limits.acceleration * dt),
+          static_cast<float>(limits.deceleration * dt),
+          static_cast<float>(limits.angular_acceleration * dt),
+          static_cast<float>(0.5 * dt / request.window.resolution)};
 }
 
 inline Start read_start(const Request &request) {
-  const double *state = request.state.data(), dt = request.model.data()[0];
-  return {static_cast<float>(state[0] / request.resolution),
-          static_cast<float>(state[1] / request.resolution),
-          static_cast<float>(std::cos(state[2])),
-          static_cast<float>(std::sin(state[2])),
-          static_cast<float>(state[3]),
-          static_cast<float>(state[4]),
-          static_cast<float>(state[5] * dt),
-          static_cast<float>(state[6] * dt)};
+  const State &state = request.state;
+  const double cell = request.window.resolution, dt = request.limits.dt;
+  return {static_cast<float>(state.x / cell),
+          static_cast<float>(state.y / cell),
+          static_cast<float>(std::cos(state.yaw)),
+          static_cast<float>(std::sin(state.yaw)),
+          static_cast<float>(state.v),
+          static_cast<float>(state.w),
+          static_cast<float>(state.v_rate * dt),
+          static_cast<float>(state.w_rate * dt)};
 }
 
 inline Goal read_goal(const Request &request) {
-  const double *goal = request.goal.data(), cell = request.resolution;
-  const double fade = std::max(goal[5], 1e-3);
-  return {static_cast<float>(goal[0] / cell),
-          static_cast<float>(goal[1] / cell),
-          static_cast<float>(std::cos(goal[2])),
-          static_cast<float>(std::sin(goal[2])),
-          static_cast<float>(goal[4] / cell),
+  const Aim &aim = request.aim;
+  const double cell = request.window.resolution, fade = std::max(aim.fade, 1e-3);
+  return {static_cast<float>(aim.x / cell),
+          static_cast<float>(aim.y / cell),
+          static_cast<float>(std::cos(aim.yaw)),
+          static_cast<float>(std::sin(aim.yaw)),
+          static_cast<float>(aim.reach / cell),
           static_cast<float>(cell / fade),
-          goal[6] > 0.0 ? 1.0f : goal[6] < 0.0 ? -1.0f : 0.0f,
-          goal[4] > 0.0,
-          goal[4] > 0.0 && goal[3] > 0.0};
+          aim.direction > 0.0 ? 1.0f : aim.direction < 0.0 ? -1.0f : 0.0f,
+          aim.reach > 0.0,
+          aim.reach > 0.0 && aim.has_yaw};
 }
 
 inline Weights read_weights(const Request &request, int steps) {
-  const double *w = request.weights.data(), *model = request.model.data();
-  const double dt = model[0], v_change = model[4] * dt, w_change = model[6] * dt;
+  const Critics &c = request.critics;
+  const Limits &limits = request.limits;
+  const double dt = limits.dt, v_change = limits.acceleration * dt, w_change = limits.angular_acceleration * dt;
   const auto per_step = [&](double weight, double unit) { return static_cast<float>(weight / (steps * unit * unit)); };
-  return {static_cast<float>(w[0]),
-          static_cast<float>(w[1]),
-          static_cast<float>(w[2]),
-          static_cast<float>(w[3]),
-          static_cast<float>(w[4]),
-          static_cast<float>(w[5]),
-          static_cast<float>(w[6]),
-          static_cast<float>(w[7]),
-          static_cast<float>(w[8]),
-          static_cast<float>(w[10] * dt),
-          static_cast<float>(w[11] * dt),
-          per_step(w[12], v_change),
-          per_step(w[12], w_change),
-          per_step(w[13], v_change),
-          per_step(w[13], w_change),
-          static_cast<float>(w[14] * dt)};
+  return {static_cast<float>(c.collision),
+          static_cast<float>(c.contact),
+          static_cast<float>(c.to_go),
+          static_cast<float>(c.to_go_end),
+          static_cast<float>(c.heading),
+          static_cast<float>(c.yaw),
+          static_cast<float>(c.overshoot),
+          static_cast<float>(c.obstacle),
+          static_cast<float>(c.obstacle_speed),
+          static_cast<float>(c.direction * dt),
+          static_cast<float>(c.twirl * dt),
+          per_step(c.acceleration, v_change),
+          per_step(c.acceleration, w_change),
+          per_step(c.jerk, v_change),
+          per_step(c.jerk, w_change),
+          static_cast<float>(c.speed * dt)};
 }
 
 // The discs by the byte from which on they touch something. One that does so at the start may go on, but no nearer.
@@ -164,8 +207,8 @@ inline int read_discs(const Request &request, Problem &problem) {
   for (std::size_t k = 0; k < count; ++k) {
     const double *given = request.discs.data() + 2 * k;
     Disc &disc = problem.discs[k];
-    disc.offset = static_cast<float>(given[0] / request.resolution);
-    disc.room = static_cast<float>(254.0 - given[1] / request.unit);
+    disc.offset = static_cast<float>(given[0] / request.window.resolution);
+    disc.room = static_cast<float>(254.0 - given[1] / request.window.unit);
     problem.capsule_rear = std::min(problem.capsule_rear, disc.offset);
     problem.capsule_front = std::max(problem.capsule_front, disc.offset);
     const std::int32_t col = clamped(problem.start.x + problem.start.cos * disc.offset, problem.cols);
@@ -188,8 +231,8 @@ inline void read_movers(const Request &request, int steps, std::vector<MoverStep
   table.resize(std::max(table.size(), count * static_cast<std::size_t>(steps)));
   double radius = 0.0;
   for (std::size_t k = 0; k < request.discs.shape(0); ++k) radius = std::max(radius, request.discs.data()[2 * k + 1]);
-  const double dt = request.model.data()[0], cell = request.resolution;
-  const double margin = request.bounds.data()[1], sigmas = request.bounds.data()[2];
+  const double dt = request.limits.dt, cell = request.window.resolution;
+  const double margin = request.critics.mover_margin, sigmas = request.critics.mover_sigmas;
   for (int step = 0; step < steps; ++step) {
     const double t = dt * (step + 1), soon = 1.0 - kLaterCounts * step / steps;
     for (std::size_t m = 0; m < count; ++m) {
@@ -203,23 +246,23 @@ inline void read_movers(const Request &request, int steps, std::vector<MoverStep
                                                            static_cast<float>((mover[1] + mover[3] * t) / cell),
                                                            static_cast<float>(reach * reach * slope),
                                                            static_cast<float>(slope),
-                                                           static_cast<float>(request.weights.data()[9] * certainty * dt),
+                                                           static_cast<float>(request.critics.mover * certainty * dt),
                                                            static_cast<float>(certainty * soon)};
     }
   }
 }
 
 // Copies the costs to go, from 0 to a cost above all others for what is unreachable or no number; returns that.
-inline float read_to_go(const Request &request, float *copy) {
+inline float read_to_go(const Window &window, float *copy) {
   constexpr float kLargest = 1e6f;
-  const float *given = request.to_go.data();
-  const std::size_t count = request.to_go.size();
+  const float *given = window.to_go.data();
+  const std::size_t count = window.to_go.size();
   float most = 0.0f;
   for (std::size_t i = 0; i < count; ++i) {
     const float cost = given[i] < kLargest ? given[i] : 0.0f;
     most = cost > most ? cost : most;
   }
-  const auto across = static_cast<float>(request.resolution) * static_cast<float>(request.to_go.shape(0) + request.to_go.shape(1));
+  const auto across = static_cast<float>(window.resolution) * static_cast<float>(window.to_go.shape(0) + window.to_go.shape(1));
   const float unreachable = most + across;
   for (std::size_t i = 0; i < count; ++i) {
     const float cost = given[i] < kLargest ? given[i] : unreachable;

@@ -197,13 +197,12 @@ def _page(
         return
     from trundle.serve.steerer import Steerer
     from trundle.serve.watch import Watch
-    from trundle.sim import world_of
 
     with browser.serving(scenario, source=source) as page:
         page.hub.controls = steerer = Steerer(speed=speed)
 
         def observers(mission: Mission, number: int) -> Sequence[Observer]:
-            watch = Watch(page.hub, number, None, world=lambda: world_of(mission.sim), steering=steerer.steering)
+            watch = Watch(page.hub, number, None, world=lambda: mission.sim.world, steering=steerer.steering)
             return [watch, watch.recorded]
 
         browser.announce(page, quiet=quiet)

@@ -22,13 +22,11 @@ import numpy as np
 from trundle.control.collision import can_stop
 from trundle.control.controller import Controller, Rollouts
 from trundle.control.intent import Intent
-from trundle.control.mppi.discs import cover_with_discs
-from trundle.control.mppi.fields import FieldStyle, Window
+from trundle.control.mppi.fields import FieldStyle, Window, cover_with_discs
 from trundle.control.mppi.guide import Guide
-from trundle.control.mppi.headway import Headway
-from trundle.control.mppi.route import Route
+from trundle.control.mppi.mppi_settings import MppiSettings
+from trundle.control.mppi.route import Headway, Route
 from trundle.control.mppi.sampler import Aim, Answer, Sampler, Start
-from trundle.control.mppi.settings import MppiSettings
 from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
 from trundle.costmap import Costmap
 from trundle.errors import InputError, NoValidControlError
@@ -45,16 +43,19 @@ _SHARES = ((1.0, 1.0), (0.5, 1.0), (0.5, 0.5), (0.25, 1.0), (0.25, 0.25), (0.0, 
 _EXACT_BEFORE_M, _EXACT_BEFORE_S = 0.4, 0.8
 """The planned path is followed from so far before a place where only the outline fits [m], [s] at top speed."""
 _STILL_MPS, _STILL_RADPS = 0.05, 0.2
+"""Slower than this the robot counts as standing: the noise of samples keeps speeds a little above 0."""
+
 _BY_MOVER = "blocked by a mover"
 _MANY_CONTACTS = 0.01  # of all samples: what moves is in the way
 _STILL_S = 0.4
-_AT_REST = 0.02
 _PATIENCE_M = 0.3
-_LITTLE_TURN_RAD = 0.5
+"""A robot that stands for so long follows the path itself; where that is blocked, for so far [m] at most."""
+
+_AT_REST = 0.02  # [m/s] and [rad/s]: below it a new path begins without the last one's commands
+_LITTLE_TURN_RAD = 0.5  # turns up to this are not made the other way round
 _FACES_AWAY_RAD, _TURN_STEP_RAD = 0.5 * math.pi, math.radians(10.0)
 _ROOM_TO_LEAVE = 2.0
 """Samples are drawn again where there is so much more room than where they were given up, as a share."""
-_LEFT_OUT_MARGIN_M, _LEFT_OUT_S = 0.15, 0.4
 _LEAD_PAST = 0.5  # of the tolerance of a pose that it has to pass
 
 
@@ -118,7 +119,7 @@ class MppiController(CopiedAsNew, Controller):
         self._follows = False
         self._is_new = False
         self._speed_limit = math.inf
-        self._tracks: tuple[Track, ...] = ()
+        self._movers: tuple[Track, ...] = ()
         self._through: tuple[float, ...] = ()
         self._lead_past_m = 0.0
         self._last = _STAND
@@ -150,11 +151,7 @@ class MppiController(CopiedAsNew, Controller):
 
     def set_tracks(self, tracks: Sequence[Track]) -> None:
         """Take what moves around the robot, map frame; it is predicted from now on, instead of avoided as it stands."""
-        self._tracks = tuple(track for track in tracks if track.confirmed)
-
-    @property
-    def _is_among_movers(self) -> bool:
-        return any(track.moving for track in self._tracks)
+        self._movers = tuple(track for track in tracks if track.confirmed and track.moving)
 
     def set_through(self, marks: Sequence[float], tolerance: float) -> None:
         """Take how far along the path the poses are that it still has to pass, and how near to each it must come."""
@@ -164,14 +161,14 @@ class MppiController(CopiedAsNew, Controller):
         self._through, self._lead_past_m = tuple(marks), _LEAD_PAST * tolerance
 
     def rollouts(self, count: int = 30) -> Rollouts | None:
-        """The best samples of the last tick; none where it needed no samples."""
+        """The best samples of the last control period; None where it needed no samples."""
         if self._follows or self._done:
             return None
         return Rollouts(*self._sampler.best(count))
 
     @property
     def intent(self) -> Intent | None:
-        """What it means to command from now on; none where it follows the planned path itself."""
+        """What it means to command from now on; None where it follows the planned path itself."""
         return None if self._follows or self._done else self._sampler.intent
 
     def compute_velocity(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
@@ -219,7 +216,7 @@ class MppiController(CopiedAsNew, Controller):
             self._guide.rejoin(route, now.pose)
             if self._has_arrived(route, now.pose):
                 return self._follow(self._turn_at_end(route, now), now)
-        window = self._guide.look(now.costmap, now.pose, self._left_out())
+        window = self._guide.look(now.costmap, now.pose, self._movers)
         if self._is_exact(route, window, now.pose) or not self._is_led(route, window, now.pose):
             return self._follow(route.rest(now.pose), now) if followed is None else followed
         if self._follows:
@@ -280,7 +277,7 @@ class MppiController(CopiedAsNew, Controller):
 
     def _is_narrow(self, costmap: Costmap, poses: FloatArray, pose: Pose2D) -> bool:
         """Whether the robot is on a part of the path that is free, and leaves it little room; not among what moves."""
-        if self.settings.sampling_room == 0.0 or self._is_among_movers:
+        if self.settings.sampling_room == 0.0 or self._movers:
             return False
         off_m = math.hypot(poses[0, 0] - pose.x, poses[0, 1] - pose.y)
         if off_m > self._half_width and not self._follows:
@@ -329,7 +326,7 @@ class MppiController(CopiedAsNew, Controller):
             raise self._no_control(now.pose, "the path is blocked")
         change = Twist2D((twist.v - self._last.v) / now.dt, (twist.w - self._last.w) / now.dt)
         start = Start(now.pose, twist, change, self._speed_limit, now.dt)
-        answer = self._sampler.step(window, to_go, start, self._aim(route, window), self._movers(window))
+        answer = self._sampler.step(window, to_go, start, self._aim(route, window), self._movers)
         self.reason = _reason_of(answer)
         v, w = answer.command.v, answer.command.w
         for command in (Twist2D(slower * v, less * w) for slower, less in _SHARES):
@@ -352,28 +349,6 @@ class MppiController(CopiedAsNew, Controller):
         within = self._guide.target == end
         return Aim(x, y, yaw, has_yaw=within, reach=0.3 if within else 0.0)
 
-    def _left_out(self) -> FloatArray:
-        """Where what moves is, and has just been: several scans have to pass through its last places to clear them."""
-        back = _LEFT_OUT_S
-        moving = [
-            (track.x, track.y, track.x - back * track.vx, track.y - back * track.vy, track.radius + _LEFT_OUT_MARGIN_M)
-            for track in self._tracks
-            if track.moving
-        ]
-        return np.array(moving, np.float64).reshape(-1, 5)
-
-    def _movers(self, window: Window) -> FloatArray:
-        rows: list[tuple[float, ...]] = []
-        for track in self._tracks:
-            if not track.moving:
-                continue
-            x, y = window.to_window(track.x, track.y)
-            (vx, vy) = window.turn_in(track.vx, track.vy)
-            position = 0.5 * float(track.covariance[0, 0] + track.covariance[1, 1])
-            velocity = 0.5 * float(track.covariance[2, 2] + track.covariance[3, 3])
-            rows.append((x, y, vx, vy, track.radius, position, velocity))
-        return np.array(rows, np.float64).reshape(-1, 7)
-
     # Reasons --------------------------------------------------------------------------------------------------------
 
     def _watch(self, command: Twist2D, twist: Twist2D, costmap: Costmap, dt: float) -> None:
@@ -393,7 +368,7 @@ class MppiController(CopiedAsNew, Controller):
 
     def _watch_headway(self, twist: Twist2D, costmap: Costmap, dt: float) -> None:
         """Never drive to and fro: where samples bring the robot no further, it follows the planned path itself."""
-        if self._route is None or self._is_among_movers or self._route.left_m > self._sample_below_m:
+        if self._route is None or self._movers or self._route.left_m > self._sample_below_m:
             return
         if self._headway.is_lost(self._route.left_m, twist, dt):
             self._hand_over(self._route, costmap, 0.0)

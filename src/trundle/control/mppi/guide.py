@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -11,13 +12,30 @@ from trundle.control.mppi.fields import FieldStyle, Window
 from trundle.control.mppi.route import Route
 from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, Pose2D
+from trundle.observation import Track
+
+_LEFT_OUT_MARGIN_M, _LEFT_OUT_S = 0.15, 0.4
+"""What moves is left out with this margin, and where it was in this time: its last marks stand where it no longer is,
+until several scans have passed through them."""
 
 _SLACK_M = 1.0
+"""The window reaches so much farther than the samples [m], so that it need not be made anew in every period."""
+
 _LEAST_REACH_M = 2.0
+"""Samples of slow robots end early, and a detour may begin beyond their ends [m]."""
+
 _MOST_CELLS = 120
+"""Half the window's side at most: the time for its fields grows with the square."""
+
 _EDGE_CELLS = 2
+"""A pose of the route this near the window's edge counts as outside: the cost to go is interpolated there."""
+
 _BESIDE_CELLS = 2
+"""Where the robot stands in a cell without a cost to go, the cheapest cell this far around counts instead."""
+
 _BEYOND_M = 3.0
+"""The cost to go is left out where it is so much more than the robot's [m]: no sample gets there."""
+
 _LEFT_M, _REJOIN_M, _SAME_COST_M = 0.5, 0.4, 0.6
 """A robot has left its route that is so far from its place there, and rejoins it where it is so near [m]."""
 
@@ -32,7 +50,7 @@ class Guide:
     Attributes:
         window: Around the robot.
         to_go: Cost from each of its cells to where the route leaves it, and what is left of the section from there
-            [m], infinite where no path leads there; none where the route has no free place ahead in the window.
+            [m], infinite where no path leads there; None if the route has no free place ahead in the window.
         target: Index of the pose of the route that it leads to.
         stops_short: Whether the discs do not pass the next pose of the route there.
     """
@@ -49,15 +67,15 @@ class Guide:
         self.stops_short = False
         self._made_of: tuple[object, ...] = ()
 
-    def look(self, costmap: Costmap, pose: Pose2D, left_out: FloatArray) -> Window:
-        """The window of a costmap around the robot.
+    def look(self, costmap: Costmap, pose: Pose2D, movers: Sequence[Track] = ()) -> Window:
+        """Return the window of a costmap around the robot.
 
         Args:
             costmap: Where it drives.
             pose: Where it is, map frame.
-            left_out: Capsules (x, y, x, y, radius) [m], map frame, whose obstacles are left out.
+            movers: What moves, map frame: the obstacles in its place are left out.
         """
-        window = self.window
+        window, left_out = self.window, _places_of(movers)
         if window is not None and window.costmap is costmap and len(left_out) == 0 and not window.leaves_out:
             room = window.room_around(*window.to_window(pose.x, pose.y))
             if room >= min(self._reach, 0.5 * _MOST_CELLS * costmap.resolution):
@@ -146,3 +164,13 @@ class Guide:
 
 def _are_same(first: tuple[object, ...], second: tuple[object, ...]) -> bool:
     return len(first) == len(second) and all(a is b or a == b for a, b in zip(first, second, strict=True))
+
+
+def _places_of(movers: Sequence[Track]) -> FloatArray:
+    """Capsules (x, y, x, y, radius) [m], map frame, from where each mover is to where it was, shape (N, 5)."""
+    back = _LEFT_OUT_S
+    capsules = [
+        (track.x, track.y, track.x - back * track.vx, track.y - back * track.vy, track.radius + _LEFT_OUT_MARGIN_M)
+        for track in movers
+    ]
+    return np.array(capsules, np.float64).reshape(-1, 5)

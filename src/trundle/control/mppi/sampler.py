@@ -1,8 +1,9 @@
-"""`Sampler`: the kernel's arrays, made of settings and of what the robot may do now."""
+"""`Sampler`: what the kernel is given, made of settings and of what the robot may do now."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,14 +12,18 @@ import numpy.typing as npt
 from trundle import _core
 from trundle.control.intent import Intent
 from trundle.control.mppi.fields import Window
-from trundle.control.mppi.settings import MppiSettings
+from trundle.control.mppi.mppi_settings import MppiSettings
 from trundle.geometry import FloatArray, Pose2D, Twist2D
+from trundle.observation import Track
 from trundle.robots import Robot
 
 _BLOCK = 16
-_CALM, _AMONG_MOVERS = (0.25, 0.3), (0.3, 0.375)  # deviations as shares of the limits
-_MOST_TURN_RAD = 1.0  # in one step of the model
+_CALM, _AMONG_MOVERS = (0.25, 0.3), (0.3, 0.375)
+"""Deviations of speed and turn as shares of the limits: wider ones evade sooner, narrower ones drive smoother."""
+
+_MOST_TURN_RAD = 1.0  # in one step of the model; see MppiSettings
 _FORWARD = 1.0  # paths that are driven backwards are not sampled
+_UNLIMITED_MPS = 1e6  # the kernel takes no infinity
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,8 +100,6 @@ class Sampler:
         limits = settings.limits_of(robot)
         self._limits, self._back, self._step_s = limits, limits.reverse_speed or 0.0, settings.step_s(robot)
         self._turn = min(limits.angular_speed, _MOST_TURN_RAD / self._step_s)
-        faster = limits.linear_acceleration
-        self._accelerations = faster, faster, limits.angular_acceleration
         self._deviations, self._wide = (
             (
                 v * limits.linear_speed if settings.vx_std is None else settings.vx_std,
@@ -107,24 +110,26 @@ class Sampler:
         samples = _BLOCK * math.ceil(settings.samples / _BLOCK)
         self.steps = settings.steps_of(robot)
         self._kernel = _core.Mppi(samples, self.steps, min(settings.knot_steps, max(1, self.steps // 3)))
-        self._weights = np.array(
-            [
-                settings.collision_cost,
-                settings.mover_contact_cost,
-                settings.to_go_weight,
-                settings.goal_weight,
-                settings.path_angle_weight,
-                settings.goal_angle_weight,
-                settings.overshoot_weight,
-                settings.repulsion_weight,
-                settings.slow_near_weight,
-                settings.mover_weight,
-                settings.prefer_forward_weight,
-                settings.twirling_weight,
-                settings.acceleration_weight,
-                settings.jerk_weight,
-                settings.constraint_weight,
-            ]
+        self._critics = _core.MppiCritics(
+            collision=settings.collision_cost,
+            contact=settings.mover_contact_cost,
+            to_go=settings.to_go_weight,
+            to_go_end=settings.goal_weight,
+            heading=settings.path_angle_weight,
+            yaw=settings.goal_angle_weight,
+            overshoot=settings.overshoot_weight,
+            obstacle=settings.repulsion_weight,
+            obstacle_speed=settings.slow_near_weight,
+            mover=settings.mover_weight,
+            direction=settings.prefer_forward_weight,
+            twirl=settings.twirling_weight,
+            acceleration=settings.acceleration_weight,
+            jerk=settings.jerk_weight,
+            speed=settings.constraint_weight,
+            obstacle_reach=settings.inflation_radius,
+            mover_margin=settings.mover_margin,
+            mover_sigmas=settings.mover_sigmas,
+            free_heading=settings.max_angle_to_path,
         )
         self.reset(0)
 
@@ -141,7 +146,7 @@ class Sampler:
         self._shift = 0.0
 
     def step(
-        self, window: Window, to_go: npt.NDArray[np.float32], start: Start, aim: Aim, movers: FloatArray
+        self, window: Window, to_go: npt.NDArray[np.float32], start: Start, aim: Aim, movers: Sequence[Track]
     ) -> Answer:
         """Rate the samples from here on, and return what their mean does first.
 
@@ -150,44 +155,47 @@ class Sampler:
             to_go: Cost to go in it [m].
             start: How the robot moves now.
             aim: Where to.
-            movers: (x, y, vx, vy, radius, variance of position, of velocity), the window's frame, shape (M, 7).
+            movers: What moves, map frame.
         """
         twist, change, speed_limit = start.twist, start.change, start.speed_limit
-        settings = self.settings
+        settings, limits = self.settings, self._limits
         x, y, yaw = window.pose_in(start.pose)
-        forward = min(self._limits.linear_speed, speed_limit)
+        forward = min(limits.linear_speed, speed_limit)
         back = min(self._back, speed_limit)
-        state = np.array([x, y, yaw, twist.v, self._within_turn(twist.w), change.v, change.w])
-        model = np.array([self._step_s, -back, forward, self._turn, *self._accelerations])
-        deviations = self._wide if len(movers) else self._deviations
-        noise = np.array([*deviations, settings.best_share, self._seed, self._shift])
-        reach = max(aim.reach, 0.0)
-        goal = np.array([aim.x, aim.y, aim.yaw, float(aim.has_yaw), reach, settings.threshold_to_consider, _FORWARD])
-        bounds = np.array(
-            [
-                settings.inflation_radius,
-                settings.mover_margin,
-                settings.mover_sigmas,
-                settings.max_angle_to_path,
-                min(speed_limit, 1e6),
-            ]
-        )
-        self._shift = start.dt / self._step_s
+        v_std, w_std = self._wide if movers else self._deviations
+        shift, self._shift = self._shift, start.dt / self._step_s
         self._window = window
         v, w, _, _, free, blocked, contacts, dropped, *_ = self._kernel.step(
-            state,
-            self._controls,
-            model,
-            noise,
-            self._discs,
-            window.nearness,
-            to_go,
-            window.resolution,
-            window.unit,
-            goal,
-            movers,
-            self._weights,
-            bounds,
+            state=_core.MppiState(
+                x=x, y=y, yaw=yaw, v=twist.v, w=self._within_turn(twist.w), v_rate=change.v, w_rate=change.w
+            ),
+            controls=self._controls,
+            limits=_core.MppiLimits(
+                dt=self._step_s,
+                v_min=-back,
+                v_max=forward,
+                w_max=self._turn,
+                acceleration=limits.linear_acceleration,
+                deceleration=limits.linear_acceleration,
+                angular_acceleration=limits.angular_acceleration,
+                speed_limit=min(speed_limit, _UNLIMITED_MPS),
+            ),
+            noise=_core.MppiNoise(v_std=v_std, w_std=w_std, share=settings.best_share, seed=self._seed, shift=shift),
+            discs=self._discs,
+            window=_core.MppiWindow(
+                nearness=window.nearness, to_go=to_go, resolution=window.resolution, unit=window.unit
+            ),
+            aim=_core.MppiAim(
+                x=aim.x,
+                y=aim.y,
+                yaw=aim.yaw,
+                has_yaw=aim.has_yaw,
+                reach=max(aim.reach, 0.0),
+                fade=settings.threshold_to_consider,
+                direction=_FORWARD,
+            ),
+            movers=_mover_rows(movers, window),
+            critics=self._critics,
         )
         command = self._limits.clamp(Twist2D(min(max(v, -back), max(forward, twist.v)), w))
         return Answer(command, free, blocked, contacts, dropped)
@@ -207,3 +215,15 @@ class Sampler:
             return np.zeros((0, 0, 3)), np.zeros(0)
         poses, costs = self._kernel.rollouts(count)
         return self._window.poses_out(np.asarray(poses, np.float64)), np.asarray(costs, np.float64)
+
+
+def _mover_rows(movers: Sequence[Track], window: Window) -> FloatArray:
+    """What moves, in the window's frame: x, y, vx, vy, radius, variances of position and velocity, shape (M, 7)."""
+    rows: list[tuple[float, ...]] = []
+    for track in movers:
+        x, y = window.to_window(track.x, track.y)
+        vx, vy = window.turn_in(track.vx, track.vy)
+        position = 0.5 * float(track.covariance[0, 0] + track.covariance[1, 1])
+        velocity = 0.5 * float(track.covariance[2, 2] + track.covariance[3, 3])
+        rows.append((x, y, vx, vy, track.radius, position, velocity))
+    return np.array(rows, np.float64).reshape(-1, 7)

@@ -12,8 +12,7 @@ from trundle.mission.running.endings import Ending
 from trundle.mission.running.goal_sequence import GoalSequence
 from trundle.mission.running.robot_stack import RobotStack
 from trundle.mission.steering.directive_executor import DirectiveExecutor
-from trundle.sim import RobotState, Simulator, place_robot
-from trundle.sim.simulator import watch_substeps
+from trundle.sim import RobotState, Simulator
 
 
 class ControlLoop:
@@ -54,7 +53,7 @@ class ControlLoop:
     def begin(self, info: RunInfo) -> None:
         """Put the robot at its start, and tell the observers."""
         stack = self.stack
-        self._watches = self._observers.want_substeps and watch_substeps(self._backend, self._observers.on_substep)
+        self._watches = self._observers.want_substeps and self._backend.watch_substeps(self._observers.on_substep)
         stack.reset(info.start, seed=info.seed)
         self.state = self._sim.reset(info.start, seed=info.seed)
         self.began_s = clock.perf_counter()
@@ -132,7 +131,7 @@ class ControlLoop:
 
     def place(self, pose: Pose2D) -> RobotState:
         """Put the robot somewhere else, at rest; its odometry does not notice."""
-        placed = place_robot(self._backend, pose)
+        placed = self._backend.place(pose)
         self.state = replace(placed, odometry=self.state.odometry, odometry_twist=None)
         self.stack.move_to(self.state)
         return self.state
@@ -140,6 +139,6 @@ class ControlLoop:
     def stop(self, message: str, fault: Fault | None) -> None:
         """Take how the run has ended: no more physics steps are reported, and directives that wait are refused."""
         if self._watches:
-            watch_substeps(self._backend, None)
+            self._backend.watch_substeps(None)
         if self.executor is not None:
             self.executor.stop(f"the run has ended: {message}", self.state.time, fault)

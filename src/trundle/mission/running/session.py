@@ -41,7 +41,8 @@ from trundle.navigation.agent import CONTROL_PERIOD_S
 from trundle.navigation.agents import AgentLike, create_agent
 from trundle.navigation.waypoint import tasks_of
 from trundle.observation import Estimate
-from trundle.sim import RobotState, Simulator, world_of
+from trundle.sim import RobotState
+from trundle.sim.simulator import SomeSimulator, as_simulator
 from trundle.values import as_number, check_kind, check_number
 
 
@@ -95,7 +96,7 @@ class Session:
 
     def __init__(
         self,
-        sim: Simulator,
+        sim: SomeSimulator,
         agent: AgentLike,
         start: Pose2D | Sequence[float],
         goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]] | None = None,
@@ -115,7 +116,7 @@ class Session:
         directives: Sequence[GivenDirective] = (),
         keeps_s: float | None = None,
     ) -> None:
-        check_kind(sim, Simulator, "a run's simulator", "trundle.simulate(world, robot) makes one")
+        sim = as_simulator(sim, "a run's simulator")
         is_steered = steering is not None or bool(directives)
         needs_goal = isinstance(agent, Agent) and agent.needs_goal
         waits = goal is None and needs_goal and is_steered
@@ -137,7 +138,7 @@ class Session:
         self._loop: ControlLoop | None = None
         self._ended = RunEnd((agent, localizer, monitor, sim))
         self._episode: Episode | None = None
-        self._info = describe_early(agent, sim.robot, name, begin, goals, time_limit_s, seed, world_of(sim))
+        self._info = describe_early(agent, sim.robot, name, begin, goals, time_limit_s, seed, sim.world)
         try:
             # From here on plug-ins are called: whatever one raises ends the run as any other, with an episode.
             driver = create_agent(agent, sim.robot)
@@ -159,7 +160,7 @@ class Session:
             paths, unreachable = prepare(driver, begin, goals, through=through if hands_over else None)
             limit_s = allowed_time(driver, robot, begin, goals, paths) if time_limit_s is None else time_limit_s
             self._info = describe_run(
-                driver.info(), driver.dt, sim.robot, name, begin, goals, paths, limit_s, seed, world_of(sim)
+                driver.info(), driver.dt, sim.robot, name, begin, goals, paths, limit_s, seed, sim.world
             )
             sequence = GoalSequence(
                 stack,

@@ -23,7 +23,7 @@ from trundle.mission.steering.queue import DEAD_MAN_S, Order, Steering, TaskEnd,
 from trundle.navigation import NavigationStatus
 from trundle.navigation.behaviors.behavior import ASKED_FOR
 from trundle.navigation.status import FINAL
-from trundle.sim import RobotState, Simulator, add_solid, world_of
+from trundle.sim import RobotState, Simulator
 from trundle.sim.footprint import FootprintChecker
 from trundle.worlds import World
 
@@ -253,11 +253,11 @@ class DirectiveExecutor:
         checker = FootprintChecker(World("box", (solid,)), self._stack.robot)
         if checker.find(np.array([state.pose.as_tuple()])):
             raise InputError(f"a box at ({box.x:.2f}, {box.y:.2f}) would overlap the robot; drop it beside the robot")
-        add_solid(self._sim, solid)
+        self._sim.add_solid(solid)
         self.boxes.append(DroppedBox(index, solid))
 
     def _put_robot(self, pose: Pose2D) -> None:
-        world = world_of(self._sim)
+        world = self._sim.world
         touched = [] if world is None else FootprintChecker(world, self._stack.robot).find(np.array([pose.as_tuple()]))
         if touched:
             raise InputError(
@@ -269,7 +269,7 @@ class DirectiveExecutor:
 
     def _free_name(self) -> str:
         """A name that no solid of the world has."""
-        world = world_of(self._sim)
+        world = self._sim.world
         taken = set() if world is None else {solid.name for solid in world.solids}
         number = len(self.boxes) + 1
         while f"dropped_box_{number}" in taken:

@@ -10,7 +10,7 @@ from trundle.navigation import Agent, AgentInfo, NavigationStatus
 from trundle.navigation.agent import CONTROL_PERIOD_S
 from trundle.navigation.assisted_teleop import AssistedCommand, assist_teleop
 from trundle.observation import Estimate, Observation
-from trundle.sim import Simulator, world_of
+from trundle.sim import Simulator
 from trundle.sim.footprint import FootprintChecker
 from trundle.worlds import World
 
@@ -70,7 +70,7 @@ class StandingAgent(Agent):
 
     def _check_world(self) -> FootprintChecker | None:
         """What checks the world as it is now; None where the simulator does not know it."""
-        world = world_of(self._sim)
+        world = self._sim.world
         if world is not self._world:
             body, padded = self.robot.body, self.robot.planar.padded(FOOTPRINT_PADDING_M)
             self._world = world

@@ -17,7 +17,7 @@ from trundle.robots import Lidar
 from trundle.ros2.outputs.output import Stencil, mark_stamp
 from trundle.ros2.profile import Sensor
 from trundle.ros2.role import BridgeContext
-from trundle.sim import RobotState, world_of
+from trundle.sim import RobotState
 from trundle.sim.lidar import beam_angles
 from trundle.sim.mujoco.ring_beams import RingBeams
 from trundle.worlds import World
@@ -65,7 +65,7 @@ class RingPoints:
 
     def measure(self, state: RobotState) -> FloatArray:
         """Measure points [m] in the lidar's frame, ring by ring, shape (rings × beams, 3); NaN without a return."""
-        world, lidar = world_of(self._sim), self._lidar
+        world, lidar = self._sim.world, self._lidar
         if self._beams is None or world is not self._world:
             self._world = world
             self._beams = RingBeams(World("empty", ()) if world is None else world)

@@ -11,7 +11,6 @@ from typing import Literal, TypeAlias
 from trundle.errors import InputError, UnknownNameError
 from trundle.mission import Session
 from trundle.ros2.role import BridgeContext
-from trundle.sim import world_of
 
 EntityKind: TypeAlias = Literal["robot", "mover", "solid"]
 
@@ -64,7 +63,7 @@ class Entities:
             )
             for mover in state.movers
         ]
-        world = world_of(self._context.mission.sim)
+        world = self._context.mission.sim.world
         if world is not None:
             found += [Entity(solid.name, "solid", solid.pose.position, solid.pose.quaternion) for solid in world.solids]
         return found

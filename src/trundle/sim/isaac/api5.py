@@ -20,6 +20,9 @@ from trundle.sim.isaac.adapter import BodyState
 class Isaac5Adapter:
     """One robot in one stage of Isaac Sim 5.1; see `Adapter`."""
 
+    def __init__(self) -> None:
+        self._has_world = False
+
     def open_stage(self, path: str) -> bool:
         """Open a USD file instead of the current stage."""
         return stage_utils.open_stage(path)
@@ -40,6 +43,7 @@ class Isaac5Adapter:
         """Create the world; the robot is not added to its scene, whose reset would move it to a default pose."""
         drive = robot.drive
         self._world = World(physics_dt=timestep, rendering_dt=timestep, stage_units_in_meters=1.0)
+        self._has_world = True
         self._robot = WheeledRobot(
             prim_path=path, name=robot.name, wheel_dof_names=[drive.left_joint, drive.right_joint]
         )
@@ -104,7 +108,7 @@ class Isaac5Adapter:
 
     def close(self) -> None:
         """Stop, and clear World, a singleton of the process, for the next simulator."""
-        if hasattr(self, "_world"):
+        if self._has_world:
             self._world.stop()
             World.clear_instance()
 

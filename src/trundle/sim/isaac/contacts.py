@@ -9,8 +9,8 @@ import omni.usd
 from omni.physx import get_physx_simulation_interface
 from pxr import PhysicsSchemaTools, Sdf, Usd, UsdPhysics
 
-from trundle.sim.cells import CellNames
-from trundle.sim.simulator import Contact
+from trundle.sim.footprint import CellNames
+from trundle.sim.state import Contact
 from trundle.worlds import World
 from trundle.worlds.usd.options import NAME
 

@@ -16,12 +16,12 @@ from trundle.geometry import Pose2D, Twist2D, integrate_twist, wrap_angle
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.isaac.adapter import Adapter, BodyState, base_motion, planar_pose
 from trundle.sim.isaac.application import Application, running_application
-from trundle.sim.isaac.assets import environment_path, find_root, given_root, robot_path
+from trundle.sim.isaac.assets import check_joints, check_units, environment_path, find_root, given_root, robot_path
 from trundle.sim.isaac.signatures import differences
-from trundle.sim.isaac.stage import check_joints, check_units
 from trundle.sim.lidar import LidarChoice
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
-from trundle.sim.simulator import Contact, RobotState
+from trundle.sim.simulator import Simulator
+from trundle.sim.state import Contact, RobotState
 from trundle.usd import GROUND_OFFSET, TIMESTEP
 from trundle.usd.write import write_world
 from trundle.values import check_seed
@@ -42,7 +42,7 @@ _LARGEST_FALL = 0.1
 _ADAPTERS = {5: "trundle.sim.isaac.api5:Isaac5Adapter", 6: "trundle.sim.isaac.api6:Isaac6Adapter"}
 
 
-class IsaacSimulator:
+class IsaacSimulator(Simulator):
     """Drives a robot through a stage in Isaac Sim 5.1 or 6.x.
 
     The limits of the robot are applied at every physics step, and its wheels are commanded through Isaac Sim's own
@@ -53,13 +53,13 @@ class IsaacSimulator:
         world: The world; contacts are reported with its solids and cells by name.
         robot: The robot.
         lidar: Must be False: Isaac Sim's lidars are not read.
-        environment: An environment by name (`warehouse_with_forklifts`), or a USD file; None means the world as USD.
+        environment: An environment by name (`warehouse_with_forklifts`), or a USD file. If None, the world as USD.
             Its frame is the map frame.
-        robot_usd: The robot's USD file; None means that of Isaac Sim's assets.
+        robot_usd: The robot's USD file. If None, that of Isaac Sim's assets.
         headless: Start Isaac Sim without a window.
         livestream: Start it without a window and stream by WebRTC.
         physics_dt: Length of a physics step [s].
-        assets_root: Folder or address that contains Isaac/Environments and Isaac/Robots; None means
+        assets_root: Folder or address that contains Isaac/Environments and Isaac/Robots. If None,
             TRUNDLE_ISAAC_ASSETS, or Isaac Sim's own asset root.
         ground_offset: Initial height [m] of the robot's prim above z = 0, from which it settles.
         application: A running SimulationApp. It is not closed.

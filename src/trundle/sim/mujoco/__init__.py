@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING
 from trundle.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from trundle.sim.mujoco.joint import Joint
-    from trundle.sim.mujoco.joints import list_joints
+    from trundle.sim.mujoco.joints import Joint, list_joints
     from trundle.sim.mujoco.simulator import MujocoSimulator
 
 __getattr__ = lazy_names(
     __name__,
     {
-        "Joint": "trundle.sim.mujoco.joint",
+        "Joint": "trundle.sim.mujoco.joints",
         "MujocoSimulator": "trundle.sim.mujoco.simulator",
         "list_joints": "trundle.sim.mujoco.joints",
     },

@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import mujoco
+import numpy as np
 
-from trundle.sim.cells import CellNames
-from trundle.sim.mujoco.robot_parts import part_of
+from trundle.sim.footprint import CellNames
+from trundle.sim.mujoco.robot_parts import BASE, part_of
 from trundle.sim.mujoco.world_parts import FLOOR, solid_of
-from trundle.sim.simulator import Contact
+from trundle.sim.state import Contact
 from trundle.worlds import World
 
 
 class ContactReader:
-    """Reads the robot's contacts with everything but the floor.
+    """Reads the robot's contacts with everything but the floor; what else touches in the world is left out.
 
     Args:
         model: The compiled world and robot.
@@ -26,6 +27,8 @@ class ContactReader:
         self._model = model
         self._movers = movers
         self._floor = model.geom(FLOOR).id
+        own = model.body_rootid[model.geom_bodyid] == model.body(BASE).id
+        self._own = frozenset(np.flatnonzero(own).tolist())
         self._cells = CellNames(world)
 
     def read(self, data: mujoco.MjData, touched: dict[tuple[str, str], Contact]) -> None:
@@ -34,7 +37,9 @@ class ContactReader:
         for index, pair in enumerate(pairs):
             if self._floor in pair:
                 continue
-            own, other = sorted(pair, key=lambda geom: geom in self._movers or self._model.geom_bodyid[geom] == 0)
+            own, other = pair if pair[0] in self._own else pair[::-1]
+            if own not in self._own:
+                continue
             x, y, _ = data.contact.pos[index].tolist()
             part = part_of(self._model.geom(own).name)
             name = self._movers.get(other) or self._cells.name(solid_of(self._model.geom(other).name), x, y)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from trundle.geometry import FloatArray, Pose2D
 from trundle.sim.movers import MoverField
 from trundle.sim.mujoco.world_parts import MOVER
-from trundle.sim.simulator import Contact
+from trundle.sim.state import Contact
 
 _DEPTH_M, _DEPTH_S = 0.03, 0.035
 """A push needs an overlap of some cm, more the faster it is: [m], and [m] per m/s."""

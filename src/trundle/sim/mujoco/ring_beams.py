@@ -12,7 +12,7 @@ from trundle.geometry import FloatArray
 from trundle.sim.mujoco.model import world_spec
 from trundle.sim.mujoco.mover_bodies import place_movers
 from trundle.sim.mujoco.world_parts import MOVER
-from trundle.sim.simulator import MoverState
+from trundle.sim.state import MoverState
 from trundle.worlds import World
 
 _SEEN = np.array([1, 1, 0, 0, 0, 0], dtype=np.uint8)

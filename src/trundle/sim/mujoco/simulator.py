@@ -18,15 +18,15 @@ from trundle.geometry.solids import Solid
 from trundle.observation import Scan
 from trundle.robots import Robot, WheelSpeeds
 from trundle.robots.balance import describe_imbalance
-from trundle.sim.lidar import LidarChoice, LidarSet
+from trundle.sim.lidar import LidarChoice, LidarSet, SceneBeams
 from trundle.sim.movers import MoverField
 from trundle.sim.mujoco.contacts import ContactReader
 from trundle.sim.mujoco.model import TIMESTEP, build_spec, robot_spec, within_reach
 from trundle.sim.mujoco.mover_bodies import MoverBodies
 from trundle.sim.mujoco.robot_parts import FeedForward, scale_robot, traction_joints
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
-from trundle.sim.scene_beams import SceneBeams
-from trundle.sim.simulator import Contact, RobotState, Substep
+from trundle.sim.simulator import Simulator
+from trundle.sim.state import Contact, RobotState, Substep
 from trundle.values import as_number, check_seed
 from trundle.worlds import World
 
@@ -35,11 +35,13 @@ Casters = Literal["trailing", "reversed"]
 
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 _SETTLE_S = 2.0
+"""A robot has come to rest on its wheels within this time [s], or has tipped over."""
+
 _LARGEST_TILT = 0.05
 """Maximum tilt of a robot at rest [rad]; one that has tipped over exceeds it."""
 
 
-class MujocoSimulator:
+class MujocoSimulator(Simulator):
     """Drives a robot through a world in MuJoCo.
 
     The limits of the robot are applied at every physics step; its wheels are velocity servos with torque
@@ -114,6 +116,11 @@ class MujocoSimulator:
     def timestep(self) -> float:
         """Length of a physics step [s]."""
         return self._timestep
+
+    def watch_substeps(self, watch: Callable[[Substep], None] | None) -> bool:
+        """Call `watch` after every physics step from now on, or no longer (None)."""
+        self.on_substep = watch
+        return True
 
     def add_solid(self, solid: Solid) -> None:
         """Put a solid into the world until the next reset: the model is built again, and its state stays.

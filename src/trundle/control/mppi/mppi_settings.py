@@ -14,11 +14,18 @@ from trundle.files.yaml_config import Config
 from trundle.robots import Limits, Robot
 
 MOST_STEPS = 400
-_MOST_TURN_RAD = 1.0  # in one step
+_MOST_TURN_RAD = 1.0
+"""Most that the robot may turn in one step: the kernel's series for sine and cosine is too coarse beyond it."""
+
 _HORIZON_M, _HORIZON_S = 3.0, (1.6, 2.8)
-_STOPS_WITHIN = 0.85  # of the horizon
+"""The horizon in metres, within bounds in seconds. A longer one sees more of a detour, but samples spread more."""
+
+_STOPS_WITHIN = 0.85
+"""Share of the horizon within which the robot has to be able to stop, so that samples show whether it can."""
+
 _ROOM_SHARE = 0.02  # of the width; with 0.1, 7 of 20 BARN worlds take longer, by 0.7 to 3.9 s
 _FULL_SPEED_IN_S, _FULL_TURN_IN_S = 0.6, 0.4
+"""Robots with strong motors are driven more gently than they can: no sooner at full speed than after these times."""
 
 Weight = Annotated[float, Field(ge=0.0, le=1e6)]
 
@@ -28,20 +35,22 @@ class MppiSettings(Config):
 
     Attributes:
         samples: How many sequences of commands are tried in each control period; rounded up to a multiple of 16.
-        horizon: How far ahead they look [s]; none means as long as 3 m take at top speed, from 1.6 to 2.8 s. Where
-            the robot takes longer to stop than 0.85 of it, longer steps make it longer.
+        horizon: How far ahead they look [s]. If None, as long as 3 m take at top speed, from 1.6 to 2.8 s. Where the
+            robot takes longer to stop than 0.85 of it, longer steps make it longer.
         model_dt: Length of their steps [s].
-        vx_std: Deviation of the samples' speed [m/s]; none means a quarter of the robot's top speed, and 0.3 of it
-            near anything that moves.
-        wz_std: Of their turning speed [rad/s]; none means 0.3 of the robot's, and 0.375 near anything that moves.
+        vx_std: Deviation of the samples' speed [m/s]. If None, a quarter of the robot's top speed, and 0.3 of it near
+            anything that moves.
+        wz_std: Deviation of their turning speed [rad/s]. If None, 0.3 of the robot's, and 0.375 near anything that
+            moves.
         knot_steps: Noise changes every so many steps, and evenly in between; at most every third of the horizon.
-        vx_max: Highest speed [m/s]; none means the robot's limit.
-        vx_min: Highest speed backwards, as a negative number [m/s], 0 for none; none means the robot's limit. Outside
-            of stretches that the planner drives backwards it costs `prefer_forward_weight`.
-        wz_max: Highest turning speed [rad/s]; none means the robot's limit.
-        ax_max: Acceleration and deceleration of the samples [m/s²]; none means the robot's limit, or what reaches its
-            top speed in 0.6 s if that is less.
-        az_max: Their angular acceleration [rad/s²]; none likewise, in 0.4 s.
+        vx_max: Highest speed [m/s]. If None, the robot's limit.
+        vx_min: Highest speed backwards, as a negative number [m/s]; 0 forbids driving backwards. If None, the robot's
+            limit. Outside of stretches that the planner drives backwards it costs `prefer_forward_weight`.
+        wz_max: Highest turning speed [rad/s]. If None, the robot's limit.
+        ax_max: Acceleration and deceleration of the samples [m/s²]. If None, the robot's limit, or what reaches its top
+            speed in 0.6 s if that is less.
+        az_max: Angular acceleration of the samples [rad/s²]. If None, the robot's limit, or what reaches its top
+            turning speed in 0.4 s if that is less.
         best_share: How many samples the answer is the average of, as a share; at most half of those that touch nothing.
         to_go_weight: Of the cost to go, its mean along the sample.
         goal_weight: Of the cost to go at its end (GoalCritic, PathFollowCritic).
@@ -67,8 +76,8 @@ class MppiSettings(Config):
         near_path_distance: How fast that falls with the distance from it [m].
         footprint_padding: What the discs and the outline are widened by [m].
         sampling_room: Clearance [m] that the footprint needs along the next part of the path for samples to be drawn;
-            where it has less, the robot follows the path itself until it has twice as much. None means a fiftieth of
-            the footprint's width; 0 means that samples are drawn wherever they fit.
+            where it has less, the robot follows the path itself until it has twice as much. If None, a fiftieth of the
+            footprint's width; if 0, samples are drawn wherever they fit.
         goal_tolerance: How near the path's end counts as there [m].
         goal_yaw_tolerance: How near its yaw [rad].
 
