@@ -10,7 +10,7 @@ from trundle.navigation.behaviors import Behavior, BehaviorContext, BehaviorResu
 from trundle.navigation.command_check import CommandCheck
 from trundle.navigation.drive import Drive, Now
 from trundle.navigation.replanner import Replanner
-from trundle.navigation.sensing.sensed_map import SensedMap
+from trundle.navigation.sensing import SensedMap
 from trundle.planning import Planner
 from trundle.robots import Robot
 from trundle.values import check_kind

@@ -9,7 +9,7 @@ from trundle.control import Controller, GoalChecker, ProgressChecker
 from trundle.costmap import Costmap
 from trundle.errors import PlanningError
 from trundle.geometry import Goal, Pose2D, Twist2D
-from trundle.navigation.settings import NavigatorSettings
+from trundle.navigation.navigator_settings import NavigatorSettings
 from trundle.navigation.status import NavigationStatus
 from trundle.observation import Track
 from trundle.planning import Planner, Smoother

@@ -21,15 +21,14 @@ from trundle.files.choice import split_choice
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
-from trundle.navigation.agenda import Agenda
 from trundle.navigation.agent import Agent, AgentInfo, AgentReport
-from trundle.navigation.assisted_teleop import AssistedCommand, assist_teleop
 from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import Behavior, BehaviorRun, create_behavior
 from trundle.navigation.behaviors.behavior import check_behavior_kind
-from trundle.navigation.command_check import CommandCheck
+from trundle.navigation.command_check import AssistedCommand, CommandCheck, assist_teleop
 from trundle.navigation.drive import Drive, Now
 from trundle.navigation.followed_path import FollowedPath
+from trundle.navigation.goal_queue import Agenda
 from trundle.navigation.inputs import (
     UPDATE_TAKES,
     credible_twist,
@@ -38,14 +37,12 @@ from trundle.navigation.inputs import (
     read_observed,
     read_pose,
 )
+from trundle.navigation.navigator_settings import NavigatorSettings
 from trundle.navigation.path_driver import PathDriver
-from trundle.navigation.path_progress import PathProgress
+from trundle.navigation.progress import PathProgress, Retries
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.replanner import Replanner
-from trundle.navigation.retries import Retries
-from trundle.navigation.sensing.sensed_map import SensedMap
-from trundle.navigation.sensing.sensed_tracks import SensedTracks
-from trundle.navigation.settings import NavigatorSettings
+from trundle.navigation.sensing import SensedMap, SensedTracks
 from trundle.navigation.speed_limiter import SpeedLimiter
 from trundle.navigation.status import FINAL, NavigationStatus
 from trundle.navigation.waypoint import Route

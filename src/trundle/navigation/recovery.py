@@ -9,10 +9,9 @@ from trundle.geometry import Twist2D
 from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import BackUp, Behavior, Replan, ReplanWith
 from trundle.navigation.drive import Drive, Now, count_reason
-from trundle.navigation.path_progress import PathProgress
+from trundle.navigation.progress import PathProgress, Retries
 from trundle.navigation.replanner import Replanner
-from trundle.navigation.retries import Retries
-from trundle.navigation.sensing.sensed_map import SensedMap
+from trundle.navigation.sensing import SensedMap
 from trundle.navigation.status import NavigationStatus
 
 _STAND = Twist2D(0.0, 0.0)

@@ -11,16 +11,11 @@ from trundle.errors import BlockedPoseError, InputError, PlanningError, Planning
 from trundle.fault import check_result
 from trundle.geometry import FloatArray, Goal, Pose2D
 from trundle.navigation.drive import Drive, Now
-from trundle.navigation.failed_plan import FailedPlan
-from trundle.navigation.followed_path import FollowedPath
-from trundle.navigation.free_pose import free_ends
-from trundle.navigation.joined_path import join_legs
-from trundle.navigation.planning_budget import PlanningBudget
-from trundle.navigation.planning_tries import PlanningTries, moves, timed_out
-from trundle.navigation.sensing.mover_memory import MoverMemory
-from trundle.navigation.sensing.obstacle_watch import ObstacleWatch
-from trundle.navigation.sensing.sensed_map import SensedMap
-from trundle.navigation.sensing.window_goal import goal_in_window
+from trundle.navigation.followed_path import FollowedPath, join_legs
+from trundle.navigation.obstacle_watch import MoverMemory, ObstacleWatch
+from trundle.navigation.plan_ends import free_ends, goal_in_window
+from trundle.navigation.planning_limits import FailedPlan, PlanningBudget, PlanningTries, moves, timed_out
+from trundle.navigation.sensing import SensedMap
 from trundle.navigation.speed_limiter import BRAKING_SHARE
 from trundle.navigation.status import NavigationStatus
 from trundle.path import Path

@@ -22,7 +22,7 @@ from trundle.mission.steering.report import SteeringReport
 from trundle.mission.steering.tasks import RunningTasks
 from trundle.mission.truth import DroppedBox
 from trundle.navigation import Agent
-from trundle.navigation.assisted_teleop import AssistedCommand
+from trundle.navigation.command_check import AssistedCommand
 from trundle.observation import Estimate, Observation
 from trundle.robots import Robot
 from trundle.sim import RobotState, Simulator, add_solid, world_of
