@@ -496,8 +496,9 @@ def test_a_wrapped_controller_keeps_what_else_it_has():
     made.set_tracks((1,))
     made.reset(seed=3)
     assert (made.reason, made.tracks, made.controller.tracks) == ("waits", (1,), (1,))
+    assert (made.intent, made.rollouts()) == (None, None)
     with pytest.raises(AttributeError):
-        made.rollouts  # noqa: B018 - that there is none is what is tested
+        made.marks  # noqa: B018 - that there is none is what is tested
 
 
 def test_a_function_controller_stands_without_a_path_and_forgets_it_at_a_reset():

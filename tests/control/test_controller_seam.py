@@ -6,8 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from trundle.control import Controller, controller_names, create_controller
+from trundle.control import Controller, Intent, Rollouts, controller_names, create_controller
 from trundle.control.controller import ControllerAdapter
+from trundle.control.latency import Latency
 from trundle.errors import NoValidControlError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid, SpeedMask
@@ -41,6 +42,27 @@ class Raising(Older):
 
     def compute_velocity(self, pose, twist, costmap, dt):
         raise NoValidControlError("no valid control")
+
+
+class Outspoken(Older):
+    """With everything that a controller may have."""
+
+    def __init__(self):
+        self.got = []
+        self.intent = Intent(np.zeros((2, 2)), 0.1)
+        self.reason = "no free sample"
+
+    def set_latency(self, latency):
+        self.got.append(latency)
+
+    def set_tracks(self, tracks):
+        self.got.append(tracks)
+
+    def set_through(self, marks, tolerance):
+        self.got.append((marks, tolerance))
+
+    def rollouts(self):
+        return Rollouts(np.zeros((1, 2, 3)), np.zeros(1))
 
 
 class Wrapper:
@@ -85,6 +107,37 @@ def test_an_older_controller_works_behind_the_whole_seam():
     command = limited(older)
     assert (command.v, command.w) == pytest.approx((0.2, 0.1))
     assert older.path.goal.distance_to(Pose2D(5.0, 2.0)) < 1e-6
+
+
+def say_everything(controller):
+    controller.set_latency(Latency(command_delay_s=0.1))
+    controller.set_tracks(())
+    controller.set_through((1.0, 2.0), 0.25)
+    return controller.intent, controller.reason, controller.rollouts()
+
+
+def test_the_optional_members_of_a_controller_are_handed_on():
+    outspoken = Outspoken()
+    intent, reason, rollouts = say_everything(create_controller(outspoken, CARTER))
+    assert outspoken.got == [Latency(command_delay_s=0.1), (), ((1.0, 2.0), 0.25)]
+    assert (intent, reason) == (outspoken.intent, "no free sample")
+    assert rollouts.poses.shape == (1, 2, 3)
+
+
+def no_command(pose, twist, costmap, dt, path):
+    return Twist2D()
+
+
+@pytest.mark.parametrize("least", [Older(), no_command, "regulated_pure_pursuit", "lookahead"])
+def test_what_a_controller_lacks_has_the_default(least):
+    assert say_everything(create_controller(least, CARTER)) == (None, "", None)
+
+
+def test_an_intent_may_come_with_the_first_command():
+    late = Older()
+    controller = create_controller(late, CARTER)
+    late.intent, late.reason = Intent(np.zeros((2, 2)), 0.1), "waiting"
+    assert (controller.intent, controller.reason) == (late.intent, "waiting")
 
 
 def test_a_wrapper_hands_the_limit_on():

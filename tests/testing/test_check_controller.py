@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from trundle.control import create_controller
+from trundle.control import Rollouts, create_controller
 from trundle.errors import TrundleError
 from trundle.geometry import Twist2D
 from trundle.robots import Robot
@@ -109,6 +109,40 @@ class Crashing(WithoutReset):
             raise RuntimeError("nothing to do") from None
 
 
+class Timid(WithoutReset):
+    """Stops as soon as it is told of what moves, though nothing does."""
+
+    def __init__(self, robot):
+        super().__init__(robot)
+        self.compute_velocity = self.compute
+        self.told = False
+
+    def set_tracks(self, tracks):
+        self.told = True
+
+    def compute(self, *arguments):
+        return Twist2D() if self.told else self.inner.compute_velocity(*arguments)
+
+
+class Mute(WithoutReset):
+    """Says why it stands with a number."""
+
+    reason = 7
+
+
+class Unsorted(WithoutReset):
+    """Returns its samples with the worst first."""
+
+    def rollouts(self):
+        return Rollouts(np.zeros((2, 3, 3)), np.array([2.0, 1.0]))
+
+
+class Undecided(WithoutReset):
+    """Means to command something else than an intent."""
+
+    intent = ((0.1, 0.0),)
+
+
 @pytest.mark.parametrize("controller", [WithoutLimit, WithoutReset])
 def test_a_controller_needs_no_more_than_it_must_have(controller):
     check_controller(controller)
@@ -125,6 +159,10 @@ def test_a_controller_needs_no_more_than_it_must_have(controller):
         (NeverFree, "speed limit is removed"),
         (Stopped, "it stopped"),
         (KeepsLimit, "same after a reset"),
+        (Timid, "must act the same where the latency is zero"),
+        (Mute, "reason must be a text"),
+        (Unsorted, "the lowest cost first"),
+        (Undecided, "intent must be an Intent"),
         (Crashing, "must raise NoValidControlError"),
     ],
 )

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
+from trundle.control.intent import Intent
+from trundle.control.latency import Latency
 from trundle.costmap import Costmap
 from trundle.fault import wrong_result
 from trundle.files.choice import Choice, split_choice
 from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
+from trundle.observation import Track
 from trundle.path import Path
 from trundle.registry import Contract, PluginFunction, Registry, is_foreign, keywords_taken, name_of, offered_arguments
 from trundle.robots import Robot
@@ -49,13 +52,16 @@ class Rollouts:
 class Controller(Protocol):
     """Follows a path.
 
-    One of another package without `reset` or `set_speed_limit` works as well, and so does a function: see
-    `ControllerLike`. One that has `set_tracks(tracks)` gets what the navigator's scans show to move before each
-    command: every `trundle.observation.Track`, predicted to now, map frame. One that has an `intent`, an `Intent` or
-    None, is judged by the collision monitor by all that it means to command, and not as if its command were kept up.
-    One that has a text `reason` says there why it makes no progress, empty while it does: the navigator counts and
-    shows it. One that has `rollouts()` returns `Rollouts`, or none, for pictures.
+    `set_path` and `compute_velocity` do the work. Every other member is optional: its default is the one of a
+    controller that has nothing to say or nothing to set there. `create_controller` gives these defaults to a controller
+    of another package that lacks a member, and to a function; see `ControllerLike`.
+
+    Attributes:
+        reason: Why the robot makes no progress, such as "no free sample"; empty while it does. A `Navigator` counts and
+            shows it.
     """
+
+    reason: str = ""
 
     def reset(self, *, seed: int = 0) -> None:
         """Forget the path and everything else, at the start of a run.
@@ -74,6 +80,41 @@ class Controller(Protocol):
         A `Navigator` with a speed mask calls it before each command. The default does nothing: the navigator slows
         commands that are too fast, on the same arc.
         """
+
+    def set_latency(self, latency: Latency) -> None:
+        """Take how late scans and commands arrive from now on; a `Navigator` hands it on before a run.
+
+        The pose and twist that `compute_velocity` gets are already those at which the command takes effect. The default
+        does nothing.
+        """
+
+    def set_tracks(self, tracks: Sequence[Track]) -> None:
+        """Take what the scans show to move, predicted to now, map frame; a `Navigator` calls it before each command.
+
+        The default does nothing: what moves is then avoided where it stands in the costmap.
+        """
+
+    def set_through(self, marks: Sequence[float], tolerance: float) -> None:
+        """Take the poses that the path has to pass before its end; a `Navigator` calls it before each command.
+
+        The default does nothing, for controllers that stay on the path anyway.
+
+        Args:
+            marks: How far along the path each pose is that is still to be passed [m], ascending.
+            tolerance: How near the robot must come to each [m].
+        """
+
+    @property
+    def intent(self) -> Intent | None:
+        """What it means to command from now on, or None where it does not say.
+
+        The collision monitor judges a command by the whole intent, and without one as if the command were kept up.
+        """
+        return None
+
+    def rollouts(self) -> Rollouts | None:
+        """The best of what it sampled in the last control period, for pictures; None where it has sampled nothing."""
+        return None
 
     def compute_velocity(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
         """Return the command for the next control period of `dt` [s].
@@ -172,11 +213,15 @@ class FunctionController:
         return Twist2D() if self._path is None else self._call(pose, twist, costmap, dt, self._path)
 
 
+_OPTIONAL = ("reset", "set_speed_limit", "set_latency", "set_tracks", "set_through", "rollouts")
+"""The methods of `Controller` that an object need not have."""
+
+
 class ControllerAdapter(Controller):
     """Gives a controller of another package the whole protocol, and checks what it returns.
 
-    Without `reset` or `set_speed_limit` it has the defaults. What else it has can be used as before: `set_tracks`,
-    `intent`, `reason`, `rollouts`.
+    It hands on each optional member that the controller has, and has the default of `Controller` for each other. What
+    the controller has besides, such as an attribute of its own for a debugger, can be read here as well.
 
     Args:
         controller: The controller to wrap.
@@ -187,6 +232,7 @@ class ControllerAdapter(Controller):
 
     def __init__(self, controller: Any) -> None:
         self.controller: Any = controller
+        self._has = frozenset(name for name in _OPTIONAL if callable(getattr(controller, name, None)))
 
     def __getattr__(self, name: str) -> Any:
         if name == "controller" or name.startswith("__"):  # a copy that is being made has none yet
@@ -195,19 +241,53 @@ class ControllerAdapter(Controller):
 
     def reset(self, *, seed: int = 0) -> None:
         """Forget everything, where the controller can; see `Controller`."""
-        reset = getattr(self.controller, "reset", None)
-        if callable(reset):
+        if "reset" in self._has:
+            reset = self.controller.reset
             reset(**({"seed": seed} if keywords_taken(reset, ("seed",)) else {}))
+
+    def set_speed_limit(self, limit: float) -> None:
+        """Hand the limit on, where the controller takes one; see `Controller`."""
+        if "set_speed_limit" in self._has:
+            self.controller.set_speed_limit(limit)
+
+    def set_latency(self, latency: Latency) -> None:
+        """Hand the latency on, where the controller takes one; see `Controller`."""
+        if "set_latency" in self._has:
+            self.controller.set_latency(latency)
+
+    def set_tracks(self, tracks: Sequence[Track]) -> None:
+        """Hand the tracks on, where the controller takes them; see `Controller`."""
+        if "set_tracks" in self._has:
+            self.controller.set_tracks(tracks)
+
+    def set_through(self, marks: Sequence[float], tolerance: float) -> None:
+        """Hand on the poses to pass, where the controller takes them; see `Controller`."""
+        if "set_through" in self._has:
+            self.controller.set_through(marks, tolerance)
+
+    @property
+    def intent(self) -> Intent | None:
+        """What the controller means to command, where it says so; see `Controller`."""
+        try:
+            return self.controller.intent
+        except AttributeError:  # asked each time, as it may get one with its first command
+            return None
+
+    @property
+    def reason(self) -> str:  # pyright: ignore[reportIncompatibleVariableOverride] - it is the controller's
+        """Why the robot makes no progress, where the controller says so; see `Controller`."""
+        try:
+            return self.controller.reason or ""
+        except AttributeError:
+            return ""
+
+    def rollouts(self) -> Rollouts | None:
+        """The best samples, where the controller draws some; see `Controller`."""
+        return self.controller.rollouts() if "rollouts" in self._has else None
 
     def set_path(self, path: Path) -> None:
         """Follow this path from now on; see `Controller`."""
         self.controller.set_path(path)
-
-    def set_speed_limit(self, limit: float) -> None:
-        """Hand the limit on, where the controller takes one; see `Controller`."""
-        set_limit = getattr(self.controller, "set_speed_limit", None)
-        if callable(set_limit):
-            set_limit(limit)
 
     def compute_velocity(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
         """Return the command for the next control period; see `Controller`.

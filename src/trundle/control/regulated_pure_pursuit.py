@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from trundle.control.collision import can_stop, cost_under
+from trundle.control.controller import Controller
 from trundle.control.driving_off import DrivingOff
 from trundle.control.pursuit_settings import PursuitSettings
 from trundle.control.sections import Motion, Section, Vertex, changes_direction, cut_sections, path_vertices, turn_by
@@ -44,7 +45,7 @@ class _Turn:
     yaw: float
 
 
-class RegulatedPurePursuit:
+class RegulatedPurePursuit(Controller):
     """Follows a path of straight stretches, curves and turns in place; stops at its end, turned to its last yaw.
 
     Args:

@@ -9,12 +9,14 @@ from typing import cast
 
 import numpy as np
 
-from trundle.control import Controller, create_controller
+from trundle.control import Controller, Intent, Rollouts, create_controller
 from trundle.control.controller import ControllerLike
+from trundle.control.latency import Latency
 from trundle.costmap import Costmap
 from trundle.errors import InputError, NoValidControlError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
+from trundle.observation import Track
 from trundle.path import Path
 from trundle.robots import Robot
 from trundle.testing.conformance import ConformanceError, accept, expect
@@ -23,6 +25,7 @@ _DT = 0.05
 _SECONDS = 90.0
 _FIRST_SECONDS = 3.0
 _LIMIT_SHARE = 0.3
+_THROUGH_TOLERANCE_M = 0.25
 
 
 def check_controller(controller: ControllerLike, *, robot: Robot | None = None) -> None:
@@ -32,7 +35,8 @@ def check_controller(controller: ControllerLike, *, robot: Robot | None = None) 
     room. In front of a wall it commands zero or raises `NoValidControlError`, and no other error. It returns finite
     twists within the robot's speed limits, does not modify its arguments, is deterministic, and shares no state with
     other controllers. It accepts a speed limit, which it obeys or leaves to the navigator, and drops the limit when
-    that is removed. Without `reset` or `set_speed_limit` it has the defaults of `Controller`.
+    that is removed. Its optional members take what a navigator gives them and return what `Controller` says; those that
+    it lacks have the defaults of `Controller`.
 
     Args:
         controller: A controller in any of the ways of `ControllerLike`, or a function that makes one for a robot.
@@ -70,6 +74,7 @@ def _check(make: Callable[[Robot], Controller], driven: Robot, costmap: Costmap)
     expect(command == Twist2D(), f"two controllers must not share a path; found: {command}")
     _check_speed_limit(make, driven, costmap)
     _check_reset(make, driven, costmap)
+    _check_optional_members(make, driven, costmap)
     _check_wall(make, driven)
 
 
@@ -80,6 +85,49 @@ def _check_reset(make: Callable[[Robot], Controller], robot: Robot, costmap: Cos
     controller.reset(seed=0)
     again = _first_commands(controller, path, robot, costmap)
     expect(first == again, "a controller must act the same after a reset with the same seed; found: other commands")
+
+
+def _check_optional_members(make: Callable[[Robot], Controller], robot: Robot, costmap: Costmap) -> None:
+    """Tell it what a navigator tells it, first that there is nothing to tell, and ask what a navigator asks."""
+    path = _path((0, 0), (3, 0))
+    plain = _first_commands(make(robot), path, robot, costmap)
+    told = make(robot)
+    told.set_latency(Latency())
+    told.set_tracks(())
+    _check_reports(told)
+    told.set_through((), _THROUGH_TOLERANCE_M)
+    expect(
+        _first_commands(told, path, robot, costmap) == plain,
+        "a controller must act the same where the latency is zero, nothing moves and no pose is to be passed; found: "
+        "other commands",
+    )
+    _check_reports(told)
+    track = Track(1, 0.0, 4.0, 4.0, 0.1, 0.0, 0.01 * np.eye(4), 0.3, confirmed=True, moving=True)
+    told.set_latency(Latency(scan_age_s=0.1, command_delay_s=0.1))
+    told.set_tracks((track,))
+    told.set_path(path)
+    told.set_through((1.0, 2.0), _THROUGH_TOLERANCE_M)
+    command = told.compute_velocity(path.start, Twist2D(), costmap, _DT)
+    expect(
+        math.isfinite(command.v) and math.isfinite(command.w),
+        f"a command must be finite where something moves far away; found: {command}",
+    )
+    _check_reports(told)
+
+
+def _check_reports(controller: Controller) -> None:
+    intent, rollouts = controller.intent, controller.rollouts()
+    expect(intent is None or isinstance(intent, Intent), f"intent must be an Intent or None; found: {intent!r}")
+    expect(isinstance(controller.reason, str), f"reason must be a text; found: {controller.reason!r}")
+    if rollouts is None:
+        return
+    expect(isinstance(rollouts, Rollouts), f"rollouts() must return Rollouts or None; found: {rollouts!r}")
+    poses, costs = np.asarray(rollouts.poses), np.asarray(rollouts.costs)
+    expect(
+        poses.ndim == 3 and poses.shape[2] == 3 and costs.shape == poses.shape[:1],
+        f"rollouts have poses of the shape (N, T, 3) and N costs; found: {poses.shape} and {costs.shape}",
+    )
+    expect(bool((np.diff(costs) >= 0.0).all()), "rollouts must be sorted, the lowest cost first; found: another order")
 
 
 def _check_wall(make: Callable[[Robot], Controller], robot: Robot) -> None:
