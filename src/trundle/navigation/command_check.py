@@ -12,62 +12,72 @@ import numpy.typing as npt
 from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop
 from trundle.costmap import LETHAL, Costmap
 from trundle.geometry import FloatArray, Pose2D, Twist2D
-from trundle.navigation.drive import Drive, Now
 from trundle.navigation.followed_path import FollowedPath
 from trundle.navigation.sensing import SensedMap
 from trundle.navigation.speed_limiter import SpeedLimiter, slow_down
+from trundle.navigation.state import Snapshot
 from trundle.robots import Limits, Robot
+
+_SLOWER = (1.0, 0.75, 0.5, 0.25, 0.1)
+"""Shares of a command that are tried, the fastest first: few, as each costs a check of the footprint's sweep."""
+_CREEP_MPS, _CREEP_RADPS = 0.05, 0.2
+"""So slowly the robot drives into what it cannot see [m/s, rad/s]; it then stops within a few millimetres."""
+_MARGIN_M = 0.2  # round the robot and its way to stop, so that a cell at the edge is not missed
+_HIDDEN_CELLS = 1.5  # round the footprint: what a robot hides from its own lidars where it stands
 
 
 class CommandCheck:
     """Checks the commands of a controller, of a behavior, and by hand.
 
     Args:
-        drive: The drive that it is part of; gets the speed limit.
         robot: The robot.
         sensed: The costmap with what its scans saw.
         limiter: Of the speed mask, or None.
         dt: Control period [s].
+
+    Attributes:
+        speed_limit: What the speed mask allowed when it was last asked [m/s], infinite where it limits nothing.
     """
 
-    def __init__(self, drive: Drive, robot: Robot, sensed: SensedMap, limiter: SpeedLimiter | None, dt: float) -> None:
-        self._drive, self._robot, self._sensed, self._limiter, self._dt = drive, robot, sensed, limiter, dt
+    def __init__(self, robot: Robot, sensed: SensedMap, limiter: SpeedLimiter | None, dt: float) -> None:
+        self._robot, self._sensed, self._limiter, self._dt = robot, sensed, limiter, dt
         self._padded = robot.planar.padded(FOOTPRINT_PADDING_M).outline
+        self.begin()
+
+    def begin(self) -> None:
+        """Forget the last speed limit: there is another goal."""
+        self.speed_limit = math.inf
 
     def set_path(self, followed: FollowedPath) -> None:
         """Look ahead along this path from now on."""
         if self._limiter is not None:
             self._limiter.set_path(followed.check)
 
-    def limit_speed(self, now: Now, followed: FollowedPath | None, *, backwards: bool = False) -> None:
-        """Hand the speed that the mask allows here and ahead on the path to the controller."""
+    def limit_speed(self, now: Snapshot, followed: FollowedPath | None, *, backwards: bool = False) -> float | None:
+        """Return the speed [m/s] that the mask allows here and ahead on the path; None without a mask."""
         if self._limiter is None:
-            return
+            return None
         index = 0 if followed is None else followed.index
-        limit = self._limiter.limit(now.pose, now.twist, index, self._dt, backwards=backwards)
-        self._drive.speed_limit = limit
-        self._drive.controller.set_speed_limit(limit)
+        self.speed_limit = self._limiter.limit(now.pose, now.twist, index, self._dt, backwards=backwards)
+        return self.speed_limit
 
-    def slow_down(self, command: Twist2D, now: Now, followed: FollowedPath | None) -> Twist2D:
-        """The same arc within the speed limit of now, and within what was seen."""
+    def slow_down(self, command: Twist2D, now: Snapshot, followed: FollowedPath | None) -> Twist2D:
+        """Return the same arc within the speed limit of now, and within what was seen."""
         self.limit_speed(now, followed, backwards=command.v < 0.0)
         return self.cut(command, now)
 
-    def cut(self, command: Twist2D, now: Now) -> Twist2D:
-        """The same arc within the last speed limit, and within what was seen."""
-        command = slow_down(command, self._drive.speed_limit)
+    def cut(self, command: Twist2D, now: Snapshot) -> Twist2D:
+        """Return the same arc within the last speed limit, and within what was seen."""
+        command = slow_down(command, self.speed_limit)
         if not self._sensed.is_active:
             return command
         limits = self._robot.limits
         return slow_down_in_unseen(now.costmap, limits, now.pose, now.twist, command, self._dt, padded=self._padded)
 
-    def can_stop(self, command: Twist2D, now: Now) -> bool:
+    def can_stop(self, command: Twist2D, now: Snapshot) -> bool:
         """Whether a command leaves the robot room to stop before it touches something."""
         limits = self._robot.limits
         return can_stop(now.costmap, limits, now.pose, now.twist, command, self._dt, padded=self._padded)
-
-
-_SLOWER = (1.0, 0.75, 0.5, 0.25, 0.1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,12 +111,6 @@ def assist_teleop(
                 return AssistedCommand(slower, f"slowed down before {obstacle}")
             return AssistedCommand(slower, "" if slower == wish else "slowed down by a speed limit or unseen space")
     return AssistedCommand(Twist2D(), f"stopped before {obstacle}")
-
-
-_CREEP_MPS = 0.05
-_CREEP_RADPS = 0.2
-_MARGIN_M = 0.2
-_HIDDEN_CELLS = 1.5
 
 
 def slow_down_in_unseen(

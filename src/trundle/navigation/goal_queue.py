@@ -3,33 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import Behavior
 from trundle.navigation.behaviors.behavior import ASKED_FOR
-from trundle.navigation.drive import Drive, Now
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.replanner import Replanner
-from trundle.navigation.status import FINAL, NavigationStatus
+from trundle.navigation.state import NOTHING, Decision, DriveState, Snapshot
+from trundle.navigation.status import NavigationStatus
 from trundle.navigation.waypoint import Route, tasks_of
 
 _STAND = Twist2D()
 
 
-class Agenda:
+class GoalQueue:
     """Says which goals are next, and runs the tasks of each goal and what is asked for in between.
 
     Args:
-        drive: The drive, whose status and next goals it keeps.
         runner: Runs behaviors.
         replanner: Plans to the next goals.
         recovery: Starts over at each of them.
+        through_tolerance: A goal that the robot drives through is passed within this distance [m].
     """
 
-    def __init__(self, drive: Drive, runner: BehaviorRunner, replanner: Replanner, recovery: Recovery) -> None:
-        self._drive, self._runner, self._replanner, self._recovery = drive, runner, replanner, recovery
-        self._tasks = Tasks(runner)
+    def __init__(
+        self, runner: BehaviorRunner, replanner: Replanner, recovery: Recovery, through_tolerance: float
+    ) -> None:
+        self._runner, self._replanner, self._recovery = runner, replanner, recovery
+        self._through_tolerance = through_tolerance
+        self._tasks = _Tasks(runner)
         self.begin(None)
 
     def begin(self, route: Route | None) -> None:
@@ -37,8 +41,6 @@ class Agenda:
         self._tasks.reset()
         self._resumes = self._is_at_stop = False
         self._route = route
-        if route is not None:
-            self._aim(route)
 
     @property
     def goals(self) -> tuple[Goal, ...]:
@@ -50,103 +52,94 @@ class Agenda:
         """How many of them were reached or passed."""
         return 0 if self._route is None else self._route.index + self._is_at_stop
 
-    def _aim(self, route: Route) -> None:
-        """Drive to the next goals of a route."""
-        drive = self._drive
-        drive.ahead, drive.target, drive.first_number = route.ahead, route.ahead[0], route.index + 1
-
     # Behaviors ------------------------------------------------------------------------------------------------------
 
-    def ask(self, behavior: Behavior) -> None:
+    @property
+    def has_tasks(self) -> bool:
+        """Whether there is a behavior to run that was asked for, or a task of the goal that was reached."""
+        return self._tasks.is_active
+
+    def ask(self, behavior: Behavior, state: DriveState) -> Decision:
         """Run a behavior next; one that runs is interrupted."""
-        drive = self._drive
-        if drive.status is not NavigationStatus.BEHAVING:
-            self._resumes = drive.target is not None and drive.status not in FINAL
+        if state.status is not NavigationStatus.BEHAVING:
+            self._resumes = state.target is not None and not state.is_final
         self._runner.interrupt(f"{behavior.name} was asked for")
         self._tasks.ask(behavior)
-        drive.status = NavigationStatus.BEHAVING
+        return Decision(status=NavigationStatus.BEHAVING)
 
-    def drop(self) -> None:
+    def drop(self, state: DriveState) -> Decision:
         """End what was asked for, and drive on to the goal."""
-        drive = self._drive
-        if drive.status is not NavigationStatus.BEHAVING:
-            return
+        if state.status is not NavigationStatus.BEHAVING:
+            return NOTHING
         self._runner.interrupt("cancelled")
-        self._tasks.drop_asked()
+        self._tasks.ask(None)
         if self._tasks.is_active:
-            return
+            return NOTHING
         if self._resumes and not self._is_at_stop:
-            self._drive_on()
-        else:
-            drive.status = NavigationStatus.IDLE if drive.target is None else NavigationStatus.FINISHED
+            return self._drive_on()
+        return Decision(status=NavigationStatus.IDLE if state.target is None else NavigationStatus.FINISHED)
 
-    def run_tasks(self, now: Now) -> Twist2D | None:
-        """The command of the task that is running; None where there is none, or the last one has ended."""
-        if not self._tasks.is_active:
-            return None
-        command = self._tasks.step(now)
-        if command is None:
-            self._end_tasks()
-        return command
+    def run_tasks(self, now: Snapshot, state: DriveState) -> Decision:
+        """Run the next task; the decision has its command, and none where the last task has ended."""
+        ran = self._tasks.step(now, state)
+        if ran.command is None:
+            return ran.then(self._end_tasks())
+        return ran if ran.status is None else replace(ran, status=None)  # also where it has planned, it is BEHAVING
 
-    def _end_tasks(self) -> None:
+    def _end_tasks(self) -> Decision:
         """Drive on to the next goal, or say how a behavior without one ended."""
-        drive, failure = self._drive, self._tasks.failure
-        drive.message = failure
+        failure = self._tasks.failure
+        said = Decision(message=failure)
         if self._is_at_stop and not failure:
-            self._leave_stop()
-        elif self._resumes and not self._is_at_stop:
-            self._drive_on()
-        else:
-            drive.status = NavigationStatus.STUCK if failure else NavigationStatus.FINISHED
+            return said.then(self._leave_stop())
+        if self._resumes and not self._is_at_stop:
+            return said.then(self._drive_on())
+        return Decision(message=failure, status=NavigationStatus.STUCK if failure else NavigationStatus.FINISHED)
 
-    def _drive_on(self) -> None:
+    def _drive_on(self) -> Decision:
         """Plan again, as the robot is somewhere else or has another goal."""
-        self._drive.status = NavigationStatus.DRIVING
-        self._drive.progress_checker.reset()
         if not self._replanner.is_given:
             self._replanner.drop_path()
         self._recovery.reset()
+        return Decision(status=NavigationStatus.DRIVING, restarts_progress=True)
 
     # Goals ----------------------------------------------------------------------------------------------------------
 
-    def pass_goals(self, pose: Pose2D) -> None:
+    def pass_goals(self, pose: Pose2D, state: DriveState) -> Decision:
         """Count the goals that the robot drives through as it passes them."""
-        drive, route = self._drive, self._route
-        while (
-            route is not None
-            and len(drive.ahead) > 1
-            and pose.distance_to(drive.ahead[0].pose) <= drive.settings.through_tolerance
-        ):
+        route, ahead = self._route, state.ahead
+        while route is not None and len(ahead) > 1 and pose.distance_to(ahead[0].pose) <= self._through_tolerance:
             route.advance()
-            self._aim(route)
+            ahead = route.ahead
             self._replanner.pass_goal()
+        return NOTHING if route is None or ahead is state.ahead else _aim(route)
 
-    def stop_at_goal(self, now: Now) -> Twist2D:
+    def stop_at_goal(self, now: Snapshot, state: DriveState) -> Decision:
         """Run the tasks of the goal that is reached, or drive on to the next one."""
-        drive = self._drive
         self._runner.interrupt("the goal is reached")
         self._is_at_stop = True
-        tasks = () if drive.target is None else tasks_of(drive.target)
+        tasks = () if state.target is None else tasks_of(state.target)
         if not tasks:
-            self._leave_stop()
-            return _STAND
-        drive.status = NavigationStatus.BEHAVING
-        self._tasks.add(tasks, f"task of goal {drive.first_number}")
-        return self.run_tasks(now) or _STAND
+            return self._leave_stop().then(Decision(_STAND))
+        self._tasks.add(tasks, f"task of goal {state.first_number}")
+        began = Decision(_STAND, status=NavigationStatus.BEHAVING)
+        return began.then(self.run_tasks(now, state.after(began)))
 
-    def _leave_stop(self) -> None:
+    def _leave_stop(self) -> Decision:
         """Drive to the next goals, or say that the last one is reached."""
         if self._route is None or not self._route.advance():
-            self._drive.status = NavigationStatus.ARRIVED
-            return
+            return Decision(status=NavigationStatus.ARRIVED)
         self._is_at_stop = False
-        self._aim(self._route)
         self._replanner.budget.reset()
-        self._drive_on()
+        return _aim(self._route).then(self._drive_on())
 
 
-class Tasks:
+def _aim(route: Route) -> Decision:
+    """Drive to the next goals of a route."""
+    return Decision(ahead=route.ahead, first_number=route.index + 1)
+
+
+class _Tasks:
     """Runs what was asked for, and then the tasks of the waypoint, in order. The first one that fails ends them all.
 
     Args:
@@ -168,15 +161,13 @@ class Tasks:
         self._reason = ""
         self._is_running = False
 
-    def ask(self, behavior: Behavior) -> None:
-        """Run this one next, before the tasks that are left; one that is running begins again after it."""
+    def ask(self, behavior: Behavior | None) -> None:
+        """Run this one next, before the tasks that are left; one that is running begins again after it.
+
+        If None, what was asked for before is left out, and a task that it interrupted begins again.
+        """
         self.failure = ""
         self._asked, self._is_running = behavior, False
-
-    def drop_asked(self) -> None:
-        """Do without what was asked for; a task that it interrupted begins again."""
-        self.failure = ""
-        self._asked, self._is_running = None, False
 
     def add(self, tasks: Sequence[Behavior], reason: str) -> None:
         """Run these, for this reason."""
@@ -188,21 +179,21 @@ class Tasks:
         """Whether there is something to run."""
         return self._asked is not None or bool(self._tasks)
 
-    def step(self, now: Now) -> Twist2D | None:
-        """The command for the next control period; None when all are done, or one has failed."""
-        command = self._runner.step(now) if self._is_running else None
-        while command is None:
-            if self._is_running and not self._succeeded():
-                return None
+    def step(self, now: Snapshot, state: DriveState) -> Decision:
+        """Go on; the decision has the next command, and none when all are done, or one has failed."""
+        ran = self._runner.step(now, state) if self._is_running else NOTHING
+        while ran.command is None:
+            if self._is_running and not self._take_result():
+                return ran
             if not self.is_active:
-                return None
+                return ran
             behavior, reason = (self._asked, ASKED_FOR) if self._asked is not None else (self._tasks[0], self._reason)
             self._is_running = True
-            command = self._runner.start(behavior, reason, now, recovery=False)
-        return command
+            ran = ran.then(self._runner.start(behavior, reason, now, state.after(ran), recovery=False))
+        return ran
 
-    def _succeeded(self) -> bool:
-        """Take what has ended off the list; whether it did what it should."""
+    def _take_result(self) -> bool:
+        """Take the behavior that has ended off the list; return whether it succeeded."""
         run = self._runner.runs[-1]
         self._is_running = False
         if self._asked is not None:

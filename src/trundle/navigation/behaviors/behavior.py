@@ -9,13 +9,11 @@ from typing import Annotated, Any, Literal, Protocol, TypeAlias, cast, runtime_c
 
 from pydantic import BeforeValidator, model_validator
 
-from trundle.costmap import Costmap
 from trundle.errors import InputError
 from trundle.files.choice import Choice
-from trundle.geometry import Pose2D, Twist2D
-from trundle.planning import Planner
+from trundle.geometry import Twist2D
+from trundle.navigation.state import Snapshot as BehaviorContext
 from trundle.registry import Contract, Registry
-from trundle.robots import Robot
 
 BEHAVIORS: Registry[Behavior] = Registry(
     "behavior",
@@ -38,34 +36,6 @@ ASKED_FOR = "asked for"
 
 BehaviorResult: TypeAlias = Literal["succeeded", "failed", "interrupted", "running"]
 """How a behavior ended, or that it has not."""
-
-
-@dataclass(frozen=True, slots=True)
-class BehaviorContext:
-    """What a behavior knows in a control period.
-
-    Attributes:
-        time: Now [s], any origin.
-        pose: Where the robot is, map frame.
-        twist: How it moves, base_link.
-        costmap: The obstacles, with what the scans saw.
-        dt: Length of the control period [s].
-        robot: The robot.
-        sees: Whether scans have been put into the costmap.
-        clear_costmap: Forgets what the scans saw.
-        replan: Plans from here to the goal, by the navigator's planner (None) or another one, and follows that path.
-            Raises `BehaviorFailedError` if there is no goal or no path.
-    """
-
-    time: float
-    pose: Pose2D
-    twist: Twist2D
-    costmap: Costmap
-    dt: float
-    robot: Robot
-    sees: bool
-    clear_costmap: Callable[[], None]
-    replan: Callable[[Planner | None], None]
 
 
 @runtime_checkable
