@@ -3,7 +3,7 @@
 import time
 
 from trundle.mission import Scenario
-from trundle.mission.truth import measure_truth
+from trundle.mission.metrics import measure_truth
 from trundle.worlds import world_names
 
 print("| world | simulated s | run ms | measuring ms | driven m | shortest m | SPL | clearance m |")

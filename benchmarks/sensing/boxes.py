@@ -19,8 +19,8 @@ from trundle.costmap import Costmap
 from trundle.errors import TrundleError
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
+from trundle.mission.obstacles import Unmapped
 from trundle.mission.sampling import sample_mission
-from trundle.mission.unmapped import Unmapped
 from trundle.navigation import NavigationStatus, Navigator
 from trundle.navigation.status import FINAL
 from trundle.planning import create_planner

@@ -5,7 +5,7 @@ import pytest
 
 from trundle.errors import InputError
 from trundle.mission import Scenario
-from trundle.mission.assumed import Assumed
+from trundle.mission.fields import Assumed
 from trundle.mission.place import make_place
 from trundle.robots import Robot
 

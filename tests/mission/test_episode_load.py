@@ -11,7 +11,7 @@ import pytest
 import trundle
 from trundle.errors import InputError
 from trundle.mission import Episode, Scenario, Trajectory
-from trundle.mission.path_file import load_paths, save_paths
+from trundle.mission.run_files import load_paths, save_paths
 from trundle.path import Path
 from trundle.record.run_folder import RunFolder
 

@@ -8,7 +8,7 @@ import pytest
 
 from trundle.errors import InputError
 from trundle.mission import End, LiveRun, Manual, Outcome, Pause, Restart, Session, SetGoal, Speed, Steering, StepOnce
-from trundle.mission.steering.pace import Pace
+from trundle.mission.steering.live import Pace
 from trundle.navigation import CommandScript
 
 GOAL = (3.0, 4.5)

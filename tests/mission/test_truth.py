@@ -11,7 +11,7 @@ from trundle.geometry import Pose2D, Pose3D
 from trundle.geometry.solids import Box, Solid
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome
-from trundle.mission.truth import shortest_length
+from trundle.mission.metrics import shortest_length
 from trundle.worlds import World
 
 WALLS = (

@@ -7,7 +7,7 @@ from trundle.costmap import INSCRIBED
 from trundle.errors import InputError, ScenarioError
 from trundle.maps import OccupancyGrid
 from trundle.mission import Scenario
-from trundle.mission.unmapped import KIND
+from trundle.mission.obstacles import KIND
 
 
 def _prepare(seed=3, **unmapped):

@@ -10,7 +10,7 @@ import pytest
 
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.mission.metrics import cross_track_errors
-from trundle.mission.steering.report import SteeringReport
+from trundle.mission.observers import SteeringReport
 from trundle.navigation import NavigationStatus
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.observation import Scan

@@ -11,7 +11,7 @@ from PIL import Image
 
 from trundle.errors import OutputError, OutsideMapError
 from trundle.mission import Scenario, Trajectory, run
-from trundle.mission.path_file import load_paths
+from trundle.mission.run_files import load_paths
 from trundle.record.run_folder import RunFolder
 from trundle.record.video import encode
 

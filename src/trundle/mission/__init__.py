@@ -3,11 +3,18 @@
 from trundle.fault import Fault
 from trundle.geometry import Goal
 from trundle.mission.episode import Episode, Metrics, Outcome
-from trundle.mission.fields import RunSettings
+from trundle.mission.fields import Rules, RunSettings
 from trundle.mission.loop import run
-from trundle.mission.observers import MonitorReport, Observer, RunInfo, Step
-from trundle.mission.rules import Rules
-from trundle.mission.running.monitoring import Monitor
+from trundle.mission.observers import (
+    MonitorReport,
+    Observer,
+    RolloutObserver,
+    RunInfo,
+    SteeringReport,
+    Step,
+    SubstepObserver,
+)
+from trundle.mission.running.robot_stack import Monitor
 from trundle.mission.running.session import Session
 from trundle.mission.sampling import sample_mission, sample_tight_ends
 from trundle.mission.scenario import Mission, Scenario, Setting
@@ -34,9 +41,7 @@ from trundle.mission.steering.goal_directives import (
     SetPose,
 )
 from trundle.mission.steering.live import LiveRun, LiveStatus
-from trundle.mission.steering.queue import Steering
-from trundle.mission.steering.report import SteeringReport
-from trundle.mission.steering.tasks import TaskEnd, TaskWatcher
+from trundle.mission.steering.queue import Steering, TaskEnd, TaskWatcher
 from trundle.mission.trajectory import Trajectory
 
 __all__ = [
@@ -62,6 +67,7 @@ __all__ = [
     "PlaceRobot",
     "Release",
     "Restart",
+    "RolloutObserver",
     "Rules",
     "RunBehavior",
     "RunInfo",
@@ -77,6 +83,7 @@ __all__ = [
     "SteeringReport",
     "Step",
     "StepOnce",
+    "SubstepObserver",
     "TaskEnd",
     "TaskWatcher",
     "Trajectory",

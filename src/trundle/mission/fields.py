@@ -1,10 +1,12 @@
-"""`ScenarioFields`: what a scenario's YAML says."""
+"""The fields of a scenario: its world, its map, what ends a run, and what the software takes the robot for."""
 
 from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self, TypeAlias, cast
 
-from pydantic import BeforeValidator, Field, model_validator
+import numpy as np
+from pydantic import AfterValidator, BeforeValidator, Field, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
 from trundle.control import MonitorSettings
 from trundle.control.controller import CONTROLLERS
@@ -12,16 +14,164 @@ from trundle.control.latency import Latency
 from trundle.costmap import CostmapSettings, LayersSettings
 from trundle.files.choice import Choice, takes_name, takes_plugin
 from trundle.files.config_fields import PoseNumbers, Positive
-from trundle.mission.assumed import Assumed
-from trundle.mission.choices import MapOptions, RecordChoice, WorldChoice, refuse_removed_names
+from trundle.files.yaml_config import Config
+from trundle.geometry import Footprint
+from trundle.maps.cells import MOST_CELLS
 from trundle.mission.goal_fields import GoalFields
-from trundle.mission.movers import MoverChoice
-from trundle.mission.rules import Rules
-from trundle.mission.unmapped import Unmapped
+from trundle.mission.obstacles import MoverChoice, Unmapped
 from trundle.navigation import NavigatorSettings
 from trundle.planning.planner import PLANNERS
+from trundle.registry import Registry
+from trundle.robots import Limits, Robot
+from trundle.robots.sizes import Acceleration, Coordinate, ReverseSpeed, Speed, TurningAcceleration, TurningSpeed
 from trundle.sim.actuation import Actuation
 from trundle.sim.odometry_errors import OdometryErrors
+from trundle.worlds.load import is_world_file
+
+
+class Rules(Config):
+    """What ends a run besides the usual: `{arrival_radius: 1.0, every_contact: true}`, as in BARN.
+
+    Attributes:
+        arrival_radius: The run ends as arrived when the robot truly is this close to its last goal [m], at any speed
+            and yaw, whatever it believes; none means when the robot says that it has arrived.
+        every_contact: A moving obstacle that runs into the robot while it stands is a collision, too.
+    """
+
+    arrival_radius: Positive | None = None
+    every_contact: bool = False
+
+
+class AssumedLimits(Config):
+    """Limits that the robot's software keeps to; the robot's own hold where they are lower.
+
+    Attributes:
+        linear_speed: Maximum forward speed [m/s]; none means the robot's.
+        reverse_speed: Maximum reverse speed [m/s], as a positive number; none means the robot's.
+        angular_speed: Maximum turning speed in both directions [rad/s]; none means the robot's.
+        linear_acceleration: Maximum acceleration and deceleration [m/s²]; none means the robot's.
+        angular_acceleration: Maximum angular acceleration and deceleration [rad/s²]; none means the robot's.
+    """
+
+    linear_speed: Speed | None = None
+    reverse_speed: ReverseSpeed | None = None
+    angular_speed: TurningSpeed | None = None
+    linear_acceleration: Acceleration | None = None
+    angular_acceleration: TurningAcceleration | None = None
+
+    def within(self, own: Limits) -> Limits:
+        """The lower of these limits and a robot's own."""
+        back = own.linear_speed if own.reverse_speed is None else own.reverse_speed
+        given = {name: value for name, value in self.model_dump().items() if value is not None}
+        kept = {**own.model_dump(), "reverse_speed": back}
+        return Limits(**{name: min(value, given.get(name, value)) for name, value in kept.items()})
+
+
+class Assumed(Config):
+    """What the robot's software takes the robot for: `{footprint: [[0.3, 0.2], …], limits: {linear_speed: 0.5}}`.
+
+    The simulated robot keeps its own outline and its own limits.
+
+    Attributes:
+        footprint: Corners of the convex outline that it plans and drives with, base_link [m], clockwise or
+            counter-clockwise; none means the robot's.
+        limits: Speeds and accelerations that it keeps to; none means the robot's.
+    """
+
+    footprint: Annotated[tuple[tuple[Coordinate, Coordinate], ...], Field(min_length=3, max_length=64)] | None = None
+    limits: AssumedLimits | None = None
+
+    @field_validator("footprint")
+    @classmethod
+    def _check_footprint(
+        cls, corners: tuple[tuple[float, float], ...] | None
+    ) -> tuple[tuple[float, float], ...] | None:
+        if corners is None:
+            return None
+        return tuple((float(x), float(y)) for x, y in Footprint(np.asarray(corners)).outline)
+
+    def of(self, robot: Robot) -> Robot:
+        """The robot as its software takes it."""
+        changes: dict[str, object] = {}
+        if self.footprint is not None:
+            changes["footprint"] = self.footprint
+        if self.limits is not None:
+            changes["limits"] = self.limits.within(robot.limits)
+        # Made from its fields: a copy would keep the outline that the robot has computed.
+        return type(robot)(**{**{name: getattr(robot, name) for name in type(robot).model_fields}, **changes})
+
+
+_READING = ("trusted", "time_limit_s", "memory_limit_gb")
+"""Options of `World.load` that say how far a file is trusted."""
+
+
+class WorldChoice(Choice):
+    """A world: `warehouse`, `{name: warehouse, seed: 7, options: {aisle_width: 1.4}}`, or a file, `hall.sdf`.
+
+    Attributes:
+        name: Name of a generated world, or the path of a world's file; a path in a file is relative to that file.
+        options: Options of the generator, or of the file's loader.
+        seed: Seed of a generated world; none means the scenario's.
+    """
+
+    seed: int | None = None
+
+    @property
+    def is_file(self) -> bool:
+        """Whether it is loaded from a file."""
+        return is_world_file(self.name)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.is_file and self.seed is not None:
+            raise ValueError("seed is for generated worlds; this one is a file")
+        for option in _READING:
+            if self.is_file and option in self.options:
+                raise ValueError(
+                    f"{option} is no option of a scenario, which others may have written: set TRUNDLE_TRUSTED, "
+                    "TRUNDLE_READ_SECONDS or TRUNDLE_READ_GIGABYTES instead"
+                )
+        return self
+
+
+class MapOptions(Config):
+    """How a map becomes a world: `{height: 0.5, unknown: free}`.
+
+    Attributes:
+        height: Height of the walls [m].
+        unknown: What unknown cells are in the simulated world; in the map they stay unknown. None means solid where
+            the scenario's `unknown` is blocked, and free otherwise.
+        max_cells: The most cells of the map; none means 20 million.
+    """
+
+    height: Positive = 1.0
+    unknown: Literal["solid", "free"] | None = None
+    max_cells: Annotated[int, Field(ge=1, le=MOST_CELLS)] | None = None
+
+
+class RecordChoice(Config):
+    """How a run is recorded besides its folder: `mcap`, or `{name: mcap, distro: kilted}`.
+
+    Attributes:
+        name: The format: "mcap" is rosbag2's.
+        distro: The distribution of ROS 2 whose message types, hashes and QoS the recording has; none means jazzy.
+    """
+
+    name: Literal["mcap"] = "mcap"
+    distro: Literal["humble", "jazzy", "kilted", "lyrical"] | None = None
+
+
+def refuse_removed_names(registry: Registry[Any]) -> AfterValidator:
+    """Validate that a choice is not a name which an earlier version had: the error says what became of it."""
+
+    def check(choice: Choice) -> Choice:
+        became = registry.removal(choice.name)
+        if became is not None:
+            raise PydanticCustomError("removed_name", "{what}", {"what": f"{choice.name!r} {became}"})
+        return choice
+
+    return AfterValidator(check)
+
 
 LidarNames: TypeAlias = Annotated[
     bool | tuple[str, ...],

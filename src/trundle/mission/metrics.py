@@ -1,18 +1,220 @@
-"""The metrics of a trajectory."""
+"""`compute_metrics`: the metrics of a run, and the ground truth of its surroundings that they are measured on."""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, Protocol, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
-from trundle.costmap import Costmap
+from trundle.costmap import INSCRIBED, Costmap
 from trundle.geometry import FloatArray, path_length, wrap_angles
+from trundle.geometry.solids import Solid
 from trundle.mission.episode import Metrics
 from trundle.mission.trajectory import Trajectory
-from trundle.mission.truth import CLEARANCE_CAP, Truth
 from trundle.path import Path
+from trundle.planning.grid.grid_search import GridSearch
+from trundle.robots import Robot
+from trundle.sim.clearance import least_clearance, map_extent, map_world
+from trundle.worlds import World
+
+MeasuredOn: TypeAlias = Literal["world", "map", "nothing"]
+
+CLEARANCE_CAP = 2.0
+"""Clearances are capped at this [m]."""
+
+_RESOLUTION_M = 0.05
+"""Of the world's map where the robot has none."""
+
+_END_TOLERANCE_M = 0.5
+"""How far an end of the shortest path may be moved: the cells hold all of every solid, and more at its edges."""
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """What was measured around the robot; see `Metrics` for what it means.
+
+    Attributes:
+        min_clearance_m: [m]; none where nothing is known.
+        shortest_path_m: [m]; none where the robot did not arrive.
+        measured_on: "world", "map" where the simulator does not know its solids, "nothing" without a map.
+        closest: Index of the pose where the robot was closest to a solid, to within a cell; none where it is not known.
+    """
+
+    min_clearance_m: float | None
+    shortest_path_m: float | None
+    measured_on: MeasuredOn
+    closest: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class DroppedBox:
+    """A solid that was put into the world of a run.
+
+    Attributes:
+        index: Index of the first pose of the trajectory from which on it was there.
+        solid: The solid.
+    """
+
+    index: int
+    solid: Solid
+
+
+class TrueMaps:
+    """The true map of a world for a robot, kept for the next run there if that needs a map of the same extent.
+
+    All runs need the same whose ends and trajectory are within the world.
+    """
+
+    def __init__(self) -> None:
+        self._key: tuple[object, ...] | None = None
+        self._map: Costmap | None = None
+        self._held: tuple[World, Robot] | None = None  # so that no other objects get their ids
+
+    def get(self, world: World, robot: Robot, points: FloatArray, *, resolution: float, margin: float) -> Costmap:
+        """The map that `map_world` makes."""
+        extent = map_extent(world, points, resolution=resolution, margin=margin)
+        key = (id(world), id(robot), extent)
+        if self._map is None or key != self._key:
+            self._key, self._map = key, map_world(world, robot, points, resolution=resolution, margin=margin)
+            self._held = (world, robot)
+        return self._map
+
+
+class Measure(Protocol):
+    """Measures a run's surroundings; see `measure_truth`."""
+
+    def __call__(
+        self,
+        poses: FloatArray,
+        ends: Sequence[Sequence[float]],
+        robot: Robot,
+        world: World | None,
+        costmap: Costmap | None,
+        *,
+        arrived: bool,
+        touched: bool,
+    ) -> Truth:
+        """Measure it."""
+        ...
+
+
+def measure_truth(
+    poses: FloatArray,
+    ends: Sequence[Sequence[float]],
+    robot: Robot,
+    world: World | None,
+    costmap: Costmap | None,
+    *,
+    arrived: bool,
+    touched: bool,
+    true_maps: TrueMaps | None = None,
+) -> Truth:
+    """Measure a run's surroundings.
+
+    Args:
+        poses: Driven (x, y, yaw) [m, m, rad], map frame, shape (N, 3).
+        ends: Start and goals, in order: (x, y, …).
+        robot: What drove.
+        world: Where it drove; none where that is not known.
+        costmap: The robot's own first one, which stands for the world where there is none; none where it has none.
+        arrived: Whether a shortest path is asked for.
+        touched: Whether there was a contact: nothing is nearer.
+        true_maps: Where the map of the world is kept for the next run.
+    """
+    points = np.array([end[:2] for end in ends], dtype=np.float64)
+    if world is not None:
+        resolution = _RESOLUTION_M if costmap is None else costmap.resolution
+        margin = CLEARANCE_CAP + robot.circumscribed_radius + 2.0 * resolution
+        around = np.concatenate([poses[:, :2], points])
+        maps = TrueMaps() if true_maps is None else true_maps
+        true_map = maps.get(world, robot, around, resolution=resolution, margin=margin)
+    elif costmap is not None:
+        true_map = costmap
+    else:
+        return Truth(0.0 if touched else None, None, "nothing")
+    coarse = true_map.clearance(poses, CLEARANCE_CAP)
+    if touched:
+        clearance = 0.0
+    elif world is not None:
+        clearance = least_clearance(world, robot, poses, coarse, resolution=true_map.resolution, cap=CLEARANCE_CAP)
+    else:
+        clearance = float(coarse.min())
+    shortest = shortest_length(true_map, points, poses[:, :2]) if arrived else None
+    return Truth(clearance, shortest, "map" if world is None else "world", int(coarse.argmin()))
+
+
+def near_boxes(truth: Truth, boxes: Sequence[DroppedBox], poses: FloatArray, robot: Robot) -> Truth:
+    """Count boxes that were dropped during a run: in the clearance from then on, and not in the shortest path.
+
+    Args:
+        truth: What was measured without them.
+        boxes: The boxes.
+        poses: Driven (x, y, yaw) [m, m, rad], map frame, shape (N, 3).
+        robot: What drove.
+    """
+    if truth.min_clearance_m is None:
+        return truth
+    least, closest = truth.min_clearance_m, truth.closest
+    for box in boxes:
+        after = poses[box.index :]
+        far = np.full(len(after), CLEARANCE_CAP)
+        world = World(box.solid.name, (box.solid,))
+        clearance = least_clearance(world, robot, after, far, resolution=_RESOLUTION_M, cap=CLEARANCE_CAP)
+        if clearance < least:
+            x, y, _ = box.solid.pose.position
+            least, closest = clearance, box.index + int(np.hypot(after[:, 0] - x, after[:, 1] - y).argmin())
+    return replace(truth, min_clearance_m=least, closest=closest)
+
+
+def shortest_length(true_map: Costmap, points: FloatArray, driven: FloatArray) -> float:
+    """Length [m] of the shortest path of the footprint's inscribed disc through some points in turn.
+
+    It is the shortest in any direction past the cells that the disc's centre must keep off; cells that the robot has
+    driven through count as free, as it has shown.
+
+    Args:
+        true_map: Where the disc collides.
+        points: Start and goals [m], shape (M, 2).
+        driven: Where the robot was [m], shape (N, 2).
+    """
+    blocked = true_map.data >= INSCRIBED
+    _free(blocked, true_map, driven)
+    search = GridSearch(blocked)
+    tolerance = _END_TOLERANCE_M / true_map.resolution
+    rows, cols = true_map.world_to_cell(points[:, 0], points[:, 1])
+    cells = np.stack([rows, cols], axis=1).tolist()
+    length = 0.0
+    for leg, (start, goal) in enumerate(itertools.pairwise(cells)):
+        path = search.any_angle_path(start, goal, start_tolerance=tolerance, goal_tolerance=tolerance)
+        if path.status != "found":
+            length += math.dist(points[leg], points[leg + 1])  # No path is shorter.
+            continue
+        turns = path.waypoints[1:-1]
+        inner = np.stack(true_map.cell_to_world(turns[:, 0], turns[:, 1]), axis=1)
+        line = np.concatenate([points[leg, None], inner, points[leg + 1, None]])
+        length += path_length(line)
+    return length
+
+
+def _free(blocked: npt.NDArray[np.bool_], true_map: Costmap, driven: FloatArray) -> None:
+    """Free the cells of a driven line, so that a path among cells may follow it."""
+    steps = np.diff(driven, axis=0)
+    parts = np.maximum(np.ceil(4.0 * np.hypot(*steps.T) / true_map.resolution).astype(int), 1)
+    number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
+    shares = number / np.repeat(parts, parts)
+    between = np.repeat(driven[:-1], parts, axis=0) + shares[:, None] * np.repeat(steps, parts, axis=0)
+    points = np.concatenate([between, driven[-1:]])
+    rows, cols = true_map.world_to_cell(points[:, 0], points[:, 1])
+    # A diagonal step needs the two cells beside it.
+    for row, col in ((rows, cols), (rows[:-1], cols[1:]), (rows[1:], cols[:-1])):
+        inside = true_map.contains(row, col)
+        blocked[row[inside], col[inside]] = False
+
 
 _LEAST_DISTANCE = 0.01  # [m]: below it, turning per distance is meaningless
 _CHUNK = 1_000_000  # distances at a time

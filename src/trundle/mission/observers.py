@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import pathlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, cast, runtime_checkable
+from typing import Protocol, TypeVar, runtime_checkable
 
 from trundle.control import Rollouts
 from trundle.costmap import Costmap
@@ -14,8 +15,7 @@ from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import SpeedMask
 from trundle.mission.episode import Episode
-from trundle.mission.record_file import RECORD
-from trundle.mission.steering.report import SteeringReport
+from trundle.mission.run_files import RECORD
 from trundle.navigation import NavigationStatus
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.observation import Estimate, Observation, Scan, Track
@@ -81,6 +81,30 @@ class RunInfo:
     grid: OccupancyGrid | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class SteeringReport:
+    """How a run was steered in one control period.
+
+    Attributes:
+        paused: Whether the run was paused, and drove a single step.
+        manual: The command by hand, before any check; None where the agent drove.
+        held_back: What kept the command by hand from being sent as it was, such as "an obstacle on the map"; empty
+            where nothing did.
+        by: Who drove by hand; empty where the agent drove.
+        speed: How fast the run is to pass, relative to real time.
+        goals: All goals now, in order, those reached included.
+        boxes: Number of boxes that were dropped so far.
+    """
+
+    paused: bool
+    manual: Twist2D | None
+    held_back: str
+    by: str
+    speed: float
+    goals: tuple[Goal, ...]
+    boxes: int = 0
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Step:
     """What observers get after the start (index 0) and after every control period.
@@ -143,9 +167,8 @@ class Step:
 class Observer(Protocol):
     """Follows a run. One that raises is dropped, and the run continues; see `Episode.observer_errors`.
 
-    One that also has `on_substep(substep)` gets a `trundle.sim.Substep` after every physics step, before the step that
-    they belong to, where the simulator reports them: `kinematic` and `mujoco` do. Where one has `wants_rollouts` and
-    that is true, every step has the `rollouts` of the agent's controller.
+    One may also be a `SubstepObserver` or a `RolloutObserver`. One that writes the run to a folder has this as its
+    attribute `path`: an exception that ends the run then names it.
     """
 
     def on_start(self, run: RunInfo) -> None:
@@ -161,7 +184,29 @@ class Observer(Protocol):
         ...
 
 
-class Audience:
+@runtime_checkable
+class SubstepObserver(Observer, Protocol):
+    """An observer that also follows the physics steps of simulators that report them: `kinematic` and `mujoco` do."""
+
+    def on_substep(self, substep: Substep) -> None:
+        """After every physics step, before the control period that it belongs to."""
+        ...
+
+
+@runtime_checkable
+class RolloutObserver(Observer, Protocol):
+    """An observer that may use `Step.rollouts`, the samples of the agent's controller."""
+
+    @property
+    def wants_rollouts(self) -> bool:
+        """Whether the next steps are to have them: they take a tenth of the controller's time."""
+        ...
+
+
+_Some = TypeVar("_Some", bound=Observer)
+
+
+class Observers:
     """The observers of one run; one that raises is dropped, and the others continue.
 
     Attributes:
@@ -173,56 +218,61 @@ class Audience:
         check_kind(observers, Sequence, "observers", "give a list of them, [observer]")
         self._observers = list(observers)
         self._all = tuple(observers)
+        self._of_substeps = [observer for observer in observers if isinstance(observer, SubstepObserver)]
+        self._of_rollouts = [observer for observer in observers if isinstance(observer, RolloutObserver)]
         self.has_begun = False
         self.errors: list[BaseException] = []
 
     def __bool__(self) -> bool:
         return bool(self._observers)
 
-    def on_start(self, info: RunInfo) -> None:
-        """Notify them before the first step."""
-        self.has_begun = True
-        self._notify(lambda observer: observer.on_start(info))
-
-    def on_step(self, step: Step) -> None:
-        """Notify them after the start and every control period."""
-        self._notify(lambda observer: observer.on_step(step))
-
     @property
     def folder(self) -> pathlib.Path | None:
         """The folder that one of them has written the run to, its `path`; None where none has."""
-        paths = (vars(observer).get("path") for observer in self._all if hasattr(observer, "__dict__"))
-        return next((path for path in paths if isinstance(path, pathlib.Path) and (path / RECORD).is_file()), None)
+        for observer in self._all:
+            with contextlib.suppress(TypeError):  # one with slots has no `path` of ours
+                path = vars(observer).get("path")
+                if isinstance(path, pathlib.Path) and (path / RECORD).is_file():
+                    return path
+        return None
 
     @property
-    def wants_substeps(self) -> bool:
+    def want_substeps(self) -> bool:
         """Whether one of them follows the physics steps."""
-        return any(hasattr(observer, "on_substep") for observer in self._observers)
+        return bool(self._of_substeps)
 
     @property
-    def wants_rollouts(self) -> bool:
+    def want_rollouts(self) -> bool:
         """Whether one of them uses the samples of the controller."""
-        return any(getattr(observer, "wants_rollouts", False) for observer in self._observers)
+        return any(observer.wants_rollouts for observer in self._of_rollouts)
+
+    def on_start(self, info: RunInfo) -> None:
+        """Notify them before the first step."""
+        self.has_begun = True
+        self._notify(self._observers, lambda observer: observer.on_start(info))
 
     def on_substep(self, substep: Substep) -> None:
         """Notify those that follow the physics steps."""
-        for observer in tuple(self._observers):
-            if hasattr(observer, "on_substep"):
-                self._call(observer, lambda watcher: cast("Any", watcher).on_substep(substep), Exception)
+        self._notify(self._of_substeps, lambda observer: observer.on_substep(substep))
+
+    def on_step(self, step: Step) -> None:
+        """Notify them after the start and every control period."""
+        self._notify(self._observers, lambda observer: observer.on_step(step))
 
     def on_end(self, episode: Episode) -> None:
         """Notify them of the end."""
         # The run is over: Ctrl-C now ends what this observer does, and the next one still writes its files.
-        self._notify(lambda observer: observer.on_end(episode), also=KeyboardInterrupt)
+        self._notify(self._observers, lambda observer: observer.on_end(episode), also=KeyboardInterrupt)
 
-    def _notify(self, notify: Callable[[Observer], None], also: type[BaseException] = Exception) -> None:
-        for observer in tuple(self._observers):
-            self._call(observer, notify, also)
-
-    def _call(self, observer: Observer, notify: Callable[[Observer], None], also: type[BaseException]) -> None:
-        try:
-            notify(observer)
-        except (Exception, also) as error:  # noqa: BLE001 - an observer never changes a run
-            _LOGGER.warning("%s failed and is dropped: %s", type(observer).__name__, error or type(error).__name__)
-            self._observers.remove(observer)
-            self.errors.append(error)
+    def _notify(
+        self, observers: list[_Some], notify: Callable[[_Some], None], also: type[BaseException] = Exception
+    ) -> None:
+        for observer in tuple(observers):
+            try:
+                notify(observer)
+            except (Exception, also) as error:  # noqa: BLE001 - an observer never changes a run
+                _LOGGER.warning("%s failed and is dropped: %s", type(observer).__name__, error or type(error).__name__)
+                self._observers = [one for one in self._observers if one is not observer]
+                self._of_substeps = [one for one in self._of_substeps if one is not observer]
+                self._of_rollouts = [one for one in self._of_rollouts if one is not observer]
+                self.errors.append(error)

@@ -11,8 +11,7 @@ import numpy as np
 from trundle.errors import ScenarioError
 from trundle.geometry import Pose2D
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
-from trundle.mission.choices import MapOptions
-from trundle.mission.fields import ScenarioFields
+from trundle.mission.fields import MapOptions, ScenarioFields
 from trundle.mission.goal_fields import position_of
 from trundle.robots import Robot
 from trundle.worlds import World

@@ -6,23 +6,24 @@ from typing import Any, TypedDict
 
 from trundle.control import CollisionMonitor
 from trundle.control.latency import Latency
-from trundle.localization import Localizer, create_localizer
+from trundle.localization import create_localizer
+from trundle.localization.localizer import LocalizerLike
 from trundle.maps import OccupancyGrid
-from trundle.mission.fields import ScenarioFields
-from trundle.mission.rules import Rules
+from trundle.mission.fields import Rules, ScenarioFields
+from trundle.mission.running.robot_stack import SomeMonitor
 from trundle.robots import Robot
 from trundle.sim import Simulator, simulate
 from trundle.sim.wrapper import SimulatorWrapper
 from trundle.worlds import World
 
 
-class SessionOptions(TypedDict):
-    """Arguments of `Session` and `run`."""
+class SessionOptions(TypedDict, total=False):
+    """Keywords of `Session` and `run` that say what is between the simulator and the agent."""
 
-    localizer: Localizer | None
+    localizer: LocalizerLike | None
     latency: Latency | None
+    monitor: SomeMonitor | bool | None
     rules: Rules | None
-    monitor: CollisionMonitor | bool | None
     through: bool
 
 

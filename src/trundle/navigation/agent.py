@@ -38,8 +38,6 @@ class AgentInfo:
         costmap: What it plans and drives on at the start; None without one.
         speed_mask: What limits its speed, or None.
         goal_checker: What says whether a pose is at the goal; None means that the run's default decides.
-        plans: Whether it plans a path to each goal, by `plan` and `plan_between`, before it moves.
-        needs_goal: Whether it drives to goals alone: its run has one from the start, or waits for one.
         plugins: The objects that may be of other packages, of which an exception may come.
     """
 
@@ -50,8 +48,6 @@ class AgentInfo:
     costmap: Costmap | None = None
     speed_mask: SpeedMask | None = None
     goal_checker: GoalChecker | None = None
-    plans: bool = False
-    needs_goal: bool = False
     plugins: tuple[object, ...] = ()
 
 
@@ -127,10 +123,14 @@ class Agent(ABC):
     Attributes:
         status: What it is doing. ARRIVED, FINISHED, STUCK, NO_PATH and PLANNING_TIMED_OUT end the drive to a goal.
         dt: Length of the next control period [s]; it may change with every `update`.
+        plans: Whether it plans a path to each goal, by `plan` and `plan_between`, before it moves.
+        needs_goal: Whether it drives to goals alone: its run has one from the start, or waits for one.
     """
 
     status: NavigationStatus
     dt: float = CONTROL_PERIOD_S
+    plans: bool = False
+    needs_goal: bool = False
 
     # Driving: what an agent must have -------------------------------------------------------------------------------
 

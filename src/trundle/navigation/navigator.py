@@ -96,6 +96,9 @@ class Navigator(NavigatorRequests):
         InputError: If an option is out of range, or a keep-out mask or `unknown` is given for a costmap.
     """
 
+    plans = True
+    needs_goal = True
+
     def __init__(
         self,
         grid: OccupancyGrid | Costmap | tuple[OccupancyGrid, Costmap] | str | os.PathLike[str] | None,

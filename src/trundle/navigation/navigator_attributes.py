@@ -248,8 +248,6 @@ class NavigatorAttributes(Agent):
             self.costmap,
             self.speed_mask,
             self.goal_checker,
-            plans=True,
-            needs_goal=True,
             plugins=(self, self.controller, self.planner, self.smoother, self.goal_checker),
         )
 

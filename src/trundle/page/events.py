@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from trundle.mission.episode import Episode
-from trundle.mission.observers import RunInfo, Step
-from trundle.mission.steering.report import SteeringReport
+from trundle.mission.observers import RunInfo, SteeringReport, Step
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.page.rows import goal_of
 from trundle.path import Path

@@ -12,7 +12,7 @@ from trundle.errors import InputError, TrundleError
 from trundle.files.opening import is_file, open_file, read_up_to
 from trundle.maps import OccupancyGrid
 from trundle.mission.episode import Episode
-from trundle.mission.record_file import read_record
+from trundle.mission.run_files import read_record
 from trundle.mission.scenario import Scenario
 from trundle.page.encoding import unpack_json
 from trundle.page.report import REPORT, report_scene, write_report

@@ -9,8 +9,8 @@ import numpy as np
 from trundle.costmap import Costmap
 from trundle.geometry import Pose2D
 from trundle.mission.episode import Episode
+from trundle.mission.metrics import CLEARANCE_CAP
 from trundle.mission.observers import RunInfo, Step
-from trundle.mission.truth import CLEARANCE_CAP
 from trundle.page.encoding import pack_array
 from trundle.page.events import Events
 from trundle.page.rows import info_of, row_of

@@ -10,8 +10,7 @@ from trundle.costmap import Costmap
 from trundle.geometry import FloatArray
 from trundle.maps import OccupancyGrid
 from trundle.mission.episode import Episode
-from trundle.mission.metrics import distances_to_polyline
-from trundle.mission.truth import CLEARANCE_CAP
+from trundle.mission.metrics import CLEARANCE_CAP, distances_to_polyline
 from trundle.page.encoding import finite, rounded
 from trundle.page.rows import goal_of
 from trundle.page.run_data import dropped_boxes

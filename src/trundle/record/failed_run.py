@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import replace
 from pathlib import Path
 
 from trundle.fault import find_fault, note_folder
@@ -14,6 +13,8 @@ from trundle.mission.goal_fields import make_goal
 from trundle.mission.running.episode_maker import AgentTotals, make_episode
 from trundle.mission.running.preparation import describe_run, standing_at
 from trundle.mission.running.run_log import RunLog
+from trundle.navigation import AgentInfo
+from trundle.navigation.agent import CONTROL_PERIOD_S
 from trundle.record.run_folder import RunFolder
 from trundle.robots import Robot
 
@@ -55,17 +56,17 @@ def _failed_episode(error: BaseException, scenario: Scenario) -> tuple[Episode, 
     start = Pose2D(0.0, 0.0) if scenario.start is None else Pose2D.of(scenario.start)
     given = scenario.goals if scenario.goals is not None else () if scenario.goal is None else (scenario.goal,)
     info = describe_run(
-        None,
+        AgentInfo(scenario.controller.name, scenario.planner.name),
+        CONTROL_PERIOD_S,
         Robot.load(scenario.robot),
         scenario.title,
         start,
         tuple(make_goal(goal) for goal in given),
         (),
-        time_limit_s=math.inf if scenario.time_limit_s is None else scenario.time_limit_s,
-        seed=scenario.seed,
-        world=None,
+        math.inf if scenario.time_limit_s is None else scenario.time_limit_s,
+        scenario.seed,
+        None,
     )
-    info = replace(info, planner=scenario.planner.name, controller=scenario.controller.name)
     log = RunLog()
     state, estimate = standing_at(start)
     log.add(state, Twist2D(), estimate, 0, None)

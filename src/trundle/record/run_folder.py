@@ -19,7 +19,7 @@ from PIL import Image
 from trundle.errors import OutputError, TrundleError
 from trundle.files.writing import write_bytes, write_text
 from trundle.mission import Episode, RunInfo, Scenario, Step
-from trundle.mission.path_file import save_paths
+from trundle.mission.run_files import save_paths
 from trundle.mission.steering.file import DIRECTIVES_FILE, save_directives
 from trundle.page.report import REPORT, report_scene, write_report
 from trundle.page.run_data import RunData

@@ -16,9 +16,8 @@ from trundle.geometry import FloatArray, Goal, Pose2D, Twist2D, wrap_angles
 from trundle.maps import OccupancyGrid
 from trundle.messages.distros import DEFAULT, Distro
 from trundle.mission import Episode, Observer, Outcome, RunInfo, Scenario, Step
-from trundle.mission.metrics import compute_metrics
+from trundle.mission.metrics import compute_metrics, measure_truth
 from trundle.mission.trajectory import Trajectory
-from trundle.mission.truth import measure_truth
 from trundle.navigation import NavigationStatus
 from trundle.observation import Estimate, Observation, Scan
 from trundle.path import Path

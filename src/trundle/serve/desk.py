@@ -12,7 +12,7 @@ from trundle.errors import InputError, TrundleError
 from trundle.fault import find_fault, folder_of, is_of_plugin, text_of
 from trundle.mission import Episode, LiveStatus, Mission, Observer, Scenario, Session
 from trundle.mission.place import make_place
-from trundle.mission.record_file import RECORD
+from trundle.mission.run_files import RECORD
 from trundle.serve import messages
 from trundle.serve.choosing import choose
 from trundle.serve.hub import Hub

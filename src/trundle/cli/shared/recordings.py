@@ -12,7 +12,7 @@ from trundle.errors import InputError
 if TYPE_CHECKING:
     from trundle.messages.distros import Distro
     from trundle.mission import Observer, Scenario
-    from trundle.mission.choices import RecordChoice
+    from trundle.mission.fields import RecordChoice
     from trundle.record.run_folder import WriteExtra
     from trundle.recording import Recorder
 
@@ -31,7 +31,7 @@ def choose(scenario: Scenario, *, record: bool, distro: Distro | None) -> Scenar
 
 def choose_record(kept: RecordChoice | None, *, record: bool, distro: Distro | None) -> RecordChoice | None:
     """What is recorded, by a scenario and the options; see `choose`."""
-    from trundle.mission.choices import RecordChoice
+    from trundle.mission.fields import RecordChoice
 
     if not record and kept is None:
         if distro is not None:

@@ -15,7 +15,7 @@ from trundle.costmap.layers import ObstacleLayerSettings
 from trundle.errors import InputError, UnknownNameError
 from trundle.files.kinds import MAP, ROBOT, SCENARIO, WORLD
 from trundle.mission import Scenario
-from trundle.mission.choices import MapOptions
+from trundle.mission.fields import MapOptions
 from trundle.worlds import world_names
 from trundle.worlds.options import check_options
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.mission import Scenario
-from trundle.mission.assumed import Assumed
+from trundle.mission.fields import Assumed
+from trundle.mission.metrics import TrueMaps
 from trundle.mission.place import Place, make_place, place_key
 from trundle.mission.simulation import backend_of, backend_options, start_backend, wrap_backend
-from trundle.mission.truth import TrueMaps
 from trundle.sim import Simulator
 from trundle.worlds import World
 

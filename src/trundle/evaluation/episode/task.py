@@ -23,10 +23,10 @@ from trundle.localization.localizer import LOCALIZERS
 from trundle.maps import OccupancyGrid
 from trundle.mission import Episode, Outcome, Scenario, sample_mission, sample_tight_ends
 from trundle.mission.goal_fields import exact_goals, make_goal
-from trundle.mission.loop import run_measured
+from trundle.mission.loop import run
+from trundle.mission.metrics import Truth, measure_truth
 from trundle.mission.scenario import PLUGINS
 from trundle.mission.simulation import session_options
-from trundle.mission.truth import Truth, measure_truth
 from trundle.navigation.agents import AGENTS
 from trundle.navigation.behaviors import describe_behaviors
 from trundle.planning.planner import PLANNERS
@@ -208,7 +208,7 @@ class EpisodeTask:
         note({"stage": "drive", "row": known})
         measure = _Measured(kept)
         try:
-            episode = run_measured(
+            episode = run(
                 sim,
                 setting.agent,
                 mission.start,

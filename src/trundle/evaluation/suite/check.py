@@ -18,7 +18,7 @@ from trundle.evaluation.suite.parts import SuiteWorld
 from trundle.evaluation.suite.plugin import PluginChoice
 from trundle.localization import create_localizer
 from trundle.maps import OccupancyGrid
-from trundle.mission.choices import MapOptions
+from trundle.mission.fields import MapOptions
 from trundle.navigation.agents import create_agent
 from trundle.planning import create_planner, create_smoother
 from trundle.registry import keywords_taken

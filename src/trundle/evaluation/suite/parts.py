@@ -17,7 +17,7 @@ from trundle.evaluation.suite.vary import Distribution, draw
 from trundle.files.choice import Choice, Option
 from trundle.files.config_fields import NotNegative, PoseNumbers, Positive
 from trundle.files.yaml_config import Config
-from trundle.mission.choices import WorldChoice
+from trundle.mission.fields import WorldChoice
 from trundle.mission.goal_fields import GoalFields
 from trundle.mission.sampling import MIN_DISTANCE
 from trundle.worlds.load import is_world_file

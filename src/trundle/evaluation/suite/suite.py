@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from trundle.evaluation.suite.parts import Limits, ListedMission, Missions, SuiteWorld
     from trundle.evaluation.suite.vary import Vary
     from trundle.files.choice import Choice
-    from trundle.mission.choices import WorldChoice
+    from trundle.mission.fields import WorldChoice
     from trundle.navigation.agents import AgentLike
     from trundle.planning.planner import PlannerLike
     from trundle.planning.smoother import SmootherLike

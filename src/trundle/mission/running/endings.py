@@ -1,14 +1,16 @@
-"""How a run ends: its outcome, and the outcome in words."""
+"""How a run ends: its outcome, and the outcome in words; `RunEnd`, how one has ended."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TypeAlias
 
+from trundle.errors import PlanningError, SimulationError
+from trundle.fault import Fault, find_fault, keep_fault, text_of
 from trundle.geometry import Goal, Pose2D
 from trundle.mission.episode import Outcome
-from trundle.navigation import Agent, NavigationStatus, Navigator
+from trundle.navigation import Agent, AgentReport, NavigationStatus
 from trundle.sim import Contact, RobotState
 
 Ending: TypeAlias = tuple[Outcome, str]
@@ -16,6 +18,57 @@ Ending: TypeAlias = tuple[Outcome, str]
 
 _TIPPED_RAD = math.radians(70.0)
 """No robot on wheels comes back from this tilt."""
+
+
+class RunEnd:
+    """How a run has ended. An exception that comes later, while its episode is made, takes precedence.
+
+    Args:
+        parts: Objects of the run that may be plug-ins.
+
+    Attributes:
+        outcome: The outcome; None while the run is running.
+        message: The outcome in words; empty while the run is running.
+        error: What ended it: a KeyboardInterrupt, a SimulationError, or what a plug-in raised; None otherwise.
+        fault: Which plug-in raised what; None where none did.
+        complete: Whether the search that found no path was complete.
+    """
+
+    def __init__(self, parts: Sequence[object]) -> None:
+        self.parts = tuple(parts)
+        self.outcome: Outcome | None = None
+        self.message = ""
+        self.error: BaseException | None = None
+        self.fault: Fault | None = None
+        self.complete = False
+
+    def put(self, outcome: Outcome, message: str, error: BaseException | None, contacts: Iterable[str]) -> None:
+        """Take an end of a run in which these were touched: it is a collision then, unless it is an error."""
+        touched = ", ".join(contacts)
+        if touched and outcome not in (Outcome.COLLIDED, Outcome.ERROR):
+            outcome, message = Outcome.COLLIDED, f"touched {touched} while driving; {message}"
+        self.outcome, self.message, self.error = outcome, message, error
+
+    def explain(self, error: BaseException) -> Ending:
+        """The end that an exception means: no path, a simulator that failed, Ctrl-C, or the fault of a plug-in."""
+        if isinstance(error, KeyboardInterrupt):
+            return Outcome.ABORTED, "stopped by Ctrl-C"
+        if isinstance(error, SimulationError):
+            return Outcome.ABORTED, f"the simulator failed: {text_of(error)}"
+        if isinstance(error, PlanningError):
+            self.complete = error.complete
+            return Outcome.NO_PATH, text_of(error)
+        return Outcome.ERROR, self._blame(error)
+
+    def fail(self, error: BaseException) -> None:
+        """End the run, which has ended, by what a plug-in raised since, unless another exception has."""
+        if self.fault is None:
+            self.put(Outcome.ERROR, self._blame(error), error, ())
+
+    def _blame(self, error: BaseException) -> str:
+        self.fault = find_fault(error, self.parts)
+        keep_fault(error, self.fault)
+        return str(self.fault)
 
 
 def at_goal(state: RobotState, estimate: Pose2D | None) -> Ending:
@@ -31,7 +84,7 @@ def at_goal(state: RobotState, estimate: Pose2D | None) -> Ending:
 
 def elsewhere(agent: Agent, state: RobotState) -> Ending:
     """The agent says that it has arrived where there is no goal."""
-    name = "navigator" if isinstance(agent, Navigator) else "agent"
+    name = "navigator" if agent.plans else "agent"
     return Outcome.STUCK, f"the {name} says that it arrived, but it is at {_words(state.pose)}"
 
 
@@ -49,11 +102,12 @@ def tipped_over(state: RobotState) -> Ending | None:
     return Outcome.STUCK, f"tipped over by {tilt} at {_words(state.pose)} after {state.time:.1f} s"
 
 
-def given_up(agent: Agent, state: RobotState) -> Ending | None:
+def given_up(report: AgentReport, state: RobotState) -> Ending | None:
     """What the status of an agent that does not drive on means; None where it goes on later."""
-    status, where = agent.status, _words(state.pose)
-    said = getattr(agent, "message", None)
-    reason = getattr(agent, "error", None) or said
+    status, said = report.status, report.message
+    if status is NavigationStatus.DRIVING:
+        return None
+    where, reason = _words(state.pose), report.error or said
     if status is NavigationStatus.NO_PATH:
         return Outcome.NO_PATH, str(reason or "no path to the goal was found")
     if status is NavigationStatus.PLANNING_TIMED_OUT:

@@ -1,42 +1,72 @@
-"""`make_episode`: the episode of a run that has ended, from its log and from what its agent counted."""
+"""`conclude`: the episode of a run that has ended, from its log and from what its agent counted."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections import Counter
 from collections.abc import Sequence
 
 from trundle.fault import Fault
 from trundle.mission.episode import Episode, Outcome
-from trundle.mission.metrics import compute_metrics
+from trundle.mission.metrics import DroppedBox, Measure, Truth, compute_metrics, near_boxes
 from trundle.mission.observers import RunInfo
-from trundle.mission.running.run_log import RunLog
+from trundle.mission.running.control_loop import ControlLoop
+from trundle.mission.running.endings import RunEnd
+from trundle.mission.running.run_log import AgentTotals, RunLog
 from trundle.mission.steering.directives import GivenDirective
-from trundle.mission.truth import DroppedBox, Measure, Truth, near_boxes
-from trundle.navigation import Agent
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.worlds import World
 
 
-class AgentTotals:
-    """What an agent counts for each goal, summed over a run.
+def conclude(
+    info: RunInfo, log: RunLog, end: RunEnd, loop: ControlLoop | None, *, wall_s: float, measure: Measure | None
+) -> Episode:
+    """Make the episode of a run that has ended.
 
-    Attributes:
-        planning_s: Wall time spent on planning [s].
-        replans: Plans beyond the first ones.
-        standing_reasons: In how many control periods its controller made no progress, by reason.
+    Where its agent's report or the measuring of the surroundings raises, the run ends as an error, without these.
+
+    Args:
+        info: What observers got at the start.
+        log: Its rows, of which there is one at least.
+        end: How it ended; takes what is raised here.
+        loop: Its control loop; None where it ended before there was one.
+        wall_s: Wall time of the loop [s].
+        measure: Measures the surroundings for the metrics; None means that they are not measured.
     """
+    totals, behaviors = AgentTotals(), tuple[BehaviorRun, ...]()
+    if loop is not None:
+        totals = loop.goals.totals
+        try:
+            report = loop.stack.agent.report()
+            totals.add(report)
+            behaviors = tuple(report.behaviors)
+            end.complete = end.complete or loop.goals.was_complete(report)
+        except Exception as error:  # noqa: BLE001 - a run ends properly, whatever its plug-ins do
+            end.fail(error)
 
-    def __init__(self) -> None:
-        self.planning_s = 0.0
-        self.replans = 0
-        self.standing_reasons: Counter[str] = Counter()
+    def make(measure: Measure | None) -> Episode:
+        executor = None if loop is None else loop.executor
+        return make_episode(
+            info if loop is None else loop.goals.info,
+            log,
+            totals,
+            Outcome.ABORTED if end.outcome is None else end.outcome,
+            end.message,
+            goals_reached=0 if loop is None else loop.goals.reached,
+            behaviors=behaviors,
+            directives=() if executor is None else tuple(executor.log),
+            world=info.world,
+            boxes=() if executor is None else executor.boxes,
+            wall_s=wall_s,
+            measure=measure,
+            fault=end.fault,
+            complete=end.complete if end.outcome is Outcome.NO_PATH else None,
+        )
 
-    def add(self, agent: Agent) -> None:
-        """Add the counts for a goal, at its end: the next `set_goal` clears them."""
-        self.planning_s += getattr(agent, "planning_time_s", 0.0)
-        self.replans += getattr(agent, "replans", 0)
-        self.standing_reasons.update(getattr(agent, "standing_reasons", {}))
+    try:
+        return make(measure)
+    except Exception as error:  # noqa: BLE001 - as above
+        end.fail(error)
+        return make(None)
 
 
 def make_episode(

@@ -1,15 +1,16 @@
-"""`RunLog`: what a run leaves behind, from its first state to its metrics."""
+"""`RunLog`: the rows, paths and contacts of a run in progress; `AgentTotals`: what its agent counts."""
 
 from __future__ import annotations
 
 import math
-from collections import deque
+from collections import Counter, deque
 
 import numpy as np
 
 from trundle.geometry import Pose2D, Twist2D
 from trundle.mission.observers import MonitorReport
 from trundle.mission.trajectory import Trajectory
+from trundle.navigation import AgentReport
 from trundle.observation import Estimate
 from trundle.path import Path
 from trundle.robots import Robot
@@ -171,3 +172,24 @@ class RunLog:
 
 def _stands(twist: Twist2D) -> bool:
     return abs(twist.v) < _STANDING_V and abs(twist.w) < _STANDING_W
+
+
+class AgentTotals:
+    """What an agent counts for each goal, summed over a run.
+
+    Attributes:
+        planning_s: Wall time spent on planning [s].
+        replans: Plans beyond the first ones.
+        standing_reasons: In how many control periods its controller made no progress, by reason.
+    """
+
+    def __init__(self) -> None:
+        self.planning_s = 0.0
+        self.replans = 0
+        self.standing_reasons: Counter[str] = Counter()
+
+    def add(self, report: AgentReport) -> None:
+        """Add what an agent reports at the end of a goal: the next `set_goal` clears its counts."""
+        self.planning_s += report.planning_time_s
+        self.replans += report.replans
+        self.standing_reasons.update(report.standing_reasons)

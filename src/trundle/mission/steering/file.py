@@ -12,7 +12,7 @@ from typing import Any, cast
 
 from trundle.errors import InputError, UnknownNameError
 from trundle.files.writing import write_text
-from trundle.mission.record_file import read_json
+from trundle.mission.run_files import read_json
 from trundle.mission.steering.directives import DIRECTIVES, Directive, GivenDirective
 from trundle.values import as_path, check_count, check_number
 

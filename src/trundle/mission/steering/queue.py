@@ -1,4 +1,4 @@
-"""`Steering`: the queue of directives of a run in progress, which any thread may put them into."""
+"""`Steering`: the queue of directives of a run in progress; `TaskWatcher`, which gets what becomes of a goal."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Literal, Protocol, TypeAlias
 
 from trundle.errors import InputError, TrundleError
+from trundle.fault import Fault
 from trundle.mission.steering.directives import DIRECTIVES, Directive, Restart
-from trundle.mission.steering.tasks import TaskWatcher
+from trundle.navigation import NavigationStatus
 from trundle.values import check_count, check_kind
 
 _MOST_RUNS = 10**9
@@ -24,6 +25,47 @@ Refused: TypeAlias = Callable[[str], None]
 
 Applied: TypeAlias = Callable[[], None]
 """Called by the thread that drives the run once a directive was applied."""
+
+
+TaskResult: TypeAlias = Literal["succeeded", "failed", "cancelled", "replaced", "stopped"]
+"""How a task ended: "replaced" by another one, "stopped" as the run ended."""
+
+
+@dataclass(frozen=True, slots=True)
+class TaskEnd:
+    """How a goal, a path or a behavior that a run was given ended.
+
+    Attributes:
+        result: How it ended.
+        message: Why; empty where it succeeded.
+        time: When [s], simulated time.
+        status: What the agent was doing then.
+        error: The planning error behind it, or None.
+        fault: The exception that ended the run, and with it this, as "failed"; None where there was none.
+    """
+
+    result: TaskResult
+    message: str
+    time: float
+    status: NavigationStatus
+    error: TrundleError | None = None
+    fault: Fault | None = None
+
+
+class TaskWatcher(Protocol):
+    """Gets what becomes of a task that was given to a run, from the thread that drives it."""
+
+    def begin(self, time: float) -> None:
+        """The run has taken it up at this simulated time [s]."""
+        ...
+
+    def refuse(self, error: TrundleError) -> None:
+        """The run has not taken it up; the goals that it had stay."""
+        ...
+
+    def end(self, end: TaskEnd) -> None:
+        """It has ended; nothing follows."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)

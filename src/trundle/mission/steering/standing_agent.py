@@ -6,7 +6,7 @@ import numpy as np
 
 from trundle.control.collision import FOOTPRINT_PADDING_M, stopping_poses
 from trundle.geometry import Goal, Pose2D, Twist2D
-from trundle.navigation import NavigationStatus
+from trundle.navigation import Agent, AgentInfo, NavigationStatus
 from trundle.navigation.agent import CONTROL_PERIOD_S
 from trundle.navigation.command_check import AssistedCommand, assist_teleop
 from trundle.observation import Estimate, Observation
@@ -17,7 +17,7 @@ from trundle.worlds import World
 _TURN_STEP_RAD = np.radians(2.0)
 
 
-class StandingAgent:
+class StandingAgent(Agent):
     """An agent that stands, for a robot that is driven by hand without a map.
 
     A command by hand passes if the robot can stop before it touches a solid of the simulated world; where it touches
@@ -42,6 +42,10 @@ class StandingAgent:
         self.dt = period_s
         self.status = NavigationStatus.IDLE
 
+    def info(self) -> AgentInfo:
+        """Say which robot stands."""
+        return AgentInfo(type(self).__name__, robot=self.robot)
+
     def reset(self, *, seed: int = 0) -> None:
         """Do nothing: it keeps nothing of a run."""
 
@@ -52,7 +56,7 @@ class StandingAgent:
         """Return the command to stand."""
         return Twist2D()
 
-    def assist_teleop(self, command: Twist2D, observation: Observation, estimate: Estimate, /) -> AssistedCommand:
+    def assist_teleop(self, command: Twist2D, observation: Observation, estimate: Estimate) -> AssistedCommand:
         """What of a command by hand may be sent in the next control period."""
         checker = self._check_world()
         if checker is None or checker.find(np.array([estimate.pose.as_tuple()])):

@@ -13,7 +13,7 @@ from trundle.control import MonitorSettings
 from trundle.errors import InputError, ScenarioError
 from trundle.geometry import FloatArray
 from trundle.mission import Scenario
-from trundle.mission.assumed import AssumedLimits
+from trundle.mission.fields import AssumedLimits
 from trundle.nav2.parameters import NodeParameters, ParameterFile
 from trundle.nav2.reading.controllers import read_controller
 from trundle.nav2.reading.costmaps import read_costmaps

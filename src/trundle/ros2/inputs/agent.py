@@ -7,7 +7,7 @@ from typing import Any
 from trundle.errors import InputError
 from trundle.geometry import Goal, Twist2D
 from trundle.messages.qos import Qos
-from trundle.navigation import NavigationStatus
+from trundle.navigation import Agent, AgentInfo, NavigationStatus
 from trundle.observation import Estimate, Observation
 from trundle.robots import Robot
 from trundle.ros2.inputs.checks import BadInputError, check_frame, check_stamp, check_twist
@@ -22,7 +22,7 @@ COMMANDS = Qos(10)
 _TWIST, _STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 
 
-class RosAgent:
+class RosAgent(Agent):
     """Drives what other programs command on /cmd_vel, as Twist or as TwistStamped.
 
     A command holds for 0.5 s of simulated time; then the robot stops. Where the last publisher goes, or the transport
@@ -46,7 +46,6 @@ class RosAgent:
         self.robot = robot
         self.dt = profile.control_period_s
         self.status = NavigationStatus.DRIVING
-        self.controller_name = "ros2"
         self._topic = wire.names.resolve(profile.topics.cmd_vel)
         frames = profile.frames
         bases = (frames.base, *frames.also_base)
@@ -70,6 +69,10 @@ class RosAgent:
             self._wire.warnings.note(f"the robot stops, as the other side is lost: {why}")
 
     # The session's thread -------------------------------------------------------------------------------------------
+
+    def info(self) -> AgentInfo:
+        """Say that ROS 2 drives this robot."""
+        return AgentInfo("ros2", robot=self.robot)
 
     def reset(self, *, seed: int = 0) -> None:
         """Forget the last command."""

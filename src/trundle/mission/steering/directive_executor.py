@@ -1,11 +1,10 @@
-"""`Helm`: applies directives to a run, between its control periods."""
+"""`DirectiveExecutor`: applies directives to a run, between its control periods."""
 
 from __future__ import annotations
 
 import time as clock
 from collections import deque
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -13,24 +12,20 @@ from trundle.errors import InputError, TrundleError
 from trundle.fault import Fault, find_fault, is_of_plugin
 from trundle.geometry import Pose2D, Twist2D
 from trundle.mission.episode import Outcome
-from trundle.mission.running.course import Course
+from trundle.mission.metrics import DroppedBox
+from trundle.mission.observers import SteeringReport
 from trundle.mission.running.endings import Ending
+from trundle.mission.running.goal_sequence import GoalSequence
+from trundle.mission.running.robot_stack import RobotStack
 from trundle.mission.steering import directives as kinds
 from trundle.mission.steering.directives import GivenDirective
-from trundle.mission.steering.queue import DEAD_MAN_S, Order, Steering
-from trundle.mission.steering.report import SteeringReport
-from trundle.mission.steering.tasks import RunningTasks
-from trundle.mission.truth import DroppedBox
-from trundle.navigation import Agent
-from trundle.navigation.command_check import AssistedCommand
-from trundle.observation import Estimate, Observation
-from trundle.robots import Robot
+from trundle.mission.steering.queue import DEAD_MAN_S, Order, Steering, TaskEnd, TaskResult, TaskWatcher
+from trundle.navigation import NavigationStatus
+from trundle.navigation.behaviors.behavior import ASKED_FOR
+from trundle.navigation.status import FINAL
 from trundle.sim import RobotState, Simulator, add_solid, world_of
 from trundle.sim.footprint import FootprintChecker
 from trundle.worlds import World
-
-if TYPE_CHECKING:
-    from trundle.mission.observers import MonitorReport
 
 _STAND = Twist2D()
 
@@ -38,17 +33,16 @@ MOST_KEPT = 10_000
 """How many directives are kept of a run without an end."""
 
 
-class Helm:
+class DirectiveExecutor:
     """Applies directives to a run, and keeps what they have set; only the thread that drives the run uses it.
 
     Args:
-        course: The goals of the run.
+        goals: The goals of the run.
+        stack: The robot's software.
         sim: Its simulator.
-        robot: Its robot.
         steering: Where directives come from while it drives; None without any.
         recorded: The directives of an earlier run, which are given again at the same moments.
-        relocate: Tells the localizer where the robot is, and returns what it believes then.
-        place: Puts the robot somewhere else, and returns its state there, and what it believes then.
+        place: Puts the robot somewhere else, and returns its state there.
 
     Attributes:
         run: Number of the run among those of its steering.
@@ -64,17 +58,16 @@ class Helm:
 
     def __init__(
         self,
-        course: Course,
+        goals: GoalSequence,
+        stack: RobotStack,
         sim: Simulator,
-        robot: Robot,
         steering: Steering | None,
         recorded: Sequence[GivenDirective],
-        relocate: Callable[[Pose2D], Estimate],
-        place: Callable[[Pose2D], tuple[RobotState, Estimate]],
+        place: Callable[[Pose2D], RobotState],
     ) -> None:
-        self._tasks = RunningTasks(course)
-        self._relocate, self._place = relocate, place
-        self._course, self._sim, self._robot, self._steering = course, sim, robot, steering
+        self._tasks = RunningTasks(goals, stack)
+        self._place = place
+        self._goals, self._stack, self._sim, self._steering = goals, stack, sim, steering
         self._recorded = deque(recorded)
         self._steps_left = 0
         self._by = ""
@@ -105,12 +98,12 @@ class Helm:
     @property
     def report(self) -> SteeringReport:
         """How the run is steered now."""
-        by, goals = "" if self.manual is None else self._by, self._course.goals
+        by, goals = "" if self.manual is None else self._by, self._goals.goals
         return SteeringReport(self.paused, self.manual, self.held_back, by, self.speed, goals, len(self.boxes))
 
-    def steer(self, index: int, state: RobotState, estimate: Estimate) -> None:
+    def steer(self, index: int, state: RobotState) -> None:
         """Apply what is due after so many control periods, in this state."""
-        self._state, self._estimate = state, estimate
+        self._state = state
         while self.ending is None and self._recorded and self._recorded[0].index <= index:
             given = self._recorded.popleft()
             self._give(Order(given.directive, given.by), index)
@@ -131,15 +124,11 @@ class Helm:
         elif self.ending is None:
             self.ending = Outcome.ABORTED, "the run is paused, and its record has no more directives"
 
-    def assist(self, agent: Agent, observation: Observation, estimate: Estimate) -> Twist2D:
-        """What of the command by hand passes the agent's stop check, if it has one."""
-        wish = self._robot.limits.clamp(self.manual or _STAND)
-        check = getattr(agent, "assist_teleop", None)
-        if not callable(check):
-            return wish
-        passed = cast("AssistedCommand", check(wish, observation, estimate))
-        self.held_back = passed.reason
-        return passed.command
+    def assist(self) -> Twist2D:
+        """What of the command by hand passes the agent's stop check."""
+        assisted = self._stack.assist(self._stack.robot.limits.clamp(self.manual or _STAND))
+        self.held_back = assisted.reason
+        return assisted.command
 
     def stop(self, why: str, time: float, fault: Fault | None = None) -> None:
         """The run has ended at this time [s], by an exception where there is a fault; orders that wait are refused."""
@@ -149,8 +138,9 @@ class Helm:
             if self._steering is not None:
                 self._steering.end(self.run, "the run has ended")
 
-    def finish_period(self, command: Twist2D, report: MonitorReport | None, time: float) -> SteeringReport:
-        """Count a control period that ends at a time [s], with what a monitor did to its command; report it."""
+    def finish_period(self, command: Twist2D, time: float) -> SteeringReport:
+        """Count a control period of this command that ends at a time [s]; report it."""
+        report = self._stack.monitored
         self._tasks.check(time)
         self._steps_left = max(0, self._steps_left - 1)
         if self.manual is None:
@@ -205,33 +195,38 @@ class Helm:
             case kinds.Speed(factor):
                 self.speed = factor
             case kinds.SetGoal(append=append) as given:
-                self._course.set_goal(given.target, state, self._estimate, append=append)
+                self._goals.set_goal(given.target, state, append=append)
                 self._begin_goal(order, state)
             case kinds.SetGoals(through=through) as given:
-                self._course.set_goals(given.targets, state, self._estimate, through=through)
+                self._goals.set_goals(given.targets, state, through=through)
                 self._begin_goal(order, state)
             case kinds.FollowPath() as given:
-                self._course.follow(given.path, state, self._estimate)
+                self._goals.follow(given.path, state)
                 self._begin_goal(order, state)
             case kinds.RunBehavior() as given:
-                self._course.need_navigator("runs no behaviors").run(given.make())
+                self._stack.agent.run(given.make())
+                self._stack.ask_report()
                 self._let_go()
                 self._tasks.begin_behavior(order.watcher, state.time)
             case kinds.Cancel(what):
-                self._course.cancel(behavior_alone=what == "behavior")
+                if what == "behavior":
+                    self._stack.agent.cancel_behavior()
+                    self._stack.ask_report()
+                else:
+                    self._goals.cancel()
                 self._let_go()
                 self._tasks.cancel(state.time, behavior_alone=what == "behavior")
             case kinds.ClearObstacles(region, size):
-                self._course.need_navigator("has no costmap to clear").clear_obstacles(region, size)
+                self._stack.agent.clear_obstacles(region, size)
             case kinds.SetPose() as given:
-                self._estimate = self._relocate(given.target)
+                self._stack.relocate(given.target)
             case kinds.Manual(v, w):
                 self.manual, self._by = Twist2D(v, w), order.by
                 self._hold(order)
             case kinds.Release():
                 if self.manual is not None:
                     self._let_go()
-                    self._course.set_again()
+                    self._goals.set_again()
             case kinds.DropBox() as box:
                 self._drop(box, index, state)
             case kinds.PlaceRobot() as place:
@@ -239,7 +234,7 @@ class Helm:
             case kinds.Restart() as restart:
                 self.restart, self.ending = restart, (Outcome.ABORTED, "ended to start again")
             case kinds.End(why):
-                self.ending = self._course.ended_by_hand(why)
+                self.ending = self._goals.ended_by_hand(why)
 
     def _begin_goal(self, order: Order, state: RobotState) -> None:
         self._let_go()
@@ -248,14 +243,14 @@ class Helm:
     def _pause(self, paused: bool) -> None:
         resumes, self.paused, self._steps_left = self.paused and not paused, paused, 0
         if resumes and self.manual is None:
-            self._course.set_again()
+            self._goals.set_again()
 
     def _let_go(self) -> None:
         self.manual, self._holds_until, self._by = None, None, ""
 
     def _drop(self, box: kinds.DropBox, index: int, state: RobotState) -> None:
         solid = box.solid(self._free_name())
-        checker = FootprintChecker(World("box", (solid,)), self._robot)
+        checker = FootprintChecker(World("box", (solid,)), self._stack.robot)
         if checker.find(np.array([state.pose.as_tuple()])):
             raise InputError(f"a box at ({box.x:.2f}, {box.y:.2f}) would overlap the robot; drop it beside the robot")
         add_solid(self._sim, solid)
@@ -263,14 +258,14 @@ class Helm:
 
     def _put_robot(self, pose: Pose2D) -> None:
         world = world_of(self._sim)
-        touched = [] if world is None else FootprintChecker(world, self._robot).find(np.array([pose.as_tuple()]))
+        touched = [] if world is None else FootprintChecker(world, self._stack.robot).find(np.array([pose.as_tuple()]))
         if touched:
             raise InputError(
                 f"at ({pose.x:.2f}, {pose.y:.2f}, {pose.yaw:.2f}) the robot would touch {touched[0].other}"
             )
-        self._state, self._estimate = self._place(pose)
+        self._state = self._place(pose)
         if self.manual is None:
-            self._course.set_again()
+            self._goals.set_again()
 
     def _free_name(self) -> str:
         """A name that no solid of the world has."""
@@ -280,3 +275,77 @@ class Helm:
         while f"dropped_box_{number}" in taken:
             number += 1
         return f"dropped_box_{number}"
+
+
+class RunningTasks:
+    """The tasks of a run that somebody watches: its goals, and the behavior that was asked for.
+
+    Args:
+        goals: The goals of the run.
+        stack: The robot's software.
+    """
+
+    def __init__(self, goals: GoalSequence, stack: RobotStack) -> None:
+        self._goals, self._stack = goals, stack
+        self._goal: TaskWatcher | None = None
+        self._behavior: TaskWatcher | None = None
+
+    def begin_goal(self, watcher: TaskWatcher | None, time: float) -> None:
+        """The run has another goal; what was running is replaced."""
+        self._end_both("replaced", "there is another goal", time)
+        self._goal = watcher
+        if watcher is not None:
+            watcher.begin(time)
+
+    def begin_behavior(self, watcher: TaskWatcher | None, time: float) -> None:
+        """The run was asked for a behavior; another one that ran is replaced."""
+        self._end_behavior("replaced", "another behavior was asked for", time)
+        self._behavior = watcher
+        if watcher is not None:
+            watcher.begin(time)
+
+    def cancel(self, time: float, *, behavior_alone: bool) -> None:
+        """What runs was cancelled."""
+        self._end_behavior("cancelled", "cancelled", time)
+        if not behavior_alone:
+            self._end_goal("cancelled", "cancelled", time)
+
+    def stop(self, why: str, time: float, fault: Fault | None) -> None:
+        """The run has ended, by an exception where there is a fault."""
+        self._end_both("stopped" if fault is None else "failed", why, time, fault)
+
+    def check(self, time: float) -> None:
+        """End what has ended in the last control period, by what the agent reports."""
+        report = self._stack.report
+        if self._behavior is not None and report.status is not NavigationStatus.BEHAVING:
+            ran = next((run for run in reversed(report.behaviors) if run.reason == ASKED_FOR), None)
+            if ran is not None and ran.result != "running":
+                self._end_behavior("succeeded" if ran.result == "succeeded" else "failed", ran.message, time)
+        if self._goal is None:
+            return
+        if self._goals.is_done and report.status is NavigationStatus.ARRIVED:
+            self._end_goal("succeeded", "", time)
+        elif report.status in FINAL and report.status is not NavigationStatus.ARRIVED:
+            error = report.error
+            self._end_goal("failed", report.message or str(error or report.status.value), time, error)
+
+    def _end_both(self, result: TaskResult, message: str, time: float, fault: Fault | None = None) -> None:
+        self._end_behavior(result, message, time, fault)
+        self._end_goal(result, message, time, fault=fault)
+
+    def _end_goal(
+        self,
+        result: TaskResult,
+        message: str,
+        time: float,
+        error: TrundleError | None = None,
+        fault: Fault | None = None,
+    ) -> None:
+        watcher, self._goal = self._goal, None
+        if watcher is not None:
+            watcher.end(TaskEnd(result, message, time, self._stack.report.status, error, fault))
+
+    def _end_behavior(self, result: TaskResult, message: str, time: float, fault: Fault | None = None) -> None:
+        watcher, self._behavior = self._behavior, None
+        if watcher is not None:
+            watcher.end(TaskEnd(result, message, time, self._stack.report.status, fault=fault))
