@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import replace
 
 from trundle.errors import BehaviorFailedError
 from trundle.geometry import Twist2D
@@ -128,7 +127,7 @@ class BehaviorRunner:
 
     def _context(self, now: Snapshot) -> Snapshot:
         """Return what the behavior gets: another one may have cleared the costmap in this control period."""
-        return now if now.sees == self._sensed.is_active else replace(now, sees=self._sensed.is_active)
+        return now if now.sees == self._sensed.is_active else now._replace(sees=self._sensed.is_active)
 
     def _end(self, result: BehaviorResult, message: str) -> None:
         self._runs.append(self._describe(result, message))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.navigation.behavior_runner import BehaviorRunner
@@ -84,7 +83,7 @@ class GoalQueue:
         ran = self._tasks.step(now, state)
         if ran.command is None:
             return ran.then(self._end_tasks())
-        return ran if ran.status is None else replace(ran, status=None)  # also where it has planned, it is BEHAVING
+        return ran if ran.status is None else ran._replace(status=None)  # also where it has planned, it is BEHAVING
 
     def _end_tasks(self) -> Decision:
         """Drive on to the next goal, or say how a behavior without one ended."""

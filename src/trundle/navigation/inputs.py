@@ -7,8 +7,7 @@ import numbers
 import os
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import cast
+from typing import NamedTuple, cast
 
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.errors import InputError, RobotWarning
@@ -71,8 +70,7 @@ def read_pose(pose: Pose2D | Sequence[float]) -> Pose2D:
     return Pose2D.of(numbers)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Given:
+class Given(NamedTuple):
     """What an update is given.
 
     Attributes:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import replace
 from types import NoneType
 from typing import Literal, overload
 
@@ -264,11 +263,13 @@ class Navigator(NavigatorRequests):
         twist = self._last_command(now) if given.twist is None else credible_twist(given.twist, self.robot)
         if self._state.message and not self._replanner.obstacle.is_blocked and not self._state.is_final:
             self._apply(Decision(message=""))
-        estimate = Estimate(now, pose) if given.estimate is None else given.estimate
-        self._sensed.update(scans, estimate, self.goal)
-        self.tracks = self._tracked.update(scans, estimate)
+        if scans or self._has_scans:  # a robot without scans pays nothing for them
+            self._has_scans = True
+            estimate = Estimate(now, pose) if given.estimate is None else given.estimate
+            self._sensed.update(scans, estimate, self._state.target)
+            self.tracks = self._tracked.update(scans, estimate)
         self._replanner.movers.note(self.tracks, now)
-        self.controller.set_tracks(self.tracks)
+        self._controller.set_tracks(self.tracks)
         fastest = max(self.robot.limits.linear_speed, abs(self._command.v))
         jump_m = self._sensed.jump(pose, fastest * max(0.0, now - self._time))
         if jump_m is not None and self._replanner.followed is not None:
@@ -293,9 +294,10 @@ class Navigator(NavigatorRequests):
 
     def _arrive(self, now: Snapshot, soon: Snapshot) -> Twist2D | None:
         """Stand where there is nothing to do; count goals that are passed, and stop at the one that is reached."""
-        if self._state.target is None or self._state.is_final:
+        if not self._state.ahead or self._state.is_final:
             return _STAND
-        self._apply(self._goal_queue.pass_goals(now.pose, self._state))
+        if len(self._state.ahead) > 1:
+            self._apply(self._goal_queue.pass_goals(now.pose, self._state))
         # The robot has to be there now, and still be there when the command takes effect that stops it.
         if len(self._state.ahead) == 1 and self._is_reached(now) and self._is_reached(soon):
             return self._apply(self._goal_queue.stop_at_goal(soon, self._state))
@@ -325,7 +327,7 @@ class Navigator(NavigatorRequests):
 
     def _control(self, soon: Snapshot) -> tuple[Twist2D, str]:
         """Ask the controller for a command; return it, and why it makes no progress where it says so."""
-        controller, replanner = self.controller, self._replanner
+        controller, replanner = self._controller, self._replanner
         followed = replanner.followed
         limit = self._check.limit_speed(soon, followed)
         if limit is not None:
@@ -362,8 +364,8 @@ class Navigator(NavigatorRequests):
         if self._delayed.delay_s <= 0.0:
             return now
         pose, twist = self._delayed.predict(now.pose, now.twist, now.time)
-        return replace(now, pose=pose, twist=twist)
+        return now._replace(pose=pose, twist=twist)
 
     def _is_reached(self, now: Snapshot) -> bool:
-        goal = self._state.target
-        return goal is not None and self.goal_checker.is_reached(now.pose, now.twist, goal.pose, any_yaw=goal.yaw_free)
+        goal = self._state.ahead[0]
+        return self._routes.goal_checker.is_reached(now.pose, now.twist, goal.pose, any_yaw=goal.yaw_free)

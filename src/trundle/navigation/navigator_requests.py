@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Literal
 
 from trundle.control.latency import DelayedCommands, Latency
@@ -36,13 +35,14 @@ class NavigatorRequests(NavigatorAttributes):
     _time: float
     _clock: float
     _is_held: bool
+    _has_scans: bool
 
     # Goals ----------------------------------------------------------------------------------------------------------
 
     def reset(self, *, seed: int = 0) -> None:
         """Forget the goal and everything about it, and what was sensed."""
         self._clock = 0.0
-        self._is_held = False
+        self._is_held = self._has_scans = False
         self._delayed.clear()
         self._runner.reset()
         self._sensed.reset()
@@ -165,7 +165,7 @@ class NavigatorRequests(NavigatorAttributes):
             self._sensed.contain(here, *(goal.pose for goal in self.ahead))
         made = self._replanner.plan(self._snapshot(self._time, here, _STAND), self._state)
         # The error goes to the caller: `error` is the one of a plan that a drive has made.
-        self._apply(replace(made, error=None, clears_error=False))
+        self._apply(made._replace(error=None, clears_error=False))
         if made.path is None:
             raise made.error or PlanningError("there is no path")
         return made.path.path

@@ -88,12 +88,12 @@ class BlockWatch:
         """Whether the robot has made no progress, given one more command and its twist meanwhile."""
         self._seconds += self._dt
         self._driven.add(twist.v * self._dt)
-        self._turned.add(twist.w * self._dt)
-        self._asked_driven.add(command.v * self._dt)
-        self._asked_turned.add(command.w * self._dt)
         if self._driven.farthest >= _DISTANCE_M:
             self.reset()
             return False
+        self._turned.add(twist.w * self._dt)
+        self._asked_driven.add(command.v * self._dt)
+        self._asked_turned.add(command.w * self._dt)
         if self._seconds < _AFTER_S - 1e-9:
             return False
         turns = self._turned.leads_on

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time as clock
-from dataclasses import replace
 
 from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError, InputError, PlanningError, PlanningStoppedError
@@ -154,7 +153,7 @@ class Replanner:
         if found.path is not None:
             self.tries.succeed(seconds)
             self._failed = None
-        return replace(found, planning_time_s=seconds, planning_expansions=self._routes.expansions)
+        return found._replace(planning_time_s=seconds, planning_expansions=self._routes.expansions)
 
     def _note_failure(self, error: PlanningError, now: Snapshot, state: DriveState, planner: Planner) -> PlanningError:
         """Remember that a plan found no path; return the error that says most about it."""
@@ -285,8 +284,10 @@ class Replanner:
     @property
     def fastest(self) -> float:
         """How fast the robot may drive on [m/s] towards something that moves and blocks its path."""
-        braking = BRAKING_SHARE * self._robot.limits.linear_acceleration
-        return math.sqrt(2.0 * braking * max(0.0, self.obstacle.room_m))
+        room_m = self.obstacle.room_m
+        if room_m == math.inf:
+            return math.inf
+        return math.sqrt(2.0 * BRAKING_SHARE * self._robot.limits.linear_acceleration * max(0.0, room_m))
 
     # Planning again -------------------------------------------------------------------------------------------------
 
@@ -341,9 +342,9 @@ class Replanner:
             self.obstacle.fail()
             self.tries.settle()
             occupied = isinstance(found.error, BlockedPoseError)
-            return replace(found, message=f"blocked: {found.error}") if occupied else found
+            return found._replace(message=f"blocked: {found.error}") if occupied else found
         if not self.obstacle.takes(float(found.path.check.along[-1]), followed.left_m, now.time):
-            return replace(found, path=None)
+            return found._replace(path=None)
         self.obstacle.clear()
         return found
 
@@ -378,12 +379,12 @@ class Replanner:
             return made
         if is_last:
             self.tries.pending = True
-            return replace(made, status=NavigationStatus.NO_PATH)
+            return made._replace(status=NavigationStatus.NO_PATH)
         if not timed_out(made.error):
             self.tries.settle()
             return made
         status = NavigationStatus.PLANNING_TIMED_OUT if self.tries.all_spent else NavigationStatus.BLOCKED
-        return replace(made, status=status, restarts_progress=True)
+        return made._replace(status=status, restarts_progress=True)
 
     def _look_for_better(self, now: Snapshot, state: DriveState) -> Decision:
         """Plan again, unless much was planned of late, and follow the new path if it is cheaper by the margin."""
@@ -395,4 +396,4 @@ class Replanner:
             return found
         left = 0.0 if self.followed is None else self.followed.cost_from(now.costmap, now.pose)
         is_cheaper = found.path.check.cost_from(now.costmap) < (1.0 - self._settings.replan_margin) * left
-        return found if self.followed is None or is_cheaper else replace(found, path=None)
+        return found if self.followed is None or is_cheaper else found._replace(path=None)

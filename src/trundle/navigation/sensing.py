@@ -12,7 +12,7 @@ import numpy as np
 from trundle.costmap import LETHAL, Costmap, CostmapSettings
 from trundle.costmap.layers import LayeredCostmap, LayersSettings
 from trundle.errors import SensorWarning
-from trundle.geometry import Pose2D
+from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import UNKNOWN
 from trundle.observation import Estimate, Scan, Track
@@ -103,7 +103,7 @@ class SensedMap:
             elif not _contains(self.costmap, points):
                 self.costmap = self._static = self._blank(points)
 
-    def update(self, scans: Sequence[Scan], estimate: Estimate, goal: Pose2D | None) -> None:
+    def update(self, scans: Sequence[Scan], estimate: Estimate, goal: Goal | None) -> None:
         """Put scans into the costmap.
 
         Args:
