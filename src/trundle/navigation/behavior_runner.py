@@ -14,7 +14,7 @@ from trundle.navigation.state import NOTHING, Decision, DriveState, Snapshot
 from trundle.planning import Planner
 from trundle.values import check_kind
 
-_MOST_RUNS = 10_000  # a robot on patrol for days keeps only its last runs
+_MOST_RUNS = 10_000  # that are kept: a drive may go on for days
 _HELD_S = 2.0
 """A behavior that was asked for fails where the collision monitor stops the robot for so long."""
 

@@ -22,8 +22,9 @@ _SLOWER = (1.0, 0.75, 0.5, 0.25, 0.1)
 """Shares of a command that are tried, the fastest first: few, as each costs a check of the footprint's sweep."""
 _CREEP_MPS, _CREEP_RADPS = 0.05, 0.2
 """So slowly the robot drives into what it cannot see [m/s, rad/s]; it then stops within a few millimetres."""
-_MARGIN_M = 0.2  # round the robot and its way to stop, so that a cell at the edge is not missed
-_HIDDEN_CELLS = 1.5  # round the footprint: what a robot hides from its own lidars where it stands
+_MARGIN_M = 0.2  # added to what it may touch while it stops, to cut that part out of the costmap
+_HIDDEN_CELLS = 1.5
+"""So many cells round its footprint a robot hides from its lidars; taken as unseen, they made it creep at a start."""
 
 
 class CommandCheck:

@@ -45,7 +45,10 @@ _STAND = Twist2D(0.0, 0.0)
 _STUCK = Decision(_STAND, status=NavigationStatus.STUCK)
 _AUTO = "auto"
 _QUICK_EXPANSIONS = 5_000
-"""Of hybrid A* in a plan round what was sensed, a tenth of a second: there may be no path, which takes it seconds."""
+"""How many nodes hybrid A* may expand in a plan round what was sensed while the robot moves: a tenth of a second.
+
+Where boxes close every path, a search of all poses takes 5 s, in which the robot would drive blindly.
+"""
 
 
 class Navigator(NavigatorRequests):
@@ -68,12 +71,12 @@ class Navigator(NavigatorRequests):
         robot: A robot, a catalogue name or the path of a YAML file.
         planner: A planner, its class, a function, a name, or a `Choice` of name and options; see `PlannerLike`.
         controller: A controller, likewise; see `ControllerLike`.
-        smoother: A smoother of every planned path, likewise; none drives paths as they are planned.
+        smoother: A smoother of every planned path, likewise. If None, paths are driven as they are planned.
         costmap: How the costmap is made of the map.
         keepout: Where the robot must not go: a mask, or the path of its YAML.
         speed_mask: How fast it may drive where: a mask, or the path of its YAML.
-        layers: How scans are put into the costmap; None means the defaults, False that scans are left out.
-        tracking: When something in the scans counts as moving; None means the defaults, False that nothing is
+        layers: How scans are put into the costmap. If None, by the defaults; if False, scans are left out.
+        tracking: When something in the scans counts as moving. If None, the defaults say so; if False, nothing is
             tracked.
         settings: When the goal is reached, when the robot is stuck, and when it plans again.
         recovery: The steps of recovery, by name or as objects, instead of those of the settings.
@@ -198,9 +201,9 @@ class Navigator(NavigatorRequests):
 
         Args:
             pose: Where the robot is now, map frame: a pose or (x, y, yaw).
-            twist: How it moves now, base_link; none means the last command. More than four times its limits is
+            twist: How it moves now, base_link. If None, as the last command says. More than four times its limits is
                 clipped to that, with a `RobotWarning`.
-            time: Now [s], any origin; none means one control period after the last call. With scans, it is on their
+            time: Now [s], any origin. If None, one control period after the last call. With scans, it is on their
                 clock.
             scans: Scans of the robot's lidars that arrived since the last call, oldest first.
             observation: What the robot knows of its surroundings and its motion: it has twist, time and scans.

@@ -13,7 +13,7 @@ from trundle.navigation.behaviors.behavior import BehaviorChoice, BehaviorChoice
 from trundle.navigation.progress import RETRIES
 
 LEAST_FREQUENCY, MOST_FREQUENCY = 0.1, 1000.0
-"""Of control [Hz]."""
+"""The lowest and the highest frequency of control [Hz]."""
 
 
 class NavigatorSettings(Config):

@@ -90,7 +90,7 @@ TRIES = 3
 PAUSE_S = 1.0
 """Between two tries [s]."""
 
-_MOVING_SHARE = 0.25
+_MOVING_SHARE = 0.25  # of the deadline, in which a moving robot drives blindly: 0.5 s by default
 _STANDING_MPS = 0.01
 _STANDING_RADPS = 0.02
 _STOP_WITHIN_S = 3.0  # then it plans all the same: some odometry never says 0
@@ -104,7 +104,8 @@ class PlanningTries:
     one before: a planner that is asked the same again needs as long again.
 
     Args:
-        deadline_s: [s] of the computer's time; none means as long as it takes, and that the robot is never stopped.
+        deadline_s: How long a plan may take [s] of the computer's time. If None, it takes as long as it takes, and the
+            robot is never stopped for it.
 
     Attributes:
         pending: Whether there is a plan to be made before the robot drives on.

@@ -54,9 +54,9 @@ class Retries:
 
 
 _AFTER_S = 0.5
-_AT_LATEST_S = 2.0
-_DISTANCE_M = 0.005
-_ANGLE_RAD = 0.01
+_AT_LATEST_S = 2.0  # for a robot that does not do what it is told: some are slow to start
+_DISTANCE_M, _ANGLE_RAD = 0.005, 0.01
+"""Less counts as standing; not only exactly 0, as a controller may answer 1e-4 m/s for ever."""
 
 
 class BlockWatch:
@@ -129,12 +129,12 @@ class _Sum:
 
     @property
     def leads_on(self) -> bool:
-        """Whether these angles add up to one worth it."""
+        """Whether these angles add up to a turn, and do not cancel each other out."""
         return abs(self._total) >= _ANGLE_RAD and abs(self._total) > 0.5 * self._unsigned
 
 
 _GAIN_M = 0.5  # Nav2's required_movement_radius
-_WITHIN_M, _WITHIN_RAD = 8.0, 4.0 * math.pi
+_WITHIN_M, _WITHIN_RAD = 8.0, 4.0 * math.pi  # long, as backing up and going round what blocks the path gain nothing
 _LONGER_PATHS = 20
 
 

@@ -24,7 +24,10 @@ from trundle.planning.effort import nominal_expansions
 
 _LEAST_S = 1e-3  # what is left of a deadline for the legs of a path
 _ROUND_WITHIN = 0.7
-"""Share of the tolerance of a goal that the robot drives through which rounding a bend there may use."""
+"""Share of the tolerance of a goal that the robot drives through which rounding a bend there may use.
+
+The controller needs the rest: it does not stay on the path exactly.
+"""
 
 
 class RoutePlanner:

@@ -42,6 +42,7 @@ FINAL = frozenset(
 """The robot stands still until there is another goal."""
 
 _S = NavigationStatus
+
 ANY_STATUS_TO: Mapping[NavigationStatus, str] = {
     _S.IDLE: "`reset` or `cancel`",
     _S.DRIVING: "`set_goal`, `set_goals` or `follow`",
