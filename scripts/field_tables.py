@@ -13,7 +13,7 @@ from trundle.evaluation.suite import Suite
 from trundle.files.field_docs import fields_table, json_schema, models_in
 from trundle.mission import Scenario
 from trundle.robots import Robot
-from trundle.robots.schema import robot_schema
+from trundle.robots.file_format import robot_schema
 
 DOCS = Path(__file__).parents[1] / "docs"
 _TABLE = re.compile(r"(<!-- fields: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)

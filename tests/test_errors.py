@@ -75,6 +75,9 @@ def test_every_error_survives_pickle_and_copy_with_its_attributes(kind):
 def test_the_attributes_that_the_docs_name_are_those_that_were_given():
     unknown = pickle.loads(pickle.dumps(MADE[UnknownNameError]()))
     assert (unknown.kind, unknown.name, unknown.choices) == ("planner", "a_star", ("astar", "auto"))
+    hinted = UnknownNameError("planner", "a_star", ["astar"], hint="was renamed; use astar")
+    assert str(hinted) == "planner 'a_star' was renamed; use astar"
+    assert pickle.loads(pickle.dumps(hinted)).hint == "was renamed; use astar"
     missing = pickle.loads(pickle.dumps(MADE[MissingExtraError]()))
     assert (missing.purpose, missing.package, missing.install) == (
         "reading meshes",

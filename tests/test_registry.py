@@ -37,12 +37,9 @@ def test_what_is_made_gets_its_arguments_and_options():
 
 def test_names_of_the_table_ask_for_no_entry_points(monkeypatch):
     monkeypatch.setattr(importlib.metadata, "entry_points", lambda **_: pytest.fail("asked for entry points"))
-    registry = Registry(
-        "shape", "trundle.nothing", {"box": "trundle.geometry.solids:Box"}, removed={"cube": "was renamed; use box"}
-    )
+    registry = Registry("shape", "trundle.nothing", {"box": "trundle.geometry.solids:Box"})
     registry.load("box")
     registry.check("box")
-    assert registry.removal("box") is None
 
 
 def test_checking_a_name_imports_nothing():

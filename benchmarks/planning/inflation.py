@@ -15,7 +15,7 @@ from benchmarks.timing import describe_machine, interleaved_medians, load_peer, 
 
 from trundle import _core
 from trundle.costmap import Costmap
-from trundle.costmap.inflation import cost_table
+from trundle.costmap.costs import cost_table
 from trundle.maps.grid import OccupancyGrid
 
 RESOLUTION = 0.05

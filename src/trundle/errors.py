@@ -80,7 +80,7 @@ class UnknownNameError(InputError):
         kind: What a name stands for ("planner").
         name: The requested name.
         choices: The available names, sorted.
-        hint: For a name from an earlier version: its replacement ("was removed; use …").
+        hint: What to use instead of a name that is none any more ("was renamed; use …"), or None.
     """
 
     def __init__(self, kind: str, name: str, choices: Iterable[str], *, hint: str | None = None) -> None:
@@ -201,5 +201,5 @@ class BehaviorFailedError(TrundleError):
 
 
 def _remake(kind: type[TrundleError], *arguments: object) -> TrundleError:
-    """An error with these `args`, created without `__init__`, whose parameters may differ; attributes are set next."""
+    """Make an error with these `args` without `__init__`, whose parameters may differ; its attributes are set next."""
     return kind.__new__(kind, *arguments)

@@ -74,7 +74,7 @@ _KINDS = (
     ("on_step", "observer"),
     ("update", "localizer"),
 )
-"""What a class is that has this method; the first that fits."""
+"""Kinds of plug-ins by a method that their classes have; the first that fits counts, so the most telling come first."""
 
 _CALLERS = {
     "control": "controller",
@@ -84,7 +84,7 @@ _CALLERS = {
     "sim": "simulator",
     "worlds": "world",
 }
-"""What a function is that this package of trundle calls."""
+"""Kinds of plug-ins by the package of trundle that calls them, for functions."""
 
 _Kind = TypeVar("_Kind")
 
@@ -158,7 +158,7 @@ def find_fault(error: BaseException, parts: Iterable[object] = ()) -> Fault:
 
 
 def keep_fault(error: BaseException, fault: Fault) -> None:
-    """Let `find_fault` return this for the exception from now on."""
+    """Let `find_fault` return this fault for the exception from now on."""
     with suppress(Exception):
         setattr(error, _KNOWN, fault)
 
@@ -183,63 +183,69 @@ def note_folder(error: BaseException, folder: str | os.PathLike[str]) -> None:
 
 
 def folder_of(error: BaseException) -> str | None:
-    """The folder that `note_folder` has noted last, or None."""
+    """Return the folder that `note_folder` has noted last, or None."""
     return next((note.removeprefix(_NOTE) for note in reversed(notes_of(error)) if note.startswith(_NOTE)), None)
 
 
 def notes_of(error: BaseException) -> list[str]:
-    """The notes of an exception that are texts."""
+    """Return the notes of an exception that are texts."""
     notes = getattr(error, "__notes__", None)
     return [note for note in cast("list[object]", notes) if isinstance(note, str)] if isinstance(notes, list) else []
 
 
 def check_result(value: object, kind: type[_Kind], plugin: object, method: str) -> _Kind:
-    """Refuse what a method of a plug-in returned, unless it is of this kind.
+    """Return what a method of a plug-in returned, or refuse it where it is not of this kind.
 
     Raises:
         InputError: If it is not; `find_fault` then names the plug-in.
     """
     if isinstance(value, kind):
         return value
-    for name in ("planner", "controller"):  # what an adapter of trundle calls
-        inner = None if is_foreign(type(plugin)) else getattr(plugin, name, None)
-        plugin = inner if hasattr(inner, method) else plugin
     message = f"{type(plugin).__name__}.{method} must return a {kind.__name__}, got {_short(value)}"
     raise wrong_result(message, plugin, method)
 
 
 def wrong_result(message: str, plugin: object, method: str, *, kind: str = "") -> InputError:
-    """The error for what a plug-in returned, with this message; `find_fault` then names the plug-in.
+    """Make the error for what a plug-in returned, with this message; `find_fault` then names the plug-in.
 
     Args:
         message: What it returned, and what it has to return.
         plugin: The object, or the function that does its work.
         method: The method of the object that returned it.
-        kind: What the function does the work of ("planner"); an object's class tells that by itself.
+        kind: The kind of plug-in that a function is ("planner"); of an object, its class tells that.
     """
     error = InputError(message)
     made = type(plugin)
     if inspect.isfunction(plugin):
-        fault = Fault("InputError", message, kind, plugin.__name__, plugin.__qualname__, *_place_of(plugin))
+        fault = Fault("InputError", message, kind, plugin.__name__, plugin.__qualname__, *place_of(plugin))
         keep_fault(error, fault)
-    elif is_foreign(made):
+    elif is_plugin_class(made):
         function = inspect.unwrap(getattr(made, method, made))
-        place = _place_of(function if inspect.isfunction(function) else made)
+        place = place_of(function if inspect.isfunction(function) else made)
         fault = Fault("InputError", message, _kind_of(made), made.__name__, f"{made.__name__}.{method}", *place)
         keep_fault(error, fault)
     return error
 
 
-def is_foreign(kind: type) -> bool:
-    """Whether a class is neither trundle's nor of Python or of what trundle depends on."""
+def is_plugin_class(kind: type) -> bool:
+    """Whether a class may be a plug-in's: it is neither trundle's nor of Python or of what trundle depends on."""
     top = kind.__module__.partition(".")[0]
     if top in ("trundle", "builtins") or top in LIBRARIES:
         return False
     return not _is_of_python(getattr(sys.modules.get(kind.__module__), "__file__", None) or "")
 
 
+def place_of(code: object) -> tuple[str, int]:
+    """Return the file and first line of a class or a function; the line is 0 where Python does not know it."""
+    try:
+        return inspect.getsourcefile(code) or "", inspect.getsourcelines(code)[1]  # pyright: ignore[reportArgumentType]
+    except (OSError, TypeError):
+        module = sys.modules.get(getattr(code, "__module__", ""))
+        return getattr(module, "__file__", None) or "", 0
+
+
 def text_of(error: BaseException) -> str:
-    """What an exception says, which every file can hold, however odd its class is."""
+    """Return what an exception says, as a text that every file can hold, however odd its class is."""
     try:
         said = str(error)
     except Exception as problem:  # noqa: BLE001 - classes of other people may do anything
@@ -248,7 +254,7 @@ def text_of(error: BaseException) -> str:
 
 
 def one_line(text: str, most: int = 300) -> str:
-    """A text in one line of at most so many characters."""
+    """Shorten a text to one line of at most so many characters."""
     line = " ".join(text.split())
     return line if len(line) <= most else f"{line[: most - 1]}…"
 
@@ -260,7 +266,7 @@ _Found = tuple[str, str, str, str, int]
 
 
 def _find_frame(trace: list[tuple[FrameType, int]]) -> _Found | None:
-    """The code of others that trundle called, and the innermost place in it."""
+    """Find the code of others that trundle called, and the innermost place in it."""
     caller, first = "", None
     for index, (frame, _) in enumerate(trace):
         if _is_of_trundle(frame):
@@ -283,14 +289,14 @@ def _find_frame(trace: list[tuple[FrameType, int]]) -> _Found | None:
 
 
 def _find_class(frames: list[FrameType], error: BaseException, parts: Iterable[object]) -> _Found:
-    """A class of others whose inherited method raised, or one of compiled code, which leaves no frame."""
+    """Find a class of others whose inherited method raised, or one of compiled code, which leaves no frame."""
     if isinstance(error, InputError):
         return "", "", "", "", 0
     owners = [type(owner) for frame in reversed(frames) if (owner := _self_of(frame)) is not None]
     compiled = [type(part) for part in parts if _is_compiled(type(part))]
     for made in (*owners, *compiled):
-        if is_foreign(made):
-            return _kind_of(made), made.__name__, made.__name__, *_place_of(made)
+        if is_plugin_class(made):
+            return _kind_of(made), made.__name__, made.__name__, *place_of(made)
     return "", "", "", "", 0
 
 
@@ -318,7 +324,7 @@ def _module(frame: FrameType) -> str:
 
 
 def _package(frame: FrameType) -> str:
-    """The package of trundle that a frame is in."""
+    """Return the name of the package of trundle that a frame is in."""
     return _module(frame).partition(".")[2].partition(".")[0]
 
 
@@ -327,13 +333,13 @@ def _qualname(frame: FrameType) -> str:
 
 
 def _self_of(frame: FrameType) -> object | None:
-    """The object whose method a frame is."""
+    """Return the object whose method a frame runs; None for functions."""
     code = frame.f_code
     return frame.f_locals.get("self") if code.co_argcount and code.co_varnames[0] == "self" else None
 
 
 def _name(frame: FrameType, caller: str) -> tuple[str, str]:
-    """Kind and name of the plug-in whose code a frame is; `caller` is the package of trundle that called it."""
+    """Return kind and name of the plug-in whose code a frame runs, called by the package `caller` of trundle."""
     owner = _self_of(frame)
     if owner is not None:
         return _kind_of(type(owner), caller), type(owner).__name__
@@ -348,15 +354,6 @@ def _kind_of(made: type, caller: str = "") -> str:
 def _is_compiled(made: type) -> bool:
     file = getattr(sys.modules.get(made.__module__), "__file__", None) or ""
     return bool(file) and not file.endswith(".py")
-
-
-def _place_of(code: object) -> tuple[str, int]:
-    """File and first line of a class or a function."""
-    try:
-        return inspect.getsourcefile(code) or "", inspect.getsourcelines(code)[1]  # pyright: ignore[reportArgumentType]
-    except (OSError, TypeError):
-        module = sys.modules.get(getattr(code, "__module__", ""))
-        return getattr(module, "__file__", None) or "", 0
 
 
 # Texts ----------------------------------------------------------------------------------------------------------------

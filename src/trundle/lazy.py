@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 
 
 def lazy_names(package: str, homes: Mapping[str, str]) -> Callable[[str], object]:
-    """A `__getattr__` for a package, which imports the module of a name when the name is first used.
+    """Make a `__getattr__` for a package, which imports the module of a name when the name is first used.
 
     Args:
         package: The package's `__name__`.

@@ -18,8 +18,8 @@ from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D, Twist2D, wrap_angle
 from trundle.values import as_array, as_number, check_kind
 
-_KEPT_S = 10.0
-_FORWARD_S = 0.1
+_KEPT_S = 10.0  # scans are older than this only if they are useless
+_FORWARD_S = 0.1  # a scan may end a little after the last estimate; farther ahead a motion is anybody's guess
 _SAME_FRAME = Pose2D(0.0, 0.0)
 
 
@@ -34,11 +34,11 @@ class Scan:
         lidar: Name of the lidar.
         time: When its first beam was measured [s], on the clock of the run.
         mount: Pose of the sensor in base_link.
-        height: Of its beams above the floor [m].
+        height: Height of its beams above the floor [m].
         angles: Directions of the beams in the sensor's frame [rad], shape (N,), read-only.
         ranges: [m], shape (N,), read-only.
         range_min, range_max: Shortest and longest range that it measures [m].
-        time_increment: From one beam to the next [s]; 0 where all are measured at once.
+        time_increment: Time from one beam to the next [s]; 0 where all are measured at once.
 
     Raises:
         InputError: If angles and ranges are not of one length, a direction is not finite, a range is negative but
@@ -87,7 +87,7 @@ class Scan:
         return f"Scan({self.lidar!r}, {self.time:g} s, {len(self.ranges)} beams, {hits} hits)"
 
     def points(self) -> FloatArray:
-        """Where its beams with a return ended, base_link at the scan's time [m], shape (hits, 2).
+        """Return where its beams with a return ended, base_link at the scan's time [m], shape (hits, 2).
 
         Ranges outside of `range_min` to `range_max` are left out.
         """
@@ -121,9 +121,9 @@ class Estimate:
     """Where a robot believes to be.
 
     Attributes:
-        time: Of the estimate [s].
+        time: Time of the estimate [s].
         pose: Pose of base_link in the map frame.
-        covariance: Of (x, y, yaw) [m², rad²], shape (3, 3); None if it is not known.
+        covariance: Covariance of (x, y, yaw) [m², rad²], shape (3, 3), or None if it is not known.
         T_map_odom: Pose of the odom frame in the map frame: what a localizer corrects.
     """
 
@@ -147,11 +147,11 @@ class Track:
 
     Attributes:
         id: Number of the track; one track keeps it.
-        time: Of the state [s], on the clock of the scans.
+        time: Time of the state [s], on the clock of the scans.
         x, y: Centre [m], in the frame of the tracks that it belongs to: odom from a tracker, map from a navigator.
         vx, vy: Velocity of the centre in that frame [m/s].
-        covariance: Of (x, y, vx, vy) [m², m²/s, m²/s²], shape (4, 4), read-only.
-        radius: Of a circle around the centre that has the width that was seen [m].
+        covariance: Covariance of (x, y, vx, vy) [m², m²/s, m²/s²], shape (4, 4), read-only.
+        radius: Radius of a circle around the centre that has the width that was seen [m].
         confirmed: Whether scans have shown that it moves: it entered space, or left space, that was seen free. What is
             not confirmed may be part of a wall.
         moving: Whether it is confirmed and moves now.
@@ -170,16 +170,16 @@ class Track:
 
     @property
     def speed(self) -> float:
-        """[m/s]."""
+        """Speed of the centre [m/s]."""
         return math.hypot(self.vx, self.vy)
 
     def at(self, time: float) -> tuple[float, float]:
-        """Where its centre is at a time [s], at constant velocity."""
+        """Return where its centre is at a time [s], at constant velocity."""
         seconds = time - self.time
         return self.x + seconds * self.vx, self.y + seconds * self.vy
 
     def seen_from(self, frame: Pose2D) -> Track:
-        """The same in the frame in which its frame has this pose: `track.seen_from(T_map_odom)` is in the map frame."""
+        """Return the track in the frame where its own has this pose: with `T_map_odom`, that is the map frame."""
         if frame == _SAME_FRAME:
             return self
         cos, sin = math.cos(frame.yaw), math.sin(frame.yaw)
@@ -229,11 +229,11 @@ class PoseBuffer:
 
     @property
     def last_time(self) -> float | None:
-        """Time of the newest pose [s]; None without one."""
+        """Time of the newest pose [s], or None without a pose."""
         return self._times[-1] if self._times else None
 
     def at(self, time: float) -> Pose2D | None:
-        """Pose at a time [s]; None before the first pose and more than 0.1 s after the last one."""
+        """Return the pose at a time [s]; None before the first pose and more than 0.1 s after the last one."""
         if self._last_answer is not None and self._last_answer[0] == time:  # lidars often measure at one time
             return self._last_answer[1]
         times = self._times
@@ -254,7 +254,7 @@ class PoseBuffer:
 
 
 def check_scans(scans: Sequence[Scan]) -> tuple[Scan, ...]:
-    """Take scans that come from outside.
+    """Return scans that come from outside, checked.
 
     Raises:
         InputError: If they are no sequence of scans.

@@ -110,6 +110,6 @@ class Path:
 
 
 def _pose(numbers: list[float]) -> Pose2D:
-    """A pose of a path, whose yaws may add up over its turns."""
+    """Return a pose of a path, with its yaw wrapped: yaws may add up over the turns of a path."""
     x, y, yaw = numbers
     return Pose2D(x, y, wrap_angle(yaw))

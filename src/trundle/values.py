@@ -17,7 +17,7 @@ _Item = TypeVar("_Item", bound=np.generic)
 
 
 def as_number(value: object, what: str) -> float:
-    """Take a number as a float, NaN and infinity included; text is refused, even if it could be parsed as a number.
+    """Return a number as a float, NaN and infinity included; text is refused, even if it could be parsed as one.
 
     Raises:
         InputError: If it is not a number.
@@ -31,7 +31,7 @@ def as_number(value: object, what: str) -> float:
 
 
 def finite_number(value: object) -> float | None:
-    """A finite real number as a float; None for text, bools, NaN, infinity and integers that no float can hold."""
+    """Return a finite real number as a float; None for text, bools, NaN, infinity and integers too large for it."""
     if not isinstance(value, numbers.Real) or isinstance(value, bool):
         return None
     try:
@@ -42,12 +42,12 @@ def finite_number(value: object) -> float | None:
 
 
 def is_finite_number(value: object) -> TypeGuard[float]:
-    """Whether this is a finite number, and neither text nor a bool."""
+    """Return whether this is a finite number, and neither text nor a bool."""
     return finite_number(value) is not None
 
 
 def show_value(value: object, most: int = 80) -> str:
-    """A value for a message, shortened; Python refuses to write integers of more than 4300 digits."""
+    """Shorten a value for a message; Python refuses to write integers of more than 4300 digits."""
     try:
         text = repr(value)
     except ValueError:
@@ -56,7 +56,7 @@ def show_value(value: object, most: int = 80) -> str:
 
 
 def check_number(name: str, value: object, least: float, most: float, unit: str = "") -> float:
-    """A number from `least` to `most` as a float.
+    """Return a number from `least` to `most` as a float.
 
     Raises:
         InputError: If it is not such a number, or NaN.
@@ -69,7 +69,7 @@ def check_number(name: str, value: object, least: float, most: float, unit: str 
 
 
 def check_count(name: str, value: object, least: int, most: int) -> int:
-    """An integer from `least` to `most`.
+    """Return an integer from `least` to `most`, checked.
 
     Raises:
         InputError: If it is not.
@@ -80,7 +80,7 @@ def check_count(name: str, value: object, least: int, most: int) -> int:
 
 
 def check_flag(name: str, value: object) -> bool:
-    """A bool.
+    """Return a bool, checked.
 
     Raises:
         InputError: If it is not a bool.
@@ -100,7 +100,7 @@ def check_kind(value: object, kinds: type | tuple[type, ...], what: str, advice:
 
 
 def as_path(value: object, what: str, error: type[TrundleError] = InputError) -> str:
-    """Take the path of a file, a str or a `pathlib.Path`, as text.
+    """Return the path of a file, a str or a `pathlib.Path`, as text.
 
     Raises:
         TrundleError: Of the type `error`, if it is neither.
@@ -112,7 +112,7 @@ def as_path(value: object, what: str, error: type[TrundleError] = InputError) ->
 
 
 def as_sequence(values: Sequence[float] | object, what: str = "a pose") -> Sequence[float]:
-    """Take lists, tuples and one-dimensional arrays.
+    """Return the numbers of a list, a tuple or a one-dimensional array.
 
     Raises:
         InputError: If it is anything else.
@@ -125,7 +125,7 @@ def as_sequence(values: Sequence[float] | object, what: str = "a pose") -> Seque
 def as_array(
     values: object, kind: type[_Item], what: str, error: type[InputError] = InputError, *, copy: bool = True
 ) -> npt.NDArray[_Item]:
-    """Take an array, or lists of numbers, as an array of this type; a copy, or with `copy=False` only if needed.
+    """Return an array, or lists of numbers, as an array of this type: a copy, or with `copy=False` only if needed.
 
     Raises:
         InputError: If lists are ragged, or hold something that is not a number.
@@ -137,7 +137,7 @@ def as_array(
 
 
 def check_seed(seed: object) -> int:
-    """Take a seed.
+    """Return a seed, checked.
 
     Raises:
         InputError: If it is not an integer of 0 or more.
@@ -148,5 +148,5 @@ def check_seed(seed: object) -> int:
 
 
 def first_names(names: Sequence[str], most: int = 5) -> str:
-    """The first names, and how many more there are, for a message."""
+    """List the first names, and how many more there are, for a message."""
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

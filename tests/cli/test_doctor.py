@@ -7,7 +7,7 @@ from support.command_line import Trundle
 from trundle.doctor import check_machine
 from trundle.errors import RobotWarning
 from trundle.robots import Robot
-from trundle.robots.new import describe_robot
+from trundle.robots.file_format import describe_robot
 
 
 @pytest.fixture

@@ -177,8 +177,6 @@ def test_a_seed_among_the_settings_is_the_worlds(trundle: Trundle, tmp_path: Pat
         (("warehouse", "--set", "isle=2"), "isle"),
         (("warehouse", "--robot", "nova_cartr"), "Did you mean 'nova_carter'?"),
         (("warehouse", "--planner", "lest_cost"), "Did you mean 'least_cost'?"),
-        (("warehouse", "--planner", "jps"), "'jps' was removed; use astar with method='jps'"),
-        (("warehouse", "--controller", "blog"), "'blog' was renamed; use lookahead"),
         (("warehouse", "--controller", "lookahed"), "Did you mean 'lookahead'?"),
         (("warehouse", "--backend", "kinematics"), "Did you mean 'kinematic'?"),
         (("warehouse", "--seed", "-1"), "seed"),

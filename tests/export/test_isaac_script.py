@@ -21,7 +21,7 @@ from trundle.mission import Scenario
 from trundle.navigation import Navigator
 from trundle.path import Path as Plan
 from trundle.robots import Robot
-from trundle.usd.isaac_physics import TIMESTEP
+from trundle.usd import TIMESTEP
 from trundle.worlds import World
 
 __all__ = ["assets", "fake", "make_fake"]

@@ -16,7 +16,7 @@ from trundle.geometry.solids import Box, Solid, Sphere
 from trundle.robots import Robot, robot_names
 from trundle.sim import simulate
 from trundle.sim.mujoco.robot_parts import Servo, chassis_inertial
-from trundle.usd.isaac_physics import GROUND_OFFSET
+from trundle.usd import GROUND_OFFSET
 from trundle.worlds import World
 
 START = Pose2D(1.5, -2.25, 2.0)

@@ -12,8 +12,7 @@ from trundle.errors import InputError
 from trundle.files.field_docs import describe_fields, json_schema, models_in
 from trundle.mission import Scenario
 from trundle.robots import Robot, robot_names
-from trundle.robots.new import describe_robot, plain_robot
-from trundle.robots.schema import robot_schema
+from trundle.robots.file_format import describe_robot, plain_robot, robot_schema
 from trundle.sim import simulate
 from trundle.worlds import World
 

@@ -8,8 +8,8 @@ from hypothesis.extra import numpy as hnp
 
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid, find_file_losses
+from trundle.maps.cells import VALUES, count_values, from_ranks, to_ranks
 from trundle.maps.ros_writer import choose_mode, read_back
-from trundle.maps.values import VALUES, count_values, from_ranks, to_ranks
 
 cells = hnp.arrays(np.int8, hnp.array_shapes(min_dims=2, max_dims=2, max_side=12), elements=st.integers(-1, 100))
 

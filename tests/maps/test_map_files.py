@@ -132,7 +132,7 @@ def test_a_failure_leaves_the_old_map_and_nothing_else(
     def fail(*_: object, **__: object) -> None:
         raise OutputError("disk full")
 
-    monkeypatch.setattr(f"trundle.maps.map_files.{step}", fail)
+    monkeypatch.setattr(f"trundle.maps.ros_writer.{step}", fail)
     with pytest.raises(OutputError):
         RAMP.save(tmp_path / "map.yaml", mode="raw")
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before

@@ -11,7 +11,7 @@ from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
 from trundle.navigation import replanner as module
 from trundle.navigation.status import FINAL
 from trundle.planning import Cancellation, create_planner
-from trundle.planning.effort import nominal_expansions
+from trundle.planning.cancellation import nominal_expansions
 from trundle.planning.grid_planners.least_cost import LeastCostPlanner
 from trundle.sim import simulate
 

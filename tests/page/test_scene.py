@@ -17,7 +17,7 @@ from trundle.page.scene import solid_instances
 from trundle.robots import Robot, robot_names
 from trundle.worlds import World
 from trundle.worlds.movers import Crowd, Mover, Waypoints
-from trundle.worlds.movers.bodies import person_body
+from trundle.worlds.movers.mover import person_body
 
 TETRAHEDRON = Mesh(
     np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]),

@@ -269,7 +269,6 @@ def test_a_map_that_cannot_be_searched_is_an_input_error(blocked, words):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"method": "theta_star"}, "'method' was removed; leave it out"),
         ({"deadline_s": 0}, "positive number of seconds"),
         ({"cancel": 1}, "must be a Cancellation"),
     ],

@@ -11,7 +11,7 @@ from trundle.geometry import Pose2D
 from trundle.maps.grid import OccupancyGrid
 from trundle.path import Path
 from trundle.planning import GridSearch, create_planner
-from trundle.planning.grid.kept_search import KeptSearch
+from trundle.planning.grid_planners.binary_planner import KeptSearch
 
 METHODS = ("auto", "jps", "astar")
 SMALL = ((0.1, 0.1), (-0.1, 0.1), (-0.1, -0.1), (0.1, -0.1))

@@ -12,7 +12,7 @@ from trundle.errors import BlockedPoseError
 from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.planning import create_planner
-from trundle.planning.queries.blocked_end import MOST_POSES, REACH_CELLS, find_nearest
+from trundle.planning.queries.ends import MOST_POSES, REACH_CELLS, find_nearest
 from trundle.robots import Robot
 
 CARTER = Robot.load("nova_carter")

@@ -10,8 +10,7 @@ from trundle.maps import OccupancyGrid
 from trundle.path import Path
 from trundle.planning import PathCheck, create_planner
 from trundle.planning.cancellation import Patience
-from trundle.planning.grid_planners.detours import Detours
-from trundle.planning.grid_planners.tight_places import TightPlaces
+from trundle.planning.grid_planners.detours import Detours, TightPlaces
 from trundle.planning.motions import fit_motions, motions_along
 from trundle.robots import Robot
 

@@ -55,8 +55,6 @@ def test_an_end_that_is_no_cell_is_an_input_error(cell):
         (np.zeros((2, 2), bool), {"connectivity": 6}, "connectivity is 4 or 8"),
         (np.zeros((2, 2), bool), {"method": "jsp"}, "method is one of"),
         (np.zeros((2, 2), bool), {"method": "jps", "connectivity": 4}, "for connectivity 8"),
-        (np.zeros((2, 2), bool), {"method": "jps_plus"}, "'jps_plus' was removed; use 'jps'"),
-        (np.zeros((2, 2), bool), {"landmarks": 8}, "'landmarks' was removed; leave it out"),
     ],
 )
 def test_a_map_that_cannot_be_searched_is_an_input_error(blocked, options, words):

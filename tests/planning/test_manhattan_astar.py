@@ -3,7 +3,7 @@ import pytest
 
 from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError, NoPathError, OutsideMapError
-from trundle.geometry import Pose2D
+from trundle.geometry import Goal, Pose2D
 from trundle.maps.grid import OccupancyGrid
 from trundle.planning.grid_planners.manhattan_astar import ManhattanAstarPlanner
 
@@ -21,6 +21,24 @@ def test_it_goes_along_rows_and_columns_at_unit_cost():
     assert path.planner == "manhattan_astar"
     steps = np.abs(np.diff(path.poses[:, :2], axis=0))
     assert (steps.min(axis=1) < 1e-9).all()
+
+
+def test_it_ends_as_it_arrives_where_any_yaw_will_do():
+    costmap = costmap_of(np.zeros((30, 30)))
+    path = ManhattanAstarPlanner().plan(costmap, Pose2D(0.55, 2.05), Goal(0.55, 0.55))
+    assert path.goal.as_tuple() == pytest.approx((0.55, 0.55, -np.pi / 2))
+    assert path.poses[-1, 2] == path.poses[-2, 2]  # no turn in place at the end
+    here = ManhattanAstarPlanner().plan(costmap, Pose2D(0.55, 0.55, 2.0), Goal(0.55, 0.55))
+    assert (here.start.yaw, here.goal.yaw) == (2.0, 2.0)
+
+
+def test_a_partial_path_ends_as_it_arrives_where_any_yaw_will_do():
+    data = np.zeros((20, 20))
+    data[10, :] = 100
+    planner = ManhattanAstarPlanner(allow_partial=True)
+    path = planner.plan(costmap_of(data), Pose2D(1.05, 0.35), Goal(1.05, 1.55))
+    assert path.status == "partial"
+    assert path.goal.as_tuple() == pytest.approx((1.05, 0.95, np.pi / 2))
 
 
 def test_it_scrapes_along_walls_and_goes_through_gaps_of_one_cell():

@@ -14,8 +14,9 @@ from trundle.maps import OccupancyGrid
 from trundle.navigation import Navigator
 from trundle.path import Path
 from trundle.planning import Cancellation, create_planner, plan_many, planner_names
+from trundle.planning.auto import AutoPlanner
 from trundle.planning.grid_planners.least_cost import LeastCostPlanner
-from trundle.planning.planner_adapter import PlannerAdapter
+from trundle.planning.planner import PlannerAdapter
 from trundle.robots import Robot
 
 CARTER = Robot.load("nova_carter")
@@ -115,6 +116,32 @@ def test_a_wrapper_with_kwargs_is_handed_all_of_them():
     assert wrapper.given["deadline_s"] == 2.0
     # It ends as it arrives: with a yaw it would have turned to it.
     assert path.goal.yaw == pytest.approx(np.arctan2(1.5, 2.0))
+
+
+def test_a_planner_makes_no_quick_one_unless_it_says_so():
+    class Careful(Plain):
+        def make_quick(self):
+            return Plain
+
+    assert create_planner(Plain()).make_quick() is None
+    assert create_planner("least_cost").make_quick() is None
+    quick = create_planner(Careful()).make_quick()
+    assert isinstance(quick.planner, Plain)
+    assert quick.plan(costmap(), START, GOAL, **EVERY).goal == GOAL
+
+
+def test_auto_makes_a_quick_one_with_its_options_unless_its_effort_was_chosen():
+    quick = create_planner("auto", goal_tolerance=0.0).make_quick()
+    assert quick._goal_tolerance == 0.0
+    assert [search.max_expansions for search in quick._searches] == [5_000, 5_000]
+    assert quick.make_quick() is None
+    assert create_planner("auto", max_expansions=100).make_quick() is None
+
+    class Mine(AutoPlanner):
+        def __init__(self, colour="red"):
+            super().__init__()
+
+    assert create_planner(Mine, colour="blue").make_quick() is None
 
 
 def test_a_wrapper_made_by_a_decorator_shows_what_it_wraps():

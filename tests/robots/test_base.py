@@ -8,7 +8,8 @@ from trundle.geometry import Pose2D
 from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.worlds import World
-from trundle.worlds.generators.props import PALLET_SIZE, pallet, place
+from trundle.worlds.generators.clutter import PALLET_SIZE, pallet
+from trundle.worlds.generators.props import place
 
 LOW = "base: nova_carter\nlidars:\n  low: {x: 0.13, y: 0.0, z: 0.1, fov: 180deg}\n"
 

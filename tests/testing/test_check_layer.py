@@ -31,7 +31,7 @@ class Silent(ObstacleLayer):
 
 class Forgetless(ObstacleLayer):
     def reset(self):
-        self._gate.reset()
+        self._filter.reset()
 
 
 class Careless(ObstacleLayer):

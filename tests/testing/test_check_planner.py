@@ -7,7 +7,7 @@ from trundle.costmap import Costmap
 from trundle.errors import NoPathError, PlanningStoppedError
 from trundle.geometry import Goal, Pose2D
 from trundle.path import Path
-from trundle.planning import create_planner
+from trundle.planning import Cancellation, create_planner
 from trundle.planning.grid_planners.least_cost import LeastCostPlanner
 from trundle.testing import ConformanceError, check_planner
 
@@ -107,6 +107,58 @@ class WrongStatusPlanner(LeastCostPlanner):
         return super().plan(costmap, start, goal, cancel=cancel, **keywords)
 
 
+class NothingCountedPlanner(LeastCostPlanner):
+    """Counts that it expanded nothing."""
+
+    def plan(self, costmap, start, goal, *, cancel=None, **keywords):
+        path = super().plan(costmap, start, goal, cancel=None if cancel is None else Cancellation(), **keywords)
+        if cancel is not None:
+            if cancel.cancelled:
+                raise PlanningStoppedError("stopped", status="cancelled")
+            cancel.count(0)
+        return path
+
+
+class QuickToRefusePlanner(LeastCostPlanner):
+    """Its quick planner says that there is no path."""
+
+    def make_quick(self):
+        return RefusingPlanner()
+
+
+class RefusingPlanner(LeastCostPlanner):
+    def plan(self, costmap, start, goal, **keywords):
+        raise NoPathError("there is none")
+
+
+class QuickThroughWallsPlanner(LeastCostPlanner):
+    """Its quick planner drives straight on."""
+
+    def make_quick(self):
+        return StraightPlanner()
+
+
+class QuickNumberPlanner(LeastCostPlanner):
+    """Its quick planner is none."""
+
+    def make_quick(self):
+        return 3
+
+
+class QuickPlanner(LeastCostPlanner):
+    """Its quick planner is a function of the least arguments, which gives up."""
+
+    def make_quick(self):
+        def give_up(costmap, start, goal):
+            raise PlanningStoppedError("it takes too long", status="exhausted")
+
+        return give_up
+
+
+def test_a_planner_may_make_a_quick_one():
+    check_planner(QuickPlanner)
+
+
 @pytest.mark.parametrize(
     ("planner", "message"),
     [
@@ -120,6 +172,10 @@ class WrongStatusPlanner(LeastCostPlanner):
         (YawOnlyPlanner, r"no path from .* to Goal\(x=8.0, y=1.0\)"),
         (HastyPlanner, "a deadline that is far off changes the path"),
         (WrongStatusPlanner, "status 'cancelled'"),
+        (NothingCountedPlanner, "one or more in each plan; it counted 0"),
+        (QuickToRefusePlanner, "make_quick may give up .* there is none"),
+        (QuickThroughWallsPlanner, "goes through occupied"),
+        (QuickNumberPlanner, "is no planner"),
     ],
 )
 def test_a_planner_that_breaks_a_promise_learns_which(planner, message):

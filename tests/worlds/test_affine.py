@@ -5,8 +5,16 @@ from hypothesis import strategies as st
 
 from trundle.geometry import Pose3D
 from trundle.geometry.solids import Box, Cylinder, Mesh, Solid, Sphere
-from trundle.worlds.affine import FlattenedError, as_mesh, place, pose_of, split
-from trundle.worlds.tessellate import box_mesh, capsule_mesh, cone_mesh, cylinder_mesh, frustum_mesh, sphere_mesh
+from trundle.worlds.affine import FlattenedError, place, pose_of, split
+from trundle.worlds.tessellate import (
+    as_mesh,
+    box_mesh,
+    capsule_mesh,
+    cone_mesh,
+    cylinder_mesh,
+    frustum_mesh,
+    sphere_mesh,
+)
 
 TURN = Pose3D(quaternion=(0.3, -0.5, 0.7, 0.2)).rotation()
 SHEAR = np.array([[1.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])

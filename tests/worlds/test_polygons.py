@@ -4,8 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from trundle.geometry import Pose3D
-from trundle.worlds.hull import convex_hull
-from trundle.worlds.polygons import triangulate
+from trundle.worlds.tessellate import convex_hull, triangulate
 
 
 def area(points, faces):

@@ -11,7 +11,7 @@ from trundle.geometry import Pose3D
 from trundle.geometry.solids import Box, Cylinder, Mesh, Sphere
 from trundle.maps import OccupancyGrid
 from trundle.worlds import World
-from trundle.worlds.gazebo.values import VERSIONS
+from trundle.worlds.gazebo.elements import VERSIONS
 
 CUBE = "<geometry><box><size>1 2 3</size></box></geometry>"
 

@@ -45,7 +45,7 @@ def new(
     """
     from trundle.files.writing import write_text
     from trundle.robots import Robot
-    from trundle.robots.new import check_name, describe_robot, plain_robot
+    from trundle.robots.file_format import check_name, describe_robot, plain_robot
 
     target = options.new_yaml_file(out or Path(f"{check_name(name)}.yaml"), f"{name}.yaml", overwrite=overwrite)
     robot = plain_robot(name) if urdf is None else Robot.from_model(urdf, name=name, paths=options.join_paths(paths))
@@ -58,7 +58,7 @@ def new(
 @app.command
 def schema() -> int:
     """Print the JSON Schema of robot files, for editors that validate YAML."""
-    from trundle.robots.schema import robot_schema
+    from trundle.robots.file_format import robot_schema
 
     output.print_json(robot_schema())
     return 0

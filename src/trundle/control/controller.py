@@ -27,7 +27,6 @@ CONTROLLERS: Registry[Controller] = Registry(
         "lookahead": "trundle.control.lookahead:LookaheadFollower",
         "mppi": "trundle.control.mppi.controller:MppiController",
     },
-    removed={"blog": "was renamed; use lookahead"},
     contract=Contract(
         {"set_path": "path", "compute_velocity": "pose, twist, costmap, dt"},
         function=("pose", "twist", "costmap", "dt", "path"),

@@ -4,7 +4,16 @@
 """
 
 from trundle.costmap.costmap import Costmap
-from trundle.costmap.inflation import FREE_SPACE, INSCRIBED, LETHAL, NO_INFORMATION
+from trundle.costmap.costmap_settings import CostmapSettings
+from trundle.costmap.costs import (
+    DEFAULT_UNKNOWN_COST,
+    FREE_SPACE,
+    INSCRIBED,
+    LETHAL,
+    NO_INFORMATION,
+    UNKNOWN_POLICIES,
+    UnknownPolicy,
+)
 from trundle.costmap.layers import (
     EVERYWHERE,
     Layer,
@@ -15,8 +24,6 @@ from trundle.costmap.layers import (
     ObstacleLayerSettings,
     OdomWindow,
 )
-from trundle.costmap.settings import CostmapSettings
-from trundle.costmap.unknown import DEFAULT_UNKNOWN_COST, UNKNOWN_POLICIES, UnknownPolicy
 
 __all__ = [
     "DEFAULT_UNKNOWN_COST",

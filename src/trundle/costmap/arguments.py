@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def keepout_costs(keepout: KeepoutMask, grid: OccupancyGrid) -> npt.NDArray[np.uint8]:
-    """The costs of a keep-out mask on the cells of a grid."""
+    """Return the costs of a keep-out mask on the cells of a grid."""
     from trundle.maps.masks import KeepoutMask
 
     check_kind(keepout, KeepoutMask, "keepout", "KeepoutMask.load(path) reads one")
@@ -26,12 +26,12 @@ def keepout_costs(keepout: KeepoutMask, grid: OccupancyGrid) -> npt.NDArray[np.u
 
 
 def as_footprint(footprint: Robot | Footprint | npt.ArrayLike) -> Footprint:
-    """The footprint of a robot, or of corners in base_link [m], shape (N, 2); see `Footprint` for the errors."""
+    """Return the footprint of a robot, or of corners in base_link [m], shape (N, 2); see `Footprint` for the errors."""
     return footprint.planar if isinstance(footprint, Robot) else Footprint.of(footprint)
 
 
 def as_corners(outline: npt.ArrayLike) -> FloatArray:
-    """Corners [m] of an outline, shape (M, 2), checked."""
+    """Check the corners of an outline [m], shape (M, 2)."""
     corners = _as_numbers(outline, "an outline", "(M, 2): x, y")
     if corners.ndim != 2 or corners.shape[1] != 2 or len(corners) < 3 or not (np.abs(corners) < 1e100).all():
         raise InputError(f"an outline needs at least 3 finite corners of shape (M, 2) [m], got shape {corners.shape}")
@@ -39,7 +39,7 @@ def as_corners(outline: npt.ArrayLike) -> FloatArray:
 
 
 def as_poses(poses: npt.ArrayLike) -> FloatArray:
-    """Poses x, y, yaw, shape (N, 3), from one pose or many."""
+    """Return poses x, y, yaw, shape (N, 3), from one pose or many."""
     array = _as_numbers(poses, "poses", "(N, 3): x, y, yaw")
     if array.ndim == 1:
         array = array.reshape(1, -1)
@@ -49,7 +49,7 @@ def as_poses(poses: npt.ArrayLike) -> FloatArray:
 
 
 def as_range(part: slice, what: str, count: int) -> tuple[int, int]:
-    """First row or column of a slice and the one after its last, checked to be some of `count`."""
+    """Return the first row or column of a slice and the one after its last, checked to be some of `count`."""
     if not isinstance(part, slice) or part.step not in (None, 1):
         raise InputError(f"{what} must be a slice without a step, got {part!r}")
     first = 0 if part.start is None else part.start
@@ -60,13 +60,13 @@ def as_range(part: slice, what: str, count: int) -> tuple[int, int]:
 
 
 def widen(window: tuple[int, int, int, int], by: int, shape: tuple[int, int]) -> tuple[int, int, int, int]:
-    """A window (row, row end, column, column end) with `by` cells more on each side, as far as the grid goes."""
+    """Return a window (row, row end, column, column end) with `by` more cells on each side that the grid has."""
     row, row_end, col, col_end = window
     return max(0, row - by), min(shape[0], row_end + by), max(0, col - by), min(shape[1], col_end + by)
 
 
 def slices_of(window: tuple[int, int, int, int]) -> tuple[slice, slice]:
-    """Rows and columns of a window."""
+    """Return rows and columns of a window."""
     return slice(window[0], window[1]), slice(window[2], window[3])
 
 

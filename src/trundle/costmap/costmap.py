@@ -11,21 +11,19 @@ import numpy.typing as npt
 
 from trundle import _core
 from trundle.costmap.arguments import as_corners, as_footprint, as_poses, as_range, keepout_costs, slices_of, widen
-from trundle.costmap.inflation import (
+from trundle.costmap.costs import (
     DEFAULT_COST_SCALING_FACTOR,
     DEFAULT_MARGIN_M,
+    DEFAULT_UNKNOWN_COST,
     INSCRIBED,
     LETHAL,
     NO_INFORMATION,
-    check_inflation,
-    cost_table,
-    inflate,
-)
-from trundle.costmap.unknown import (
-    DEFAULT_UNKNOWN_COST,
     UnknownPolicy,
+    check_inflation,
     check_unknown,
     check_unseen,
+    cost_table,
+    inflate,
     open_unknown,
     raise_unknown,
 )
@@ -40,7 +38,7 @@ from trundle.values import check_kind, is_finite_number, show_value
 if TYPE_CHECKING:
     from trundle.maps.masks import KeepoutMask
 
-_REMEMBERED_CHANGES = 16
+_REMEMBERED_CHANGES = 16  # what was made of a costmap, such as a grid search, and missed more updates is made anew
 
 _Item = TypeVar("_Item", bound=np.generic)
 
@@ -160,7 +158,7 @@ class Costmap(GridFrame):
         Args:
             grid: The map.
             footprint: A robot, its `Footprint`, or the corners of its convex outline in base_link [m], shape (N, 2).
-            inflation_radius: [m]; none means the circumscribed radius + 0.3 m, so that costs keep the tail clear.
+            inflation_radius: [m]. If None, the circumscribed radius + 0.3 m, so that costs keep the tail clear.
             cost_scaling_factor: k above [1/m].
             keepout: Cells that it keeps out are lethal and inflate like occupied ones, so that no part of the robot
                 gets in. Cells where it has 1 to 99 cost more. Other unknown cells stay unknown.
@@ -237,9 +235,9 @@ class Costmap(GridFrame):
         return successor
 
     def changes_since(self, version: object) -> list[tuple[slice, slice]] | None:
-        """Rectangles (rows, cols) that hold every cell whose cost has changed since the costmap of this `version`.
+        """Return rectangles (rows, cols) that hold every cell whose cost has changed since a costmap of this `version`.
 
-        They are known for the last 16 calls of `update`; None before that.
+        They are known for the last 16 calls of `update`; for versions before that, it returns None.
         """
         for index, (before, _) in enumerate(self._changes):
             if before is version:
@@ -268,7 +266,7 @@ class Costmap(GridFrame):
         return self.data == NO_INFORMATION if self.unseen is None else self.unseen
 
     def cost_at(self, x: npt.ArrayLike, y: npt.ArrayLike) -> npt.NDArray[np.uint8]:
-        """Costs at points x, y [m] in the map frame, of any one shape; 255 (unknown) outside the map."""
+        """Return the costs at points x, y [m] in the map frame, of any one shape; 255 (unknown) outside the map."""
         row, col = self.world_to_cell(x, y)
         inside = self.contains(row, col)
         costs = self.data[np.where(inside, row, 0), np.where(inside, col, 0)]
@@ -277,7 +275,7 @@ class Costmap(GridFrame):
     def footprint_collides(
         self, poses: npt.ArrayLike, *, outline: npt.ArrayLike | None = None
     ) -> npt.NDArray[np.bool_]:
-        """Whether the footprint touches a cell of 254 or 255 or leaves the map, at each of many poses.
+        """Test at each of many poses whether the footprint touches a cell of 254 or 255, or leaves the map.
 
         The oriented outline is tested exactly against the squares of the cells; contact shallower than 1e-9 m is none.
 
@@ -297,7 +295,7 @@ class Costmap(GridFrame):
     def footprint_sweeps(
         self, first: npt.ArrayLike, last: npt.ArrayLike, *, outline: npt.ArrayLike | None = None
     ) -> FloatArray:
-        """How far each of many motions goes before the footprint touches a cell of 254 or 255 or leaves the map.
+        """Return how far each of many motions goes before the footprint touches a cell of 254 or 255 or leaves the map.
 
         During a motion position and yaw change evenly from the first pose to the last. All that the outline sweeps
         over is tested, not only sampled poses: a motion reported as free is free all along, except for contact
@@ -305,8 +303,8 @@ class Costmap(GridFrame):
         something by less than 0.01 mm.
 
         Args:
-            first: (x, y, yaw) [m, m, rad], map frame, shape (N, 3) or (3,).
-            last: The same. The yaw is not wrapped: from 0 to −3 is a turn clockwise, from 0 to 2π one all round.
+            first: First poses (x, y, yaw) [m, m, rad], map frame, shape (N, 3) or (3,).
+            last: Last poses, likewise. Yaws are not wrapped: from 0 to −3 is a clockwise turn, from 0 to 2π a full one.
             outline: A convex outline instead of the robot's, shape (M, 2), counter-clockwise.
 
         Returns:
@@ -325,7 +323,7 @@ class Costmap(GridFrame):
             raise InputError(str(error)) from None
 
     def clearance(self, poses: npt.ArrayLike, cap: float = 2.0, *, outline: FloatArray | None = None) -> FloatArray:
-        """Distance [m] from the oriented footprint to the nearest cell of 254 or 255 or the map's edge.
+        """Measure the distance [m] from the oriented footprint to the nearest cell of 254 or 255 or the map's edge.
 
         Args:
             poses: (x, y, yaw) [m, m, rad], map frame, shape (N, 3) or (3,).
@@ -348,7 +346,7 @@ class Costmap(GridFrame):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CostmapStyle:
-    """What makes a costmap of occupancy, checked already.
+    """The settings by which a costmap is made of occupancy; they are checked already.
 
     Attributes:
         planar, inflation_radius, cost_scaling_factor, unknown, unknown_cost: As in `Costmap`.
@@ -367,7 +365,7 @@ class CostmapStyle:
         origin: Pose2D,
         floor: npt.NDArray[np.uint8] | None,
     ) -> Costmap:
-        """The costmap of occupancy, −1 to 100, and of the lowest costs by a keep-out mask, both of one shape."""
+        """Make the costmap of occupancy, −1 to 100, and of the lowest costs by a keep-out mask, both of one shape."""
         table = cost_table(self.planar.inscribed_radius, self.inflation_radius, self.cost_scaling_factor, resolution)
         cells, unseen = (occupancy, None) if self.unknown == "blocked" else open_unknown(occupancy)
         data = inflate(cells, table, floor)
@@ -392,7 +390,7 @@ class CostmapStyle:
 
 
 def _frozen(data: npt.NDArray[_Item]) -> npt.NDArray[_Item]:
-    """The array itself if it is read-only and contiguous, else a copy."""
+    """Return the array itself if it is read-only and contiguous, else a copy."""
     if data.flags.writeable or not data.flags.c_contiguous:
         data = np.array(data, order="C", copy=True)
         data.flags.writeable = False

@@ -21,7 +21,7 @@ from trundle.maps.masks import SpeedMask
 from trundle.navigation.speed_limiter import BESIDE_M, fastest_s, limits_along
 from trundle.path import Path as Plan
 from trundle.sim.isaac.assets import ROBOTS, environment_path, robot_path
-from trundle.usd.isaac_physics import GROUND_OFFSET, TIMESTEP
+from trundle.usd import GROUND_OFFSET, TIMESTEP
 
 Stretch: TypeAlias = tuple[float, float, list[tuple[float, float]]]
 """Turn in place by [rad], to a heading [rad], then drive along corners [m]; perhaps none."""

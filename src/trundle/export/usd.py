@@ -81,8 +81,8 @@ def export_scene(scene: Scene, path: str | os.PathLike[str], *, profile: Profile
     from trundle.usd.stage import save
 
     if profile == "isaac":
+        from trundle.usd import GROUND_OFFSET
         from trundle.usd.isaac import fit_for_isaac
-        from trundle.usd.isaac_physics import GROUND_OFFSET
 
         stage = scene_stage(scene, height=GROUND_OFFSET)
         fit_for_isaac(stage)

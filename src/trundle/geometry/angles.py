@@ -29,12 +29,12 @@ def parse_angle(text: str) -> float:
 
 
 def is_in_degrees(angle: float) -> bool:
-    """Whether an angle [rad] is more than one turn, so it was probably meant in degrees."""
+    """Return whether an angle [rad] is more than one turn, so it was probably meant in degrees."""
     return not -math.tau <= angle <= math.tau
 
 
 def describe_degrees(angle: float) -> str:
-    """The message for an angle that `is_in_degrees`."""
+    """Return the message for an angle that `is_in_degrees`."""
     return (
         f"{angle:.12g} is more than one turn, and angles are in radians: for degrees write {angle:.12g}deg "
         f"in a file or an option, or {math.radians(angle):.6g}"

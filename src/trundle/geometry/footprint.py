@@ -49,7 +49,7 @@ class Footprint:
 
     @classmethod
     def of(cls, footprint: Footprint | npt.ArrayLike) -> Footprint:
-        """A footprint itself, or one of corners in base_link [m], shape (N, 2)."""
+        """Return a footprint itself, or one of corners in base_link [m], shape (N, 2)."""
         return footprint if isinstance(footprint, Footprint) else cls(footprint)  # type: ignore[arg-type]
 
     @property
@@ -59,7 +59,7 @@ class Footprint:
         return length, width
 
     def padded(self, padding: float) -> Footprint:
-        """The footprint with every edge moved outwards by `padding` [m], 0 or more."""
+        """Return the footprint with every edge moved outwards by `padding` [m], 0 or more."""
         if not padding >= 0.0:
             raise InputError(f"the padding of a footprint must be 0 m or more, got {padding!r}")
         wider = object.__new__(Footprint)  # convex around base_link as this one is: nothing to check
@@ -67,14 +67,14 @@ class Footprint:
         return wider
 
     def shrink(self, margin: float) -> FloatArray | None:
-        """The outline with every edge moved inwards by `margin` [m], shape (M, 2), or None if nothing is left.
+        """Return the outline with every edge moved inwards by `margin` [m], shape (M, 2), or None if nothing is left.
 
         base_link may lie outside of it.
         """
         return shrink_outline(self.outline, margin)
 
     def at_poses(self, poses: FloatArray) -> FloatArray:
-        """Its corners [m] at poses (x, y, yaw) of shape (P, 3), in their frame; shape (P, N, 2)."""
+        """Return its corners [m] at poses (x, y, yaw) of shape (P, 3), in their frame; shape (P, N, 2)."""
         cos, sin = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
         x = poses[:, 0, None] + cos * self.outline[:, 0] - sin * self.outline[:, 1]
         y = poses[:, 1, None] + sin * self.outline[:, 0] + cos * self.outline[:, 1]
@@ -89,7 +89,7 @@ class Footprint:
 
 
 def _read_corners(corners: npt.ArrayLike) -> FloatArray:
-    """A copy of the corners, shape (N, 2)."""
+    """Return a copy of the corners, shape (N, 2)."""
     try:
         points = np.array(corners, dtype=np.float64, order="C", copy=True)
     except (TypeError, ValueError) as error:
@@ -100,7 +100,7 @@ def _read_corners(corners: npt.ArrayLike) -> FloatArray:
 
 
 def _edge_distances(outline: FloatArray) -> FloatArray:
-    """Distance [m] of base_link to the left of each edge of a counter-clockwise outline."""
+    """Return the distance [m] of base_link to the left of each edge of a counter-clockwise outline."""
     edges = np.roll(outline, -1, axis=0) - outline
     return (outline[:, 0] * edges[:, 1] - outline[:, 1] * edges[:, 0]) / np.hypot(edges[:, 0], edges[:, 1])
 
@@ -138,7 +138,7 @@ def shrink_outline(outline: npt.ArrayLike, margin: float) -> FloatArray | None:
 
 
 def convex_hull(points: FloatArray) -> FloatArray:
-    """Convex hull of points, shape (N, 2), counter-clockwise (Andrew's monotone chain)."""
+    """Return the convex hull of points, shape (N, 2), counter-clockwise (Andrew's monotone chain)."""
     ordered = sorted({(float(x), float(y)) for x, y in points})
     if len(ordered) < 3:
         return np.array(ordered).reshape(-1, 2)

@@ -105,7 +105,7 @@ class Pose2D:
         return array @ np.array([[cos, sin], [-sin, cos]]) + (self.x, self.y)
 
     def distance_to(self, other: Pose2D | Goal) -> float:
-        """Distance [m] between the two positions."""
+        """Return the distance [m] between the two positions."""
         return math.hypot(other.x - self.x, other.y - self.y)
 
 
@@ -159,7 +159,7 @@ class Goal(tuple[float, ...]):
 
     @property
     def yaw(self) -> float:
-        """[rad]; 0 where any is accepted."""
+        """Yaw [rad]; 0 where any is accepted."""
         return 0.0 if self.yaw_free else self[2]
 
     @property
@@ -177,7 +177,7 @@ class Goal(tuple[float, ...]):
         return (self.x, self.y, self.yaw)
 
     def distance_to(self, other: Pose2D | Goal) -> float:
-        """Distance [m] between the two positions."""
+        """Return the distance [m] between the two positions."""
         return self.pose.distance_to(other)
 
     def __getnewargs__(self) -> tuple[float, ...]:  # type: ignore[override]
@@ -227,7 +227,7 @@ def integrate_twist(x: float, y: float, yaw: float, v: float, w: float, dt: floa
 
 
 def arc_shares(turn: float) -> tuple[float, float]:
-    """Shares of its length that an arc which turns by `turn` [rad] leads ahead and to the left."""
+    """Return shares of its length that an arc which turns by `turn` [rad] leads ahead and to the left."""
     # sin(a)/a and (1 - cos(a))/a, by series for small angles, where they would cancel.
     if abs(turn) < 1e-6:
         return 1.0 - turn * turn / 6.0, turn / 2.0
@@ -235,12 +235,12 @@ def arc_shares(turn: float) -> tuple[float, float]:
 
 
 def path_length(points: npt.ArrayLike) -> float:
-    """Length [m] of a polyline, shape (N, 2); further columns are ignored."""
+    """Return the length [m] of a polyline, shape (N, 2); further columns are ignored."""
     return float(_steps(points).sum())
 
 
 def arc_lengths(points: npt.ArrayLike) -> FloatArray:
-    """Length [m] of a polyline, shape (N, 2) with N ≥ 1, up to each of its points, shape (N,); the first is 0."""
+    """Return the length [m] of a polyline, shape (N, 2) with N ≥ 1, up to each point, shape (N,); the first is 0."""
     return np.concatenate([[0.0], np.cumsum(_steps(points))])
 
 

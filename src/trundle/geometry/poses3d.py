@@ -36,12 +36,12 @@ class Pose3D:
 
     @classmethod
     def planar(cls, x: float, y: float, z: float = 0.0, yaw: float = 0.0) -> Pose3D:
-        """Upright at (x, y, z) [m], turned by yaw [rad]."""
+        """Make an upright pose at (x, y, z) [m], turned by yaw [rad]."""
         return cls((x, y, z), (math.cos(yaw / 2.0), 0.0, 0.0, math.sin(yaw / 2.0)))
 
     @classmethod
     def from_rpy(cls, position: Sequence[float], rpy: Sequence[float]) -> Pose3D:
-        """At a position [m], turned by roll, pitch and yaw [rad] about the fixed x, y and z axes, in this order."""
+        """Make a pose turned by roll, pitch and yaw [rad] about the fixed x, y and z axes, in this order."""
         x, y, z = exactly(position, 3, "a position")
         angles = exactly(rpy, 3, "roll, pitch and yaw")
         (cr, sr), (cp, sp), (cy, sy) = ((math.cos(angle / 2.0), math.sin(angle / 2.0)) for angle in angles)
@@ -55,7 +55,7 @@ class Pose3D:
 
     @classmethod
     def from_matrix(cls, matrix: npt.ArrayLike) -> Pose3D:
-        """From a rigid transform, shape (4, 4); the rotation must be one (no scale, no mirror)."""
+        """Make a pose from a rigid transform, shape (4, 4); its rotation must be one (no scale, no mirror)."""
         m = as_array(matrix, np.float64, "a matrix", copy=False)
         if m.shape != (4, 4):
             raise InputError(f"a transform is a matrix of shape (4, 4), got {m.shape}")
@@ -104,7 +104,7 @@ class Pose3D:
         return Pose3D((px, py, pz), turned.quaternion)
 
     def rotation(self) -> FloatArray:
-        """Rotation matrix, shape (3, 3)."""
+        """Return the rotation matrix, shape (3, 3)."""
         w, x, y, z = self.quaternion
         return np.array(
             [
@@ -119,18 +119,18 @@ class Pose3D:
         return as_array(points, np.float64, "points", copy=False) @ self.rotation().T + np.asarray(self.position)
 
     def is_upright(self, tolerance: float = 1e-9) -> bool:
-        """Whether the pose only turns about z."""
+        """Return whether the pose only turns about z."""
         _, x, y, _ = self.quaternion
         return x * x + y * y <= tolerance * tolerance
 
     def yaw(self) -> float:
-        """Yaw [rad] of the x axis seen from above."""
+        """Return the yaw [rad] of the x axis seen from above."""
         w, x, y, z = self.quaternion
         return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
 def rotation_matrices(quaternions: npt.ArrayLike) -> FloatArray:
-    """Rotation matrices, shape (N, 3, 3), of unit quaternions (w, x, y, z), shape (N, 4)."""
+    """Return rotation matrices, shape (N, 3, 3), of unit quaternions (w, x, y, z), shape (N, 4)."""
     w, x, y, z = np.asarray(quaternions, dtype=np.float64).reshape(-1, 4).T
     rows = (
         (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),

@@ -140,7 +140,7 @@ class Solid:
     kind: str = ""
 
     def bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Axis-aligned bounds (low, high) [m] in the map frame, each of shape (3,)."""
+        """Return axis-aligned bounds (low, high) [m] in the map frame, each of shape (3,)."""
         centre = np.asarray(self.pose.position)
         rotation = self.pose.rotation()
         match self.shape:
@@ -209,7 +209,7 @@ def _table(rows: Sequence[Sequence[float]], width: int) -> FloatArray:
 
 
 def solids_bounds(solids: Sequence[Solid]) -> tuple[FloatArray, FloatArray]:
-    """Axis-aligned bounds (low, high) [m] of each solid, each of shape (N, 3)."""
+    """Return axis-aligned bounds (low, high) [m] of each solid, each of shape (N, 3)."""
     lows, highs = np.empty((len(solids), 3)), np.empty((len(solids), 3))
     plain: dict[type[Shape], list[int]] = {Box: [], Cylinder: [], Sphere: []}
     for index, solid in enumerate(solids):

@@ -62,7 +62,7 @@ observation. A class is made with those of `map`, `robot` and the options that i
 
 
 def localizer_names() -> list[str]:
-    """Names that `create_localizer` takes, sorted."""
+    """Return the names that `create_localizer` takes, sorted."""
     return LOCALIZERS.names()
 
 

@@ -9,9 +9,8 @@ from trundle.maps.cells import FREE, MAX_CELLS, OCCUPIED, UNKNOWN
 from trundle.maps.grid import OccupancyGrid
 
 if TYPE_CHECKING:
-    from trundle.maps.convert import Conversion, convert_grid
+    from trundle.maps.convert import Conversion, Loss, convert_grid, find_file_losses
     from trundle.maps.height_field import HeightField
-    from trundle.maps.losses import Loss, find_file_losses
     from trundle.maps.masks import KeepoutMask, SpeedMask
     from trundle.maps.resample import resample_axis_aligned
 
@@ -22,10 +21,10 @@ __getattr__ = lazy_names(
         "Conversion": "trundle.maps.convert",
         "HeightField": "trundle.maps.height_field",
         "KeepoutMask": "trundle.maps.masks",
-        "Loss": "trundle.maps.losses",
+        "Loss": "trundle.maps.convert",
         "SpeedMask": "trundle.maps.masks",
         "convert_grid": "trundle.maps.convert",
-        "find_file_losses": "trundle.maps.losses",
+        "find_file_losses": "trundle.maps.convert",
         "resample_axis_aligned": "trundle.maps.resample",
     },
 )

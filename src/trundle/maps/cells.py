@@ -1,4 +1,4 @@
-"""The cells of a map: their values, limits and position."""
+"""The cells of a map: their values, the order from free to occupied, limits and position."""
 
 from __future__ import annotations
 
@@ -14,10 +14,13 @@ Cells: TypeAlias = npt.NDArray[np.int8]
 
 FREE = 0
 """A cell that is certainly free."""
+
 OCCUPIED = 100
 """A cell that is certainly occupied."""
+
 UNKNOWN = -1
 """A cell whose state is unknown."""
+
 MAX_CELLS = 400_000_000
 """The most cells of a map; 1 km² at 0.05 m has as many. More are probably a mistake."""
 
@@ -30,12 +33,27 @@ MOST_CELLS = 2**31 - 1
 
 MAX_EXTENT = 1e5
 """Largest width of a map [m]; paths are checked every few centimetres."""
+
 MAX_ORIGIN = 1e9
 """Farthest origin of a map [m]; survey coordinates (UTM) are below 1e7."""
 
+Ranks: TypeAlias = npt.NDArray[np.uint8]
+
+OCCUPIED_FROM = 65
+"""Cells of at least this value are occupied, as in map files (occupied_thresh 0.65)."""
+
+FREE_UP_TO = 20
+"""Cells of at most this value are free, as in map files (free_thresh 0.196)."""
+
+VALUES = np.arange(UNKNOWN, OCCUPIED + 1, dtype=np.int8)
+VALUES.flags.writeable = False
+UNKNOWN_RANK = OCCUPIED_FROM  # the rank between 64 and 65, which moves up by one
+
+_BLOCK_CELLS = 1 << 20  # cells counted at once, which bounds the memory
+
 
 def cell_limit(given: int | None) -> int:
-    """The most cells of a map that is loaded.
+    """Return the most cells of a map that is loaded.
 
     Raises:
         InputError: If the limit that is given is none.
@@ -74,3 +92,37 @@ class CellGrid(Protocol):
     def origin(self) -> Pose2D:
         """Pose of the lower-left corner of cell (0, 0) in the map frame."""
         ...
+
+
+def count_values(cells: Cells) -> npt.NDArray[np.int64]:
+    """Return how often each value of `VALUES` occurs, shape (102,)."""
+    counts = np.zeros(len(VALUES), dtype=np.int64)
+    step = max(1, _BLOCK_CELLS // cells.shape[1])
+    for first in range(0, cells.shape[0], step):
+        block = cells[first : first + step].ravel() - np.int8(UNKNOWN)
+        counts += np.bincount(block, minlength=len(VALUES))
+    return counts
+
+
+def to_ranks(cells: Cells) -> Ranks:
+    """Return ranks of cells, in ascending order of caution: free, 1 to 64, unknown, 65 to 99, occupied."""
+    ranks = cells.astype(np.uint8)
+    ranks += cells >= OCCUPIED_FROM
+    ranks[cells == UNKNOWN] = UNKNOWN_RANK
+    return ranks
+
+
+def from_ranks(ranks: Ranks) -> Cells:
+    """Return cells from their ranks; the inverse of the ranking."""
+    cells = ranks.astype(np.int8)
+    cells -= ranks > UNKNOWN_RANK
+    cells[ranks == UNKNOWN_RANK] = UNKNOWN
+    return cells
+
+
+def round_trinary(cells: Cells) -> Cells:
+    """Return cells as occupied, free or unknown, by the thresholds that map files are written with."""
+    rounded = np.full_like(cells, UNKNOWN)
+    rounded[cells >= OCCUPIED_FROM] = OCCUPIED
+    rounded[(cells >= FREE) & (cells <= FREE_UP_TO)] = FREE
+    return rounded

@@ -11,9 +11,19 @@ import numpy as np
 
 from trundle.errors import MapError
 from trundle.geometry import Pose2D
-from trundle.maps.cells import FREE, MAX_CELLS, UNKNOWN
+from trundle.maps.cells import (
+    FREE,
+    MAX_CELLS,
+    OCCUPIED,
+    OCCUPIED_FROM,
+    UNKNOWN,
+    VALUES,
+    Cells,
+    count_values,
+    round_trinary,
+)
 from trundle.maps.grid import OccupancyGrid
-from trundle.maps.losses import Loss
+from trundle.maps.occupancy import Mode
 from trundle.maps.resample import (
     CellLayout,
     Resampled,
@@ -23,7 +33,7 @@ from trundle.maps.resample import (
     find_slack,
     resample,
 )
-from trundle.maps.values import OCCUPIED_FROM, Cells
+from trundle.maps.ros_writer import read_back
 
 if TYPE_CHECKING:
     from trundle.maps.from_world import Bounds
@@ -34,8 +44,72 @@ Crop: TypeAlias = "Bounds | Literal['content']"
 PREFERENCES: tuple[Prefer, ...] = ("occupied", "free", "first", "second")
 
 _ROUNDING = 1e-6  # [cells]: tolerance by which a rectangle may reach into the next cell.
-_BLOCK_CELLS = 1 << 20
+_BLOCK_CELLS = 1 << 20  # cells whose centres are computed at once, which bounds the memory
 _MOVED = 1e-6  # [m]: smaller shifts are rounding errors.
+
+LossKind: TypeAlias = Literal[
+    "resampled", "moved", "cropped", "disagreement", "values", "unknown", "origin", "resolution"
+]
+Format: TypeAlias = Literal["ros", "movingai"]
+
+_MOVINGAI_RESOLUTION = 1.0  # Assumed by readers, the format has none.
+
+
+@dataclass(frozen=True, slots=True)
+class Loss:
+    """Information that a converted map has lost.
+
+    Attributes:
+        kind: Kind of the loss.
+        message: Description for the user.
+        cells: Number of cells concerned, None for the whole map.
+    """
+
+    kind: LossKind
+    message: str
+    cells: int | None = None
+
+
+def find_file_losses(grid: OccupancyGrid, form: Format, mode: Mode = "trinary") -> tuple[Loss, ...]:
+    """Return the information that a map loses when it is written to a file.
+
+    Args:
+        grid: The map.
+        form: The format of the file.
+        mode: The mode of a ROS map.
+    """
+    if form == "ros":
+        return _find_changed_values(grid, read_back(mode), f"mode {mode}", "; mode raw keeps them")
+    table = round_trinary(VALUES)
+    table[table == UNKNOWN] = OCCUPIED
+    losses = [*_find_changed_values(grid, table, "a MovingAI map", "")]
+    if grid.resolution != _MOVINGAI_RESOLUTION:
+        text = f"a MovingAI map has no resolution: cells of {grid.resolution:g} m are read as 1 m"
+        losses.append(Loss("resolution", text))
+    if grid.origin != Pose2D(0.0, 0.0, 0.0):
+        x, y, yaw = grid.origin.as_tuple()
+        text = f"a MovingAI map has no origin: ({x:g}, {y:g}, {yaw:g}) is read as (0, 0, 0)"
+        losses.append(Loss("origin", text))
+    return tuple(losses)
+
+
+def _find_changed_values(
+    grid: OccupancyGrid, table: np.ndarray[tuple[int], np.dtype[np.int8]], where: str, advice: str
+) -> tuple[Loss, ...]:
+    counts = np.where(table != VALUES, count_values(grid.data), 0)
+    losses: list[Loss] = []
+    if counts[0]:
+        text = f"{where} has no unknown cells: {counts[0]} of them become occupied"
+        losses.append(Loss("unknown", text, int(counts[0])))
+        counts[0] = 0
+    if counts.any():
+        ends = {"free": table == FREE, "occupied": table == OCCUPIED, "unknown": table == UNKNOWN}
+        parts = [f"{counts[hit].sum()} become {name}" for name, hit in ends.items() if counts[hit].any()]
+        other = counts[(table > FREE) & (table < OCCUPIED)].sum()
+        parts += [f"{other} another value"] if other else []
+        text = f"{where} does not keep {counts.sum()} cells between free and occupied: {', '.join(parts)}{advice}"
+        losses.append(Loss("values", text, int(counts.sum())))
+    return tuple(losses)
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,14 +177,14 @@ def convert_grid(
 
 
 def _express(grid: OccupancyGrid, frame: Pose2D) -> OccupancyGrid:
-    """A map in another frame."""
+    """Return a map in another frame."""
     if frame == grid.origin:
         return replace(grid, origin=Pose2D(0.0, 0.0, 0.0))
     return replace(grid, origin=frame.inverse() @ grid.origin)
 
 
 def _lay_out(grids: Sequence[OccupancyGrid], edge: float) -> CellLayout:
-    """A cell layout over all maps, with the corner of the first map on the corner of a cell."""
+    """Return a cell layout over all maps, with the corner of the first map on the corner of a cell."""
     corner, _ = find_bounds(grids[0])
     first, end = np.zeros(2), np.zeros(2)
     for grid in grids:
@@ -156,7 +230,7 @@ def _crop_layout(whole: CellLayout, crop: Bounds, frame: Pose2D, max_cells: int)
 
 
 def _crop_to_content(cells: Cells) -> tuple[Cells, int, int]:
-    """The smallest rectangle with all known cells, and its first row and column."""
+    """Return the smallest rectangle with all known cells, and its first row and column."""
     known = cells != UNKNOWN
     rows, cols = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
     if len(rows) == 0:
@@ -200,7 +274,7 @@ def _describe_resampling(name: str, grid: OccupancyGrid, layout: CellLayout, mad
 
 
 def _describe_cut(name: str, grid: OccupancyGrid, layout: CellLayout) -> list[Loss]:
-    """Known cells whose centre was cut away."""
+    """Return the loss of known cells whose centre was cut away, if there are any."""
     rows, cols = grid.shape
     free = occupied = 0
     step = max(1, _BLOCK_CELLS // cols)

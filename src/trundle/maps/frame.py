@@ -33,7 +33,7 @@ class GridFrame(ABC):
     origin: Pose2D
 
     def _size_text(self) -> str:
-        """Number of cells, resolution and extent, for display."""
+        """Return the number of cells, resolution and extent, for display."""
         rows, cols = self.shape
         wide, high = (round(count * self.resolution, 4) for count in (cols, rows))
         return f"{cols} x {rows} cells of {self.resolution:g} m, {wide:g} x {high:g} m"
@@ -44,7 +44,7 @@ class GridFrame(ABC):
         """(rows, cols)."""
 
     def world_to_cell(self, x: npt.ArrayLike, y: npt.ArrayLike) -> tuple[CellArray, CellArray]:
-        """Cells (row, col) that hold points x, y [m] in the map frame, of any one shape; they may lie outside.
+        """Return cells (row, col) that hold points x, y [m] in the map frame, of any one shape; they may lie outside.
 
         NaN, and points too far away for an integer index, lie outside.
         """
@@ -59,14 +59,14 @@ class GridFrame(ABC):
         return _whole(row), _whole(col)
 
     def cell_to_world(self, row: npt.ArrayLike, col: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Centres x, y [m] in the map frame of cells (row, col), of any one shape."""
+        """Return centres x, y [m] in the map frame of cells (row, col), of any one shape."""
         along, across = (_points(col) + 0.5) * self.resolution, (_points(row) + 0.5) * self.resolution
         _check_shapes(along, across)
         cos, sin = math.cos(self.origin.yaw), math.sin(self.origin.yaw)
         return self.origin.x + cos * along - sin * across, self.origin.y + sin * along + cos * across
 
     def contains(self, row: npt.ArrayLike, col: npt.ArrayLike) -> npt.NDArray[np.bool_]:
-        """Whether cells lie inside the grid."""
+        """Return whether cells lie inside the grid."""
         rows, cols = _numbers(row), _numbers(col)
         _check_shapes(rows, cols)
         return (rows >= 0) & (rows < self.shape[0]) & (cols >= 0) & (cols < self.shape[1])
@@ -77,7 +77,7 @@ def _points(values: npt.ArrayLike) -> FloatArray:
 
 
 def _numbers(values: npt.ArrayLike) -> npt.NDArray[Any]:
-    """Integers as they are, everything else as coordinates."""
+    """Return integers as they are, everything else as coordinates."""
     if isinstance(values, np.ndarray) and values.dtype.kind in "iu":
         return values
     return _points(values)

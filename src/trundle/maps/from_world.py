@@ -127,7 +127,7 @@ def rasterise_world(
 
 
 def _check_floor(floor: HeightField | None, max_slope: float | None, floor_z: float, style: Style) -> float:
-    """The steepest drivable floor [rad]."""
+    """Return the steepest drivable floor [rad]."""
     if floor is None:
         if max_slope is not None:
             raise MapError("max_slope applies only to an uneven floor: give floor, a HeightField, as well")
@@ -195,7 +195,7 @@ def _lay_out(
 
 
 def find_outlier(solids: Sequence[Solid]) -> str:
-    """The solid that reaches farthest from the centre of the others, for messages."""
+    """Return the solid that reaches farthest from the centre of the others, for messages."""
     lows, highs = solids_bounds(solids)
     # The world's origin is included, so that of two solids the one far from it is named.
     middle = np.median(np.vstack([(lows + highs)[:, :2] / 2.0, np.zeros((1, 2))]), axis=0)
@@ -210,7 +210,7 @@ def find_outlier(solids: Sequence[Solid]) -> str:
 def _mark_solids(
     world: SolidWorld, layout: _Layout, band: HeightBand, coverage: Coverage, style: Style, remarks: list[str]
 ) -> npt.NDArray[np.int8]:
-    """Cells that are occupied or unknown."""
+    """Return cells that are occupied or unknown."""
     edge = layout.resolution
     # One cell more on each side, so that a wall on the map's border is checked from both sides.
     cells = np.full((layout.shape[0] + 2, layout.shape[1] + 2), UNKNOWN, dtype=np.int8)
@@ -234,7 +234,7 @@ def _mark_over_floor(
     max_slope: float,
     remarks: list[str],
 ) -> tuple[npt.NDArray[np.int8], npt.NDArray[np.bool_]]:
-    """Cells that are occupied or unknown, and where there is no floor."""
+    """Return cells that are occupied or unknown, and where there is no floor."""
     edge = layout.resolution
     rows, cols = layout.shape
     cells = np.full((rows + 2, cols + 2), UNKNOWN, dtype=np.int8)
@@ -278,7 +278,7 @@ def _tell_open(names: Sequence[str]) -> str:
 
 
 def _choose_seeds(world: SolidWorld, seeds: Sequence[tuple[float, float]] | None, layout: _Layout) -> FloatArray:
-    """Points [m], shape (N, 2): the given ones, or the world's seeds inside the bounds."""
+    """Return points [m], shape (N, 2): the given ones, or the world's seeds inside the bounds."""
     points = as_array(world.seeds if seeds is None else seeds, np.float64, "seeds", MapError)
     if points.size % 2:
         raise MapError(f"seeds are points of shape (N, 2), got {points.shape}")
@@ -304,7 +304,7 @@ def _check_seeds_have_floor(points: FloatArray, no_floor: npt.NDArray[np.bool_],
 
 
 def _cells_of(points: FloatArray, layout: _Layout) -> npt.NDArray[np.int64]:
-    """Cells (col, row) of points."""
+    """Return cells (col, row) of points."""
     return np.floor((points - layout.corner) / layout.resolution).astype(np.int64)
 
 

@@ -111,7 +111,7 @@ class OccupancyGrid(GridFrame):
             compat: "humble" reads thresholds, colour and alpha as Nav2 Humble did; None as current Nav2 does.
             allow_outside: Whether `image` may lie outside the YAML file's folder.
             max_cells: The most cells to accept; of an image of 16-bit colour or of text, fewer. A larger one is refused
-                before it is decoded. None means 20 million.
+                before it is decoded. If None, the limit is 20 million.
 
         Raises:
             MapError: If a file or a value in it is invalid; the message gives file, line and column.
@@ -174,7 +174,7 @@ class OccupancyGrid(GridFrame):
                 extends half a cell above and below the band, touching it is enough, and meshes are surfaces.
             half_cell_origin: Whether to write the centre of the corner cell as the origin, as Isaac Sim does and ROS
                 does not: ROS readers then place the map half a cell off.
-            margin: Added around the bounds on all sides [m].
+            margin: Width [m] added around the bounds on all sides.
             max_cells: The most cells to accept.
 
         Raises:

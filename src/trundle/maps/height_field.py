@@ -17,8 +17,8 @@ from trundle.geometry import FloatArray
 from trundle.values import as_path
 
 _KEYS = ("heights", "resolution", "origin")
-_MOST_SAMPLES = 100_000_000
-_FARTHEST = 1e9  # [m]
+_MOST_SAMPLES = 100_000_000  # which take 800 MB
+_FARTHEST = 1e9  # [m]: as far as a map's origin may be
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,7 @@ class HeightField:
     """Heights of a floor, sampled on a grid along x and y, with bilinear interpolation.
 
     Attributes:
-        heights: [m], shape (rows, cols), at least 2 x 2, read-only; `heights[row, col]` is the floor at
+        heights: Heights [m], shape (rows, cols), at least 2 x 2, read-only; `heights[row, col]` is the floor at
             `origin + (col, row) * resolution`, row 0 at the lowest y. NaN where the floor is unknown: the four
             patches around that sample are then unknown.
         resolution: Distance between two samples [m].
@@ -142,7 +142,7 @@ class HeightField:
         return (x, y), (x + (cols - 1) * step, y + (rows - 1) * step)
 
     def height_at(self, x: FloatArray | float, y: FloatArray | float) -> FloatArray:
-        """The floor's height [m] at points (x, y) [m]; NaN outside, and where it is unknown."""
+        """Return the floor's height [m] at points (x, y) [m]; NaN outside, and where it is unknown."""
         rows, cols = self.heights.shape
         u = (np.asarray(x, dtype=np.float64) - self.origin[0]) / self.resolution
         v = (np.asarray(y, dtype=np.float64) - self.origin[1]) / self.resolution

@@ -17,21 +17,20 @@ import numpy.typing as npt
 
 from trundle.errors import MapError
 from trundle.geometry import FloatArray, Pose2D
-from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
+from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN, VALUES, count_values
 from trundle.maps.frame import GridFrame
 from trundle.maps.grid import OccupancyGrid
 from trundle.maps.occupancy import Compat
 from trundle.maps.resample import CellLayout, resample
-from trundle.maps.values import VALUES, count_values
 
 SpeedUnit: TypeAlias = Literal["percent", "absolute"]
 
-_LETHAL = 254
+_LETHAL = 254  # the cost of an obstacle in a costmap
 _KEEPOUT_TYPE = 0
 _SPEED_TYPES: dict[int, SpeedUnit] = {1: "percent", 2: "absolute"}
 _KINDS = {0: "a keep-out mask", 1: "a speed mask in percent", 2: "a speed mask in m/s", 3: "a binary mask"}
 """`type` of Nav2's costmap filter info."""
-_LARGEST = 1e6
+_LARGEST = 1e6  # of base and multiplier: more is a mistake
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,7 +70,7 @@ class KeepoutMask:
         return cls(OccupancyGrid.load(path, compat=compat, max_cells=max_cells), os.fspath(path))
 
     def costs_on(self, frame: GridFrame) -> npt.NDArray[np.uint8]:
-        """Lower bounds of the costs of another grid's cells: 254 where they touch a keep-out cell at all.
+        """Return lower bounds of the costs of another grid's cells: 254 where they touch a keep-out cell at all.
 
         Returns:
             uint8, shape `frame.shape`, read-only.
@@ -174,14 +173,14 @@ class SpeedMask:
         )
 
     def limits(self, top_speed: float) -> FloatArray:
-        """Limits [m/s] of the values 0 to 100 for a robot's top speed [m/s]; infinite for 0. Shape (101,)."""
+        """Return limits [m/s] of the values 0 to 100 for a robot's top speed [m/s]; infinite for 0. Shape (101,)."""
         values = self.base + self.multiplier * np.arange(OCCUPIED + 1)
         limits = values * (top_speed / 100.0) if self.unit == "percent" else values
         limits[FREE] = np.inf
         return cast("FloatArray", limits)
 
     def limit_at(self, x: npt.ArrayLike, y: npt.ArrayLike, top_speed: float) -> FloatArray:
-        """Limits [m/s] at points x, y [m] in the map frame, of any one shape; infinite where there is no limit."""
+        """Return limits [m/s] at points x, y [m] in the map frame, of one shape; infinite where there are none."""
         row, col = self.grid.world_to_cell(x, y)
         inside = self.grid.contains(row, col)
         values = np.where(inside, self.grid.data[np.where(inside, row, 0), np.where(inside, col, 0)], FREE)
@@ -189,11 +188,7 @@ class SpeedMask:
 
 
 def check_overlap(grid: OccupancyGrid, frame: GridFrame, name: str) -> None:
-    """Refuse a mask that does not overlap a map.
-
-    Raises:
-        MapError: If it does not.
-    """
+    """Raise `MapError` if a mask does not overlap a map."""
     # Separating-axis test: disjoint rectangles are separated by a side of one of them.
     for one, other in ((grid, frame), (frame, grid)):
         corners = one.origin.inverse().transform_points(_corners(other))
@@ -221,7 +216,7 @@ def _extent(frame: GridFrame) -> str:
 
 
 def _read_info(path: str | os.PathLike[str]) -> tuple[int | None, dict[str, float]]:
-    """Nav2's keys in a mask's YAML: its `type`, and `base` and `multiplier` if present."""
+    """Read Nav2's keys in a mask's YAML: its `type`, and `base` and `multiplier` if present."""
     from trundle.maps.ros_yaml import read_fields
 
     if not isinstance(path, str | os.PathLike):

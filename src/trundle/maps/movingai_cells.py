@@ -13,8 +13,7 @@ import numpy as np
 from trundle.errors import MapError
 from trundle.files.opening import open_file, read_up_to
 from trundle.files.writing import write_bytes
-from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN, Cells, cell_limit
-from trundle.maps.values import round_trinary
+from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN, Cells, cell_limit, round_trinary
 
 _FREE_TERRAIN = b".GS"
 _BLOCKED_TERRAIN = b"@OTW"
@@ -82,7 +81,7 @@ def read_content(source: Path, max_bytes: int) -> bytes:
 
 
 def _parse_header(lines: list[bytes], source: Path) -> tuple[int, int, int]:
-    """Height, width and the index of the first row of cells."""
+    """Return the height, width and the index of the first row of cells."""
     sizes: dict[bytes, int] = {}
     for index, line in enumerate(lines[:16]):
         words = line.split()

@@ -39,7 +39,7 @@ class PixelRule:
 
 
 def compute_cells(pixels: Pixels, rule: PixelRule, compat: Compat | None = None) -> CellData:
-    """Cells −1, 0..100 of an image, shape (rows, cols), row 0 at the bottom.
+    """Return cells −1, 0..100 of an image, shape (rows, cols), row 0 at the bottom.
 
     Args:
         pixels: The image, top row first.
@@ -51,7 +51,7 @@ def compute_cells(pixels: Pixels, rule: PixelRule, compat: Compat | None = None)
 
 
 def compute_table(rule: PixelRule) -> CellData:
-    """The cell value of each grey 0..255 in current Nav2, shape (256,)."""
+    """Return the cell value of each grey 0..255 in current Nav2, shape (256,)."""
     greys = np.arange(256)
     if rule.mode == "raw":
         return np.where(greys <= OCCUPIED, greys, UNKNOWN).astype(np.int8)

@@ -14,20 +14,12 @@ from trundle.geometry import FloatArray, Pose3D
 from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.maps.height_field import HeightField
-from trundle.maps.rasterise import CORNERS, HeightBand, mark_pending, run_corners
+from trundle.maps.rasterise import BOX_FACES, CORNERS, HeightBand, mark_pending, run_corners
 
 ROUND = 1e-4
 """Largest excess of cylinders and spheres, as a fraction of their radius and in metres; they are never too small."""
 
-_CELLS_AT_ONCE = 1_000_000
-# Faces of a box whose corners are numbered by the bits of their index: x, y, z.
-_FACES = np.array(
-    [
-        [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4],
-        [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5],
-    ],
-    dtype=np.int32,
-)  # fmt: skip
+_CELLS_AT_ONCE = 1_000_000  # whose planes take 48 MB
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +33,7 @@ class _Part:
     name: str = ""
 
     def transform(self, corner: tuple[float, float]) -> FloatArray:
-        """From its own frame to that of a block of cells, shape (3, 4)."""
+        """Return the transform from its own frame to that of a block of cells, shape (3, 4)."""
         place = np.asarray(self.pose.position) - (*corner, 0.0)
         return np.ascontiguousarray(np.column_stack([self.pose.rotation(), place]))
 
@@ -142,7 +134,7 @@ def _mark_block(
 
 
 def _triangulate(solids: Sequence[Solid]) -> list[_Part]:
-    """The meshes, and all other solids as one."""
+    """Return the meshes, and all other solids as one."""
     parts: list[_Part] = []
     plain: list[tuple[FloatArray, npt.NDArray[np.int32]]] = []
     for solid in solids:
@@ -164,10 +156,10 @@ def _triangulate(solids: Sequence[Solid]) -> list[_Part]:
 
 
 def _surface(shape: Box | Cylinder | Sphere | OccupancyCells) -> tuple[FloatArray, npt.NDArray[np.int32]]:
-    """Vertices [m] and faces that enclose a shape."""
+    """Return vertices [m] and faces that enclose a shape."""
     match shape:
         case Box(size):
-            return CORNERS * (np.asarray(size) / 2.0), _FACES
+            return CORNERS * (np.asarray(size) / 2.0), BOX_FACES
         case Cylinder(radius, length):
             return _cylinder(radius, length)
         case Sphere(radius):
@@ -175,7 +167,7 @@ def _surface(shape: Box | Cylinder | Sphere | OccupancyCells) -> tuple[FloatArra
         case OccupancyCells():
             points = np.concatenate([np.empty((0, 8, 3)), *run_corners(shape)]).reshape(-1, 3)
             offsets = np.arange(0, len(points), 8, dtype=np.int32)
-            return points, (_FACES[None] + offsets[:, None, None]).reshape(-1, 3)
+            return points, (BOX_FACES[None] + offsets[:, None, None]).reshape(-1, 3)
 
 
 def _cylinder(radius: float, length: float) -> tuple[FloatArray, npt.NDArray[np.int32]]:
@@ -196,12 +188,12 @@ def _sphere(radius: float) -> tuple[FloatArray, npt.NDArray[np.int32]]:
 
 
 def _sides(radius: float, share: float) -> int:
-    """Number of sides, even, of a polygon around a circle that exceeds it by at most `share` of `ROUND`."""
+    """Return the number of sides, even, of a polygon around a circle that exceeds it by at most `share` of `ROUND`."""
     return 2 * math.ceil(math.pi / 2.0 / math.acos(1.0 / (1.0 + share * ROUND * max(1.0, 1.0 / radius))))
 
 
 def _revolve(profile: FloatArray, sides: int) -> tuple[FloatArray, npt.NDArray[np.int32]]:
-    """A surface of revolution: a profile (distance from the z axis, z), upwards, with both ends on the axis."""
+    """Return a surface of revolution: a profile (distance from the z axis, z), upwards, with both ends on the axis."""
     angles = np.arange(sides) * (2.0 * math.pi / sides)
     rings = profile[1:-1]
     vertices = np.column_stack(

@@ -21,9 +21,18 @@ TOUCH = -1e-9
 _OCCUPIED = 100
 _PENDING = 99  # Touched by a face without thickness; see raster_thin_faces.
 _UPRIGHT = 2e-7  # A cylinder whose ends lie no further apart than this [m], seen from above, is a disc.
-_RUNS_AT_ONCE = 200_000
+_RUNS_AT_ONCE = 200_000  # whose corners take 38 MB
 CORNERS = np.array([[(i >> axis & 1) * 2 - 1 for axis in range(3)] for i in range(8)], dtype=np.float64)
 """Corners of a box of 2 m by the bits of their index: x, y, z."""
+
+BOX_FACES = np.array(
+    [
+        [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4],
+        [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5],
+    ],
+    dtype=np.int32,
+)  # fmt: skip
+"""Faces of a box with these corners, outwards."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,15 +52,6 @@ class HeightBand:
     def inner_high(self) -> float:
         """Highest height of the band [m]."""
         return self.high - self.depth
-
-
-@dataclass(slots=True)
-class _ThinFaces:
-    """Faces of a closed mesh that lie between two cells."""
-
-    mesh: Mesh
-    transform: FloatArray
-    faces: npt.NDArray[np.int32]
 
 
 @dataclass(slots=True)
@@ -156,7 +156,7 @@ class SolidRaster:
         arrays = SolidArrays.of([solid for solid, _ in solids])
         transforms = np.concatenate([arrays.rotations, (arrays.positions - self._shift)[:, :, None]], axis=2)
         band = (self.band.inner_low, self.band.inner_high, self.resolution, self.band.depth)
-        thin: list[_ThinFaces] = []
+        thin: list[tuple[FloatArray, npt.NDArray[np.int32], FloatArray]] = []
         for (solid, mesh), transform in zip(solids, transforms, strict=True):
             closed, there, between = raster_mesh(
                 self.cells, mesh.vertices, mesh.faces, transform, *band, self.centre, self.fill
@@ -164,10 +164,10 @@ class SolidRaster:
             if there and not closed:
                 self.open_meshes.append(solid.name)
             if len(between):
-                thin.append(_ThinFaces(mesh, transform, mesh.faces[between]))
+                thin.append((mesh.vertices, mesh.faces[between], transform))
         # Faces without thickness come last: they depend on the solids behind them.
-        for part in thin:
-            raster_thin_faces(self.cells, part.mesh.vertices, part.faces, part.transform, *band)
+        for vertices, faces, transform in thin:
+            raster_thin_faces(self.cells, vertices, faces, transform, *band)
         if thin:
             mark_pending(self.cells)
 
@@ -182,7 +182,7 @@ def mark_pending(cells: npt.NDArray[np.int8]) -> None:
 
 
 def run_corners(shape: OccupancyCells) -> Iterator[FloatArray]:
-    """Corners of a box for each unbroken run of blocked cells in a row [m], shape (N, 8, 3), as in `CORNERS`."""
+    """Return corners of a box for each unbroken run of blocked cells in a row [m], shape (N, 8, 3), as in `CORNERS`."""
     rows, firsts, ends = _find_runs(shape.blocked)
     for start in range(0, len(rows), _RUNS_AT_ONCE):
         part = slice(start, start + _RUNS_AT_ONCE)
@@ -195,7 +195,7 @@ def run_corners(shape: OccupancyCells) -> Iterator[FloatArray]:
 def _find_runs(
     blocked: npt.NDArray[np.bool_],
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Row, first column and end column of each unbroken run of blocked cells."""
+    """Return row, first column and end column of each unbroken run of blocked cells."""
     edges = np.diff(np.pad(blocked, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     rows, firsts = np.nonzero(edges == 1)
     _, ends = np.nonzero(edges == -1)

@@ -11,17 +11,16 @@ import numpy.typing as npt
 from trundle.errors import MapError
 from trundle.geometry import FloatArray, Pose2D, Pose3D
 from trundle.geometry.solids import OccupancyCells, Solid
-from trundle.maps.cells import MAX_CELLS, OCCUPIED, UNKNOWN
+from trundle.maps.cells import MAX_CELLS, OCCUPIED, UNKNOWN, UNKNOWN_RANK, Ranks, count_values, from_ranks, to_ranks
 from trundle.maps.frame import GridFrame
 from trundle.maps.grid import OccupancyGrid
 from trundle.maps.rasterise import HeightBand, SolidRaster
-from trundle.maps.values import UNKNOWN_RANK, Ranks, count_values, from_ranks, to_ranks
 
 SLACK = 0.02
 """Tolerance [cells] within which cell edges coincide everywhere, so a yaw of 1.5708 is a quarter turn."""
 
-_ROUNDING = 1e-9  # Of a cell.
-_BLOCK_CELLS = 1 << 20
+_ROUNDING = 1e-9  # [cells]: an edge this near to another is the same.
+_BLOCK_CELLS = 1 << 20  # cells whose centres are computed at once, which bounds the memory
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +85,7 @@ def resample_axis_aligned(
 
 
 def resample(grid: OccupancyGrid, layout: CellLayout) -> Resampled:
-    """Cells of a map on another lattice.
+    """Return cells of a map on another lattice.
 
     A new cell takes the most conservative value of all old cells that it overlaps, in the order free, 1 to 64, unknown
     (also outside the map), 65 to 99, occupied. So no occupied area is lost, and a new cell is free only if all of its
@@ -108,7 +107,7 @@ def resample(grid: OccupancyGrid, layout: CellLayout) -> Resampled:
 
 
 def find_bounds(grid: OccupancyGrid) -> tuple[FloatArray, FloatArray]:
-    """Corners (low, high) [m] of the rectangle around a map, each of shape (2,); a quarter turn makes it exact."""
+    """Return the corners (low, high) [m] of the rectangle around a map, each of shape (2,); exact for quarter turns."""
     rows, cols = grid.shape
     turns, _ = _find_quarter(grid)
     pose = grid.origin if turns is None else Pose2D(grid.origin.x, grid.origin.y, 0.0)
@@ -121,16 +120,12 @@ def find_bounds(grid: OccupancyGrid) -> tuple[FloatArray, FloatArray]:
 
 
 def find_slack(grid: OccupancyGrid, resolution: float) -> float:
-    """Fraction of a new cell that may be omitted at the border of a map: `SLACK` of the smaller of both cells."""
+    """Return the share of a new cell that a map's border may lack: `SLACK` of the smaller of both cells."""
     return SLACK * min(1.0, grid.resolution / resolution)
 
 
 def check_resolution(resolution: float) -> float:
-    """Check that the edge of a cell [m] is a positive number.
-
-    Raises:
-        MapError: If it is not.
-    """
+    """Return the edge of a cell [m] as a float, or raise `MapError` if it is not a positive number."""
     edge = float(resolution)
     if not (math.isfinite(edge) and edge > 0.0):
         raise MapError(f"resolution must be a positive number of metres per cell, got {resolution}")
@@ -138,11 +133,7 @@ def check_resolution(resolution: float) -> float:
 
 
 def check_size(count: npt.ArrayLike, max_cells: int) -> None:
-    """Refuse a map of too many (cols, rows) cells.
-
-    Raises:
-        MapError: If there are too many.
-    """
+    """Raise `MapError` if a map would have too many (cols, rows) cells."""
     cols, rows = (float(number) for number in np.asarray(count))
     if not rows * cols <= max_cells:
         raise MapError(
@@ -152,7 +143,7 @@ def check_size(count: npt.ArrayLike, max_cells: int) -> None:
 
 
 def _find_quarter(grid: OccupancyGrid) -> tuple[int | None, float]:
-    """Quarter turns 0 to 3 nearest to a map's yaw, else None; and the shift [cells] of its farthest corner."""
+    """Find the quarter turns, 0 to 3, that a map's yaw nearly is, else None; and how far a corner shifts [cells]."""
     quarters = grid.origin.yaw / (math.pi / 2.0)
     turns = round(quarters)
     off = abs(quarters - turns) * (math.pi / 2.0) * math.hypot(*grid.shape)
@@ -160,7 +151,7 @@ def _find_quarter(grid: OccupancyGrid) -> tuple[int | None, float]:
 
 
 def _snap(edges: FloatArray, ratio: float) -> tuple[FloatArray, bool, float]:
-    """Edges of new cells, in units of old cells, snapped to the old lattice or a subdivision of it if close.
+    """Return the edges of new cells, in units of old cells, snapped to the old lattice or a subdivision of it if close.
 
     Returns:
         The edges, whether each new cell lies in one old one, and the largest shift of an edge [cells].
@@ -174,7 +165,7 @@ def _snap(edges: FloatArray, ratio: float) -> tuple[FloatArray, bool, float]:
 
 
 def _join_cells(ranks: Ranks, edges: FloatArray, axis: int) -> Ranks:
-    """The highest rank between consecutive edges along an axis; unknown beyond the first and last cell."""
+    """Return the highest rank between consecutive edges along an axis; unknown beyond the first and last cell."""
     border = [(0, 0), (0, 0)]
     border[axis] = (1, 1)
     padded = np.pad(ranks, border, constant_values=UNKNOWN_RANK)
@@ -207,7 +198,7 @@ def _resample_turned(grid: OccupancyGrid, layout: CellLayout) -> npt.NDArray[np.
 
 
 def _find_outside(grid: OccupancyGrid, layout: CellLayout) -> Ranks:
-    """Unknown for new cells that extend beyond the map, else free."""
+    """Return the rank unknown for new cells that extend beyond the map, else free."""
     ranks = np.empty(layout.shape, dtype=np.uint8)
     rows, cols = grid.shape
     yaw = grid.origin.yaw

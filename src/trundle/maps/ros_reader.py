@@ -50,7 +50,7 @@ def load_map(
 
 
 def find_image(source: Path, description: RosMapDescription, *, allow_outside: bool) -> Path:
-    """The image that a map's YAML file names.
+    """Return the image that a map's YAML file names.
 
     Raises:
         MapError: If it does not exist, or lies outside the file's folder without `allow_outside`.

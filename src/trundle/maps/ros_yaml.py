@@ -20,10 +20,10 @@ from trundle.geometry.angles import is_in_degrees, parse_angle
 from trundle.maps.cells import MAX_ORIGIN
 from trundle.maps.occupancy import MODES, Mode, PixelRule
 
+# What lies beyond these is no map: the file is an image, or a number has slipped.
 MAX_YAML_BYTES = 100_000
-MIN_RESOLUTION = 1e-6
-MAX_RESOLUTION = 1e3
-MAX_YAW = 1e6
+MIN_RESOLUTION, MAX_RESOLUTION = 1e-6, 1e3  # [m]
+MAX_YAW = 1e6  # [rad]
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,9})?[ \t\r\n]*", re.ASCII)
 _INTEGER = re.compile(r"[+-]?(?:0[xX][0-9a-fA-F]{1,7}|[0-9]{1,9})")
@@ -127,7 +127,7 @@ class Fields:
                 self.nodes.setdefault(key.value, value)
 
     def node(self, key: str) -> yaml.Node:
-        """The value of a key; a missing one raises `MapError`."""
+        """Return the value of a key; a missing one raises `MapError`."""
         if key not in self.nodes:
             near = next((other for other in self.nodes if other.lower() == key), None)
             hint = f" ({near!r} is written differently: keys are case-sensitive)" if near else ""
@@ -138,11 +138,11 @@ class Fields:
         return self.nodes[key]
 
     def place(self, key: str) -> str:
-        """`file:line:column` of a key's value."""
+        """Return `file:line:column` of a key's value."""
         return place(self.node(key), self.name)
 
     def text(self, key: str) -> tuple[str, str]:
-        """A key's text and its place."""
+        """Return a key's text and its place."""
         node = self.node(key)
         if not isinstance(node, yaml.ScalarNode):
             raise MapError(f"{place(node, self.name)}: {key} must be text, got {_kind(node)}; write `{key}: …`")
@@ -151,7 +151,7 @@ class Fields:
         return node.value, place(node, self.name)
 
     def number(self, key: str, *, low: float, high: float) -> float:
-        """A key's number within inclusive bounds."""
+        """Return a key's number within inclusive bounds."""
         value = parse_number(self.node(key), key, self.name)
         if not low <= value <= high:
             raise MapError(
@@ -161,7 +161,7 @@ class Fields:
 
 
 def parse_number(node: yaml.Node, what: str, name: str) -> float:
-    """A finite number, quoted or not, in decimal or scientific notation."""
+    """Return a finite number, quoted or not, in decimal or scientific notation."""
     text = node.value if isinstance(node, yaml.ScalarNode) else _kind(node)
     if not isinstance(node, yaml.ScalarNode) or _NUMBER.fullmatch(text) is None:
         raise MapError(
@@ -205,7 +205,7 @@ def parse_origin(fields: Fields) -> Pose2D:
 
 
 def _parse_yaw(node: yaml.Node, name: str) -> float:
-    """The origin's yaw [rad]; `90deg` is read, too, though ROS does not."""
+    """Return the origin's yaw [rad]; `90deg` is read, too, though ROS does not."""
     if isinstance(node, yaml.ScalarNode) and _NUMBER.fullmatch(node.value) is None:
         with contextlib.suppress(ValueError):
             return parse_angle(node.value)
@@ -213,7 +213,7 @@ def _parse_yaw(node: yaml.Node, name: str) -> float:
 
 
 def describe_degrees(fields: Fields) -> tuple[str, str] | None:
-    """If the origin's yaw is in degrees, the problem and the correct notation; else None."""
+    """Return the problem and the correct notation if the origin's yaw is in degrees, else None."""
     node = fields.node("origin").value[2]
     yaw = _parse_yaw(node, fields.name)
     where, right = place(node, fields.name), f"{math.radians(yaw):.6g}"

@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Self, TypeAlias, cast
 
 import numpy as np
-from pydantic import AfterValidator, BeforeValidator, Field, field_validator, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from trundle.control import MonitorSettings
-from trundle.control.controller import CONTROLLERS
 from trundle.control.latency import Latency
 from trundle.costmap import CostmapSettings, LayersSettings
 from trundle.files.choice import Choice, takes_name, takes_plugin
@@ -20,10 +18,8 @@ from trundle.maps.cells import MOST_CELLS
 from trundle.mission.goal_fields import GoalFields
 from trundle.mission.obstacles import MoverChoice, Unmapped
 from trundle.navigation import NavigatorSettings
-from trundle.planning.planner import PLANNERS
-from trundle.registry import Registry
 from trundle.robots import Limits, Robot
-from trundle.robots.sizes import Acceleration, Coordinate, ReverseSpeed, Speed, TurningAcceleration, TurningSpeed
+from trundle.robots.parts import Acceleration, Coordinate, ReverseSpeed, Speed, TurningAcceleration, TurningSpeed
 from trundle.sim.actuation import Actuation
 from trundle.sim.odometry_errors import OdometryErrors
 from trundle.worlds.load import is_world_file
@@ -161,18 +157,6 @@ class RecordChoice(Config):
     distro: Literal["humble", "jazzy", "kilted", "lyrical"] | None = None
 
 
-def refuse_removed_names(registry: Registry[Any]) -> AfterValidator:
-    """Validate that a choice is not a name which an earlier version had: the error says what became of it."""
-
-    def check(choice: Choice) -> Choice:
-        became = registry.removal(choice.name)
-        if became is not None:
-            raise PydanticCustomError("removed_name", "{what}", {"what": f"{choice.name!r} {became}"})
-        return choice
-
-    return AfterValidator(check)
-
-
 LidarNames: TypeAlias = Annotated[
     bool | tuple[str, ...],
     BeforeValidator(
@@ -259,10 +243,8 @@ class ScenarioFields(CostmapSettings, RunSettings):
     goal: PoseNumbers | None = None
     goals: Annotated[tuple[GoalFields, ...], Field(min_length=1)] | None = None
     through: bool = False
-    planner: Annotated[Choice, takes_plugin(Choice), refuse_removed_names(PLANNERS)] = Choice(name="auto")
-    controller: Annotated[Choice, takes_plugin(Choice), refuse_removed_names(CONTROLLERS)] = Choice(
-        name="regulated_pure_pursuit"
-    )
+    planner: Annotated[Choice, takes_plugin(Choice)] = Choice(name="auto")
+    controller: Annotated[Choice, takes_plugin(Choice)] = Choice(name="regulated_pure_pursuit")
     smoother: Annotated[Choice | None, takes_plugin(Choice)] = None
     agent: Annotated[Choice | None, takes_plugin(Choice)] = None
     unmapped: Unmapped | None = None

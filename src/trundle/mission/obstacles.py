@@ -21,7 +21,7 @@ from trundle.geometry.solids import Box, Cylinder, Solid
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.worlds import World
 from trundle.worlds.movers import AlongPath, Crowd, Motion, Mover, Waypoints
-from trundle.worlds.movers.bodies import body_named
+from trundle.worlds.movers.mover import body_named
 
 _MOVER_COLOR = (0.55, 0.36, 0.70, 1.0)
 _PLURALS = {"person": "people", "forklift": "forklifts"}

@@ -34,7 +34,7 @@ from trundle.navigation.speed_limiter import SpeedLimiter, slow_down
 from trundle.navigation.state import Decision, Snapshot
 from trundle.navigation.status import NavigationStatus
 from trundle.observation import Estimate, Observation, Scan
-from trundle.planning import Planner, create_planner, create_smoother
+from trundle.planning import create_planner, create_smoother
 from trundle.planning.planner import PlannerLike
 from trundle.planning.smoother import SmootherLike
 from trundle.robots import Robot
@@ -43,12 +43,6 @@ from trundle.values import check_kind
 
 _STAND = Twist2D(0.0, 0.0)
 _STUCK = Decision(_STAND, status=NavigationStatus.STUCK)
-_AUTO = "auto"
-_QUICK_EXPANSIONS = 5_000
-"""How many nodes hybrid A* may expand in a plan round what was sensed while the robot moves: a tenth of a second.
-
-Where boxes close every path, a search of all poses takes 5 s, in which the robot would drive blindly.
-"""
 
 
 class Navigator(NavigatorRequests):
@@ -142,9 +136,6 @@ class Navigator(NavigatorRequests):
             limiter = SpeedLimiter(self.speed_mask, self.robot)
         self.planner_name, planner, options = split_choice(planner)
         made_planner = create_planner(planner, self.robot, self.grid, **options)
-        quick: Planner | None = None
-        if self.planner_name == _AUTO and "max_expansions" not in options:
-            quick = create_planner(_AUTO, **options, max_expansions=_QUICK_EXPANSIONS)
         self.controller_name, controller, options = split_choice(controller)
         self._controller = create_controller(controller, self.robot, self.grid, **options)
         made_smoother = None if smoother is None else create_smoother(smoother)
@@ -153,7 +144,7 @@ class Navigator(NavigatorRequests):
         self._check = CommandCheck(self.robot, self._sensed, limiter, self.dt)
         through = settings.through_tolerance
         self._routes = RoutePlanner(self._sensed, made_smoother, settings.make_goal_checker(), through)
-        self._replanner = Replanner(settings, self.robot, self._sensed, self._routes, made_planner, quick)
+        self._replanner = Replanner(settings, self.robot, self._sensed, self._routes, made_planner)
         self._runner = BehaviorRunner(self._sensed, self._replanner, self._check)
         self._recovery = Recovery(
             self._sensed,

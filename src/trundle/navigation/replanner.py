@@ -42,8 +42,7 @@ class Replanner:
         robot: The robot.
         sensed: The costmap with what its scans saw.
         routes: Makes one path through the goals ahead.
-        planner: What plans.
-        quick: What plans instead round something that was sensed, while the robot moves. If None, the planner does.
+        planner: What plans. If it makes a quick one, that plans round what was sensed while the robot moves.
 
     Attributes:
         planner: The same; may be replaced.
@@ -62,10 +61,9 @@ class Replanner:
         sensed: SensedMap,
         routes: RoutePlanner,
         planner: Planner,
-        quick: Planner | None,
     ) -> None:
         self._settings, self._robot, self._sensed = settings, robot, sensed
-        self._routes, self.planner, self._quick = routes, planner, quick
+        self._routes, self.planner, self._quick = routes, planner, planner.make_quick()
         self.tries = PlanningTries(settings.planning_deadline_s)
         self.budget = PlanningBudget(settings.replan_rate, settings.replan_expansions)
         self.obstacle = ObstacleWatch(settings.wait_s, settings.patience_s, settings.mover_patience_s)

@@ -20,7 +20,7 @@ from trundle.navigation.plan_ends import free_ends, goal_in_window
 from trundle.navigation.sensing import SensedMap
 from trundle.path import Path
 from trundle.planning import Cancellation, PathCheck, Planner, Smoother
-from trundle.planning.effort import nominal_expansions
+from trundle.planning.cancellation import nominal_expansions
 
 _LEAST_S = 1e-3  # what is left of a deadline for the legs of a path
 _ROUND_WITHIN = 0.7

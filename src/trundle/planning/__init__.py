@@ -3,8 +3,7 @@
 from trundle.planning.cancellation import Cancellation
 from trundle.planning.grid.fields import cost_field
 from trundle.planning.grid.grid_paths import GridPath, GridPaths, PointPath, PointPaths
-from trundle.planning.grid.grid_search import GridSearch
-from trundle.planning.grid.point_path import any_angle_path
+from trundle.planning.grid.grid_search import GridSearch, any_angle_path
 from trundle.planning.many import plan_many
 from trundle.planning.path_check import PathCheck, PathHit
 from trundle.planning.planner import Planner, PlannerLike, create_planner, planner_names

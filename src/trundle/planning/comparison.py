@@ -15,7 +15,7 @@ from trundle.path import Path
 from trundle.planning.planner import Planner, create_planner
 from trundle.planning.smoother import Smoother
 
-_ROUNDS = 5
+_ROUNDS = 5  # the first fills what a planner keeps of a map, and is left out of the median
 
 
 class PlannerRow(TypedDict):
@@ -53,7 +53,7 @@ def compare_planners(
     """Plan one query by several planners, each made with its default options.
 
     Args:
-        names: Of the planners.
+        names: Names of the planners.
         costmap: What to stay clear of.
         start: Where the robot stands, map frame.
         goal: Where it is to stand, map frame.

@@ -37,7 +37,7 @@ class SmoothingSettings:
     """Settings of `ConstrainedSmoother`, under the names of Nav2's constrained smoother where it has them.
 
     Attributes:
-        minimum_turning_radius: Of the tightest new curve [m].
+        minimum_turning_radius: Radius of the tightest new curve [m].
         w_cost: A cell of cost c has 1 + w_cost · c / 252 times the cost of a free one. 4 is NavFn's.
         w_smooth: Price of bending [m]: of the square of the curvature, integrated along the path.
         cost_tolerance: Share by which the integral of the cells' price along the path may rise.
@@ -81,9 +81,10 @@ class Smoothing:
         kept: For each of its legs, whether it is part of the old path, shape (N − 1,).
         cost_before: Integral of the cells' price along the old path [m], clipped at the cells' borders; on a border the
             higher cost counts.
-        cost_after: The same along the new one; at most `cost_tolerance` above.
-        price_before: The same with the prices of driving back, changing direction and turning in place [m].
-        price_after: Of the new path.
+        cost_after: The same integral along the new path; at most `cost_tolerance` above.
+        price_before: The integral along the old path with the prices of driving back, changing direction and turning in
+            place [m].
+        price_after: The same price of the new path [m].
     """
 
     path: Path
@@ -119,7 +120,7 @@ class ConstrainedSmoother(CopiedAsNew):
         self._curves = _core.PathSmoother()
 
     def smooth(self, path: Path, costmap: Costmap) -> Path:
-        """A smoother path with the same ends, `cost` scaled by the change in its price.
+        """Return a smoother path with the same ends, with its `cost` scaled by the change in its price.
 
         Raises:
             OutsideMapError: If a pose of the path lies outside the map; `error.pose` and `error.cell` say which.
@@ -138,7 +139,7 @@ class ConstrainedSmoother(CopiedAsNew):
         return self.smooth_free(driven, costmap)
 
     def smooth_free(self, path: Path, costmap: Costmap) -> Smoothing:
-        """The same for a planner's path: it is known to be free, and its yaws point along its legs."""
+        """Smooth a path of a planner of trundle, which is known to be free and whose yaws point along its legs."""
         settings = self.settings
         padding = float(settings.padding)
         checked = CheckedOutline.of(costmap.planar, padding)
@@ -194,7 +195,7 @@ class CheckedOutline:
 
     @classmethod
     def of(cls, footprint: Footprint, padding: float) -> CheckedOutline:
-        """By the footprint and the padding [m]."""
+        """Choose the outline and the step for a footprint and a padding [m]."""
         if padding >= LEAST_PADDING_M:
             return cls(footprint.padded(padding).outline, 2.0 * PADDING_SHARE * padding, None)
         inner = footprint.padded((1.0 - PADDING_SHARE) * padding)
@@ -202,19 +203,22 @@ class CheckedOutline:
 
 
 def pose_spacing(spacing: float, radius: float, padding: float) -> float:
-    """Between two poses an arc leaves its chord by s² / 8 r, which what is left of the padding has room for."""
+    """Return the largest distance between two poses of an arc [m] at which its chords keep within the padding.
+
+    A chord of length s leaves an arc of radius r by s² / 8 r at most (the sagitta, for s much smaller than r).
+    """
     room = max((1.0 - PADDING_SHARE) * padding, 1e-5)
     return min(float(spacing), math.sqrt(8.0 * radius * room))
 
 
 def _on_grid(costmap: Costmap, poses: FloatArray) -> FloatArray:
-    """Poses of the map frame in the frame of the grid's corner, shape (N, 3)."""
+    """Return poses of the map frame in the frame of the grid's corner, shape (N, 3)."""
     inverse = costmap.origin.inverse()
     return np.column_stack([inverse.transform_points(poses[:, :2]), poses[:, 2] + inverse.yaw])
 
 
 def as_driven(path: Path) -> Path:
-    """The path with yaws that lead along its legs; where they do not, with turns in place between straight legs."""
+    """Return the path with yaws that lead along its legs; other legs get turns in place at both ends."""
     change = np.diff(path.poses, axis=0)
     heading = np.arctan2(change[:, 1], change[:, 0]) + np.where(path.backward, math.pi, 0.0)
     turn = wrap_angles(change[:, 2])

@@ -22,11 +22,11 @@ _MOST_CELLS, _MOST_HEADINGS = 1e12, 100_000
 """Limits on the numbers of boxes: cells of the map, and headings."""
 
 BOXES_AN_EXPANSION = 20
-"""Boxes that a flood fills in about the time in which a search of poses expands one node."""
+"""Boxes that a flood fills in about the time in which a search of poses expands one node; for `Cancellation.count`."""
 
 _CLOSED_OFF, _TIMEOUT, _CANCELLED = 0, 3, 4
 
-_ROUNDING_M = 1e-8
+_ROUNDING_M = 1e-8  # the outline shrinks by a little more, so that rounding makes no free pose a blocked one
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +56,7 @@ class _Boxes:
 
 
 def find_enclosure(query: Query, patience: Patience, most: int = max(_MOST_BOXES)) -> Enclosure | None:
-    """An end whose free poses are closed off from the other one, if a flood in up to four sizes of boxes finds one.
+    """Find an end whose free poses are closed off from the other one, by floods in up to four sizes of boxes.
 
     A flood fills boxes that hold a pose in which the footprint may be free, whatever the motions of the robot. So where
     it ends without the other end there is no path, for robots of any kind. Where neither flood does, or each fills
@@ -82,7 +82,7 @@ def find_enclosure(query: Query, patience: Patience, most: int = max(_MOST_BOXES
 
 
 def _sizes(costmap: Costmap) -> Iterator[_Boxes]:
-    """Boxes from coarse to fine, from the first size on that leaves anything of the outline."""
+    """Yield boxes from coarse to fine, from the first size on that leaves anything of the outline."""
     radius = costmap.circumscribed_radius
     cell, cells = 0.5 * costmap.resolution, 4.0 * math.prod(costmap.shape)
     while cells <= _MOST_CELLS:
@@ -126,7 +126,7 @@ def _is_closed_off(
 
 
 def on_grid(costmap: Costmap, pose: Pose2D) -> FloatArray:
-    """A pose of the map frame in the frame of the grid's corner; what rounding puts outside lies on the edge."""
+    """Return a pose of the map frame in the frame of the grid's corner; rounding never puts it outside."""
     x, y, yaw = (costmap.origin.inverse() @ pose).as_tuple()
     rows, cols = costmap.shape
     edge = costmap.resolution * (1.0 - 1e-12)

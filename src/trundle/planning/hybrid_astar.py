@@ -13,7 +13,7 @@ from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import InputError, NoPathError, PlanningError, PlanningStoppedError
 from trundle.geometry import FloatArray, Pose2D, wrap_angles
 from trundle.path import Path
-from trundle.planning.cancellation import Patience
+from trundle.planning.cancellation import Patience, nominal_expansions
 from trundle.planning.constrained_smoother import (
     LEAST_PADDING_M,
     PADDING_SHARE,
@@ -21,12 +21,11 @@ from trundle.planning.constrained_smoother import (
     ConstrainedSmoother,
     pose_spacing,
 )
-from trundle.planning.effort import nominal_expansions
 from trundle.planning.enclosure import Enclosure, on_grid
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.planning.queries.ends import End
-from trundle.planning.queries.pose_planner import PosePlanner
 from trundle.planning.queries.query import Query, no_path
+from trundle.planning.queries.query_planner import PosePlanner
 from trundle.planning.search_rounds import (
     ALL_TRIED,
     CANCELLED,
@@ -43,14 +42,18 @@ from trundle.values import check_flag
 MOTION_MODELS = ("dubins", "reeds_shepp")
 
 MAX_EXPANSIONS = 200_000
+"""Nodes that one search expands at most by default, which takes it 0.4 to 0.7 s where there is no path
+(benchmarks/planning/RESULTS.md, "Dead ends")."""
+
 PADDING_M = 0.02
 """Distance [m] that the footprint keeps from obstacles along the path, by default."""
 
 _LONGEST_CURVE = 5
-"""Pieces of the longest Reeds-Shepp curve."""
+"""Pieces of the longest Reeds-Shepp curve (Reeds and Shepp 1990)."""
 
 _LESS_PADDING = 0.25
-"""Share of the padding that is kept where there is no path with all of it."""
+"""Share of the padding that is kept where there is no path with all of it: ends of 3 in 1,000 pairs are enclosed with
+0.02 m, and planned with a quarter of it (benchmarks/planning/RESULTS.md, "Pairs without a path")."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,14 +62,14 @@ class HybridAStarSettings:
 
     Attributes:
         motion_model: "dubins" drives forwards only, "reeds_shepp" forwards and backwards.
-        minimum_turning_radius: Of the tightest arc [m]; 0 with `in_place` for straight lines and turns in place alone.
+        minimum_turning_radius: Radius of the tightest arc [m]; 0 with `in_place` for lines and turns in place alone.
         in_place: Whether the robot also turns in place, as differential robots can.
         reverse_penalty: Cost of a metre backwards, in that of one forwards; at least 1.
         change_penalty: Cost of a change between forward and backward [m].
         turn_penalty: Cost of turning in place [m/rad].
         cost_weight: A cell of cost c has 1 + cost_weight · c / 252 times the cost of a free one.
         heuristic_weight: At least 1; a larger one ends the search sooner, and the path may cost more by that factor.
-        cell_size: Of the states, and of the field that guides the search [m]; a multiple of the map's resolution. Where
+        cell_size: Edge of a cell of states, and of the field that guides the search [m]; a multiple of the map's. Where
             no path is found, states of a half, a quarter and a sixteenth of it and shorter motions are tried, as far as
             100,000 expansions go, so that gaps hardly wider than the robot are not missed.
         smooth: Whether the path is then smoothed, by `ConstrainedSmoother` with these settings.
@@ -77,7 +80,7 @@ class HybridAStarSettings:
         goal_tolerance: How far a goal where the robot does not fit may be moved [m].
         spacing: Largest distance between two poses of the path [m].
         max_expansions: How many nodes to expand at most.
-        deadline_s: How long to search before it gives up [s]; none means as long as it takes.
+        deadline_s: How long to search before it gives up [s]. If None, as long as it takes.
         allow_partial: Where the goal cannot be reached, the robot does not fit there, or `max_expansions` is spent,
             give the path to the nearest pose to it that was reached; `Path.status` is "partial" then.
     """
@@ -175,7 +178,7 @@ class HybridAStarPlanner(PosePlanner):
         return self._conclude(query, goal, self._find(query, patience), patience)
 
     def _conclude(self, query: Query, goal: Pose2D, answer: Answer, patience: Patience) -> Path:
-        """The path of an answer, or its error."""
+        """Return the path of an answer, or raise its error."""
         path = answer.path
         if path is not None and answer.status != CLOSED_OFF:
             return path if answer.status == FOUND else replace(path, remaining_m=path.goal.distance_to(goal))
@@ -285,7 +288,7 @@ class HybridAStarPlanner(PosePlanner):
         )
 
     def _padding_at_ends(self, query: Query) -> float:
-        """The padding, or as much of it as there is room for at the start and the goal."""
+        """Return the padding, or as much of it as there is room for at the start and the goal."""
         padding = float(self.settings.padding)
         if padding == 0.0:
             return 0.0
@@ -298,7 +301,7 @@ class HybridAStarPlanner(PosePlanner):
         return float(self.settings.spacing) if radius == 0.0 else pose_spacing(self.settings.spacing, radius, padding)
 
     def _failure(self, query: Query, answer: Answer, patience: Patience) -> PlanningError:
-        """The error for a query without a path.
+        """Make the error for a query without a path.
 
         A robot that drives forwards and backwards can follow any free path as closely as it likes (Laumond, Jacobs,
         Taix and Murray 1994): there is none only where an end is enclosed. One that drives forwards only has tried all
@@ -327,7 +330,7 @@ class HybridAStarPlanner(PosePlanner):
         )
 
     def _why_not(self, answer: Answer) -> str:
-        """Why no path that is driven forward only leads there."""
+        """Say why no path that is driven forward only leads there."""
         settings = self.settings
         how = "" if settings.minimum_turning_radius == 0.0 else f"arcs of {settings.minimum_turning_radius:g} m, "
         also = "turning in place, " if settings.in_place else ""
@@ -341,7 +344,7 @@ class HybridAStarPlanner(PosePlanner):
 
 
 def _in_map(query: Query, poses: FloatArray, *, ends_at_goal: bool) -> FloatArray:
-    """Poses in the frame of the grid's corner in the map frame, with the ends exactly as they were asked for."""
+    """Return poses of the frame of the grid's corner in the map frame, with the ends exactly as they were asked for."""
     origin = query.costmap.origin
     out = np.column_stack([origin.transform_points(poses[:, :2]), wrap_angles(poses[:, 2] + origin.yaw)])
     out[0] = query.start.pose.as_tuple()

@@ -12,7 +12,7 @@ from trundle.path import Path
 from trundle.planning.cancellation import Cancellation, Patience
 from trundle.planning.grid.cells import check_threads
 from trundle.planning.planner import PlannerLike, create_planner
-from trundle.planning.queries.question import check_question
+from trundle.planning.queries.query_planner import check_question
 
 PoseLike = Pose2D | Sequence[float]
 
@@ -37,12 +37,12 @@ def plan_many(
         costmap: What to stay clear of.
         starts: Poses, (x, y) or (x, y, yaw) [m, m, rad], map frame.
         goals: As many; (x, y) is a goal with any yaw.
-        threads: How many to use; none means TRUNDLE_THREADS, or as many as there are processors, up to 8.
+        threads: How many to use. If None, TRUNDLE_THREADS, or as many as there are processors, up to 8.
         deadline_s: Give up after this time for all [s].
         cancel: Give up once this is cancelled.
 
     Returns:
-        For each query its path, or the error that says why there is none; `PlanningStoppedError` for queries that were
+        For each query its path, or the error that says why there is none: `PlanningStoppedError` for queries that were
         not done in time.
 
     Raises:

@@ -14,12 +14,12 @@ from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, wrap_angle, wrap_angles
 
 CHECK_STEP_M = 0.025
-"""Distance [m] between two poses of a straight line at which collisions are checked."""
+"""Distance [m] between two poses of a straight line at which collisions are located: half a cell of a map of 5 cm."""
 
 CHECK_STEP_RAD = math.radians(2.0)
 """Angle [rad] between two poses of a turn in place at which collisions are checked."""
 
-_NO_TURN_RAD = 1e-9
+_NO_TURN_RAD = 1e-9  # less is rounding
 _LONGEST_TURN_RAD = math.radians(120.0)
 """A turn in a path is split into pieces below half a turn, so that its direction is unambiguous."""
 
@@ -41,17 +41,17 @@ class Motion:
     turn: float = 0.0
 
     def opposite_turn(self) -> Motion:
-        """The same turn in the other direction."""
+        """Return the same turn in the other direction."""
         return Motion(self.start, self.end, self.yaw, self.turn - math.copysign(2.0 * math.pi, self.turn))
 
 
 def motions_along(vertices: FloatArray, start_yaw: float, goal_yaw: float | None) -> list[Motion]:
-    """Lines between the vertices, with the turns between them and at both ends, each in the shorter direction.
+    """Return lines between the vertices, with the turns at them and at both ends, each in the shorter direction.
 
     Args:
         vertices: (x, y) [m], map frame, shape (N, 2), N ≥ 1.
         start_yaw: [rad].
-        goal_yaw: [rad]; none means the yaw of arrival.
+        goal_yaw: [rad]. If None, the yaw of arrival.
     """
     motions: list[Motion] = []
     yaw = start_yaw
@@ -77,7 +77,7 @@ def _append_turn(motions: list[Motion], place: tuple[float, float], yaw: float, 
 def sample(
     motions: Sequence[Motion], step_m: float, step_rad: float
 ) -> tuple[FloatArray, npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-    """Poses along motions, at most a step apart, both ends of each included.
+    """Return poses along motions, at most a step apart, both ends of each included.
 
     Returns:
         The poses (x, y, yaw), shape (N, 3), the motion that each belongs to, and how many each motion has.
@@ -86,7 +86,7 @@ def sample(
 
 
 def _ends_of(motions: Sequence[Motion]) -> tuple[FloatArray, FloatArray]:
-    """First and last poses (x, y, yaw) of motions, shape (N, 3)."""
+    """Return first and last poses (x, y, yaw) of motions, shape (N, 3)."""
     first = np.array([(*motion.start, motion.yaw) for motion in motions]).reshape(-1, 3)
     last = np.array([(*motion.end, motion.yaw + motion.turn) for motion in motions]).reshape(-1, 3)
     return first, last
@@ -95,7 +95,7 @@ def _ends_of(motions: Sequence[Motion]) -> tuple[FloatArray, FloatArray]:
 def sample_between(
     first: FloatArray, last: FloatArray, step_m: float, step_rad: float
 ) -> tuple[FloatArray, npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-    """Poses along straight motions from each of `first` to each of `last`, shape (M, 3); the rest is as in `sample`."""
+    """Return poses along straight motions from each of `first` to each of `last`, shape (M, 3), as `sample` does."""
     change = last - first
     lengths = np.hypot(change[:, 0], change[:, 1])
     pieces = np.ceil(np.maximum(lengths / step_m, np.abs(change[:, 2]) / step_rad) - 1e-9)
@@ -147,7 +147,7 @@ def _free_shares(costmap: Costmap, motions: Sequence[Motion]) -> FloatArray:
 
 
 def motions_before(costmap: Costmap, motions: list[Motion]) -> list[Motion]:
-    """The part of the motions before the footprint first collides."""
+    """Return the part of the motions before the footprint first collides."""
     shares = _free_shares(costmap, motions)
     if not (shares < math.inf).any():
         return motions
@@ -165,7 +165,7 @@ def motions_before(costmap: Costmap, motions: list[Motion]) -> list[Motion]:
 
 
 def poses_of(motions: list[Motion], start: FloatArray, goal: FloatArray, spacing_m: float) -> FloatArray:
-    """Poses of a `Path`: the vertices exactly, points between them at most `spacing_m` apart, long turns in pieces."""
+    """Return poses of a `Path`: the vertices, points between them at most `spacing_m` apart, long turns in pieces."""
     if not motions:
         return np.stack([start, goal])
     poses, _, counts = sample(motions, spacing_m, _LONGEST_TURN_RAD)

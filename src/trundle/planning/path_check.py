@@ -30,7 +30,7 @@ class PathHit:
         pose: (x, y, yaw) [m, m, rad], map frame: the first of the check's poses that the footprint does not reach
             without touching something.
         along: Distance driven on the path up to there [m].
-        index: Of that pose among `PathCheck.poses`.
+        index: Index of that pose among `PathCheck.poses`.
     """
 
     pose: tuple[float, float, float]
@@ -77,7 +77,7 @@ class PathCheck:
         self._at_edge: npt.NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
 
     def first_hit(self, costmap: Costmap, begin: int = 0) -> PathHit | None:
-        """Where the footprint first touches something from pose `begin` on; none where the path is free."""
+        """Return where the footprint first touches something from pose `begin` on; None if the path is free."""
         begin = check_count("begin", begin, 0, len(self.poses))
         cells = self._find_cells(costmap)[begin:]
         costs = costmap.data.take(cells)
@@ -101,7 +101,7 @@ class PathCheck:
         return PathHit((x, y, yaw), float(self.along[index]), index)
 
     def _pose_after(self, costmap: Costmap, begin: int, leg: int, share: float) -> int:
-        """Index of the first pose at or after a collision, from the free share of each leg from `begin` on."""
+        """Return the index of the first pose at or after a collision, from the free share of a leg."""
         last = int(self._leg_end[leg])
         first = max(begin, int(self._leg_end[leg - 1]) + 1 if leg > 0 else 0)
         # The share may be a little too small, by 0.01 mm: a hundredth of a step is more.
@@ -109,7 +109,7 @@ class PathCheck:
         return before if costmap.footprint_collides(self.poses[before])[0] else min(last, before + 1)
 
     def cost_from(self, costmap: Costmap, begin: int = 0) -> float:
-        """Integral along the path from pose `begin` on of 1 + 0.016 · cost [m], the weights of Nav2's NavFn.
+        """Integrate 1 + 0.016 · cost along the path from pose `begin` on [m], the weights of Nav2's NavFn.
 
         Infinite where base_link enters a cell of 253 or more: the same for paths of all planners, to compare them.
         """
@@ -119,11 +119,11 @@ class PathCheck:
         steps = np.diff(self.along[begin:])
         if len(costs) and costs.max() >= INSCRIBED:
             return math.inf
-        weights = 1.0 + 0.016 * costs.astype(np.float64)
+        weights = 1.0 + 0.016 * costs.astype(np.float64)  # 0.8 / 50: COST_FACTOR over COST_NEUTRAL of NavFn
         return float((0.5 * (weights[1:] + weights[:-1]) * steps).sum())
 
     def _find_cells(self, costmap: Costmap) -> npt.NDArray[np.intp]:
-        """Flat indices of the poses' cells, kept for costmaps of the same frame; outside the map a cell of its edge."""
+        """Return flat indices of the poses' cells, outside the map of its edge; kept for costmaps of one frame."""
         if not isinstance(costmap, Costmap):
             raise InputError(f"a path is checked on a Costmap, got {type(costmap).__name__}")
         frame = (costmap.shape, costmap.resolution, costmap.origin, costmap.circumscribed_radius)
@@ -138,7 +138,7 @@ class PathCheck:
 
 
 def least_cost_near(costmap: Costmap, padding: float = 0.0) -> int:
-    """The least cost of a cell from which the footprint may reach what is blocked; 0 where that cannot be said.
+    """Return the least cost of a cell from which the footprint may reach what is blocked; 0 where that cannot be said.
 
     `padding` [m] widens the footprint.
     """

@@ -20,10 +20,13 @@ SMOOTHERS: Registry[Smoother] = Registry(
 
 @runtime_checkable
 class Smoother(Protocol):
-    """Smooths a path. It keeps no state that changes a result: the same path gives the same smoothed path."""
+    """Smooths a path. It keeps no state that changes a result: the same path gives the same smoothed path.
+
+    `smooth` is all that trundle uses of a smoother, so a class needs nothing else.
+    """
 
     def smooth(self, path: Path, costmap: Costmap) -> Path:
-        """A path with the same ends that is free on `costmap` wherever `path` is.
+        """Return a path with the same ends that is free on `costmap` wherever `path` is.
 
         Raises:
             PlanningError: If `path` leaves the map (`OutsideMapError`) or touches something (`BlockedPoseError`).
@@ -36,7 +39,7 @@ SmootherLike: TypeAlias = str | Choice | Smoother | Callable[..., object]
 
 
 def smoother_names() -> list[str]:
-    """Names that `create_smoother` takes, sorted."""
+    """Return names that `create_smoother` takes, sorted."""
     return SMOOTHERS.names()
 
 

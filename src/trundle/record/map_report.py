@@ -10,7 +10,7 @@ from PIL import Image, ImageDraw
 from trundle.costmap import FREE_SPACE, LETHAL, NO_INFORMATION, Costmap
 from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.maps.check import MapReport, Severity
-from trundle.maps.check.grouping import Group, group_findings, tell_small
+from trundle.maps.check.finding import Group, group_findings, tell_small
 from trundle.maps.grid import OccupancyGrid
 from trundle.pictures.colors import BAD, FAINT, GOOD, INK, PAGE, WARNING, Rgb
 from trundle.pictures.colors import OCCUPIED as WALL

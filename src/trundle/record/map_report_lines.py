@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from trundle.maps.check import Finding, MapReport
-    from trundle.maps.check.grouping import Group
+    from trundle.maps.check.finding import Group
 
 MOST_LINES = 15
 """Maximum number of lines, unless all findings are requested."""
@@ -24,7 +24,7 @@ def tell_report(title: str, report: MapReport, robot_area: float | None, *, most
             robot's.
         most: Maximum number of lines; None lists every finding.
     """
-    from trundle.maps.check.grouping import group_findings, tell_small
+    from trundle.maps.check.finding import group_findings, tell_small
     from trundle.record.map_report import count_by_severity
 
     first, last = f"{title}: {count_by_severity(report)}", _unverified_lines(report)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 from trundle.costmap import Costmap
-from trundle.costmap.inflation import LETHAL, NO_INFORMATION
+from trundle.costmap.costs import LETHAL, NO_INFORMATION
 from trundle.errors import InputError, OutputError, UnknownNameError
 from trundle.files.writing import cannot_write, output_path
 from trundle.maps import OccupancyGrid

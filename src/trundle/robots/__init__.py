@@ -1,7 +1,6 @@
 """Robots: their drive, limits, footprint, casters and sensors, from YAML; the built-in ones are in `catalogue/`."""
 
-from trundle.robots.drive import Axle, DifferentialDrive, DriveWheel, WheelSpeeds
-from trundle.robots.limits import Limits
+from trundle.robots.drive import Axle, DifferentialDrive, DriveWheel, Limits, WheelSpeeds
 from trundle.robots.parts import Body, Caster, Lidar
 from trundle.robots.robot import Robot, is_robot_file, robot_names
 

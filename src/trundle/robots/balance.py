@@ -19,7 +19,7 @@ def describe_imbalance(robot: Robot) -> str:
     what = "wheels and casters" if robot.casters else "wheels, and it has no casters"
     return (
         f"{begin}: its centre of mass (body.center_of_mass, x {x:.3g} m) is {where} all of its {what}. Add one there, "
-        f"for example casters: [{{x: {at:.3g}, y: 0, radius: {_ball_radius(robot):.3g}}}]"
+        f"for example casters: [{{x: {at:.3g}, y: 0, radius: {max(0.005, robot.body.clearance / 2.0):.3g}}}]"
     )
 
 
@@ -28,7 +28,3 @@ def _center_of_mass(robot: Robot) -> tuple[float, float]:
         return robot.body.center_of_mass[0], robot.body.center_of_mass[1]
     low, high = robot.outline.min(axis=0), robot.outline.max(axis=0)
     return float(low[0] + high[0]) / 2.0, float(low[1] + high[1]) / 2.0
-
-
-def _ball_radius(robot: Robot) -> float:
-    return max(0.005, robot.body.clearance / 2.0)

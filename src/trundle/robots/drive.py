@@ -1,4 +1,4 @@
-"""Differential drive: forward and inverse kinematics, and wheel commands clipped as in Isaac Sim's controller."""
+"""Differential drive: kinematics both ways, wheel commands clipped as in Isaac Sim, and the limits of the base."""
 
 from __future__ import annotations
 
@@ -8,7 +8,19 @@ from pydantic import model_validator
 
 from trundle.files.yaml_config import Config
 from trundle.geometry import Twist2D
-from trundle.robots.sizes import Coordinate, TrackWidth, WheelMass, WheelRadius, WheelSpeed, WheelWidth
+from trundle.robots.parts import (
+    Acceleration,
+    Coordinate,
+    ReverseSpeed,
+    Speed,
+    TrackWidth,
+    TurningAcceleration,
+    TurningSpeed,
+    WheelMass,
+    WheelRadius,
+    WheelSpeed,
+    WheelWidth,
+)
 
 
 class WheelSpeeds(NamedTuple):
@@ -53,8 +65,8 @@ class DifferentialDrive(Config):
         right_joint: Name of the right wheel's joint.
         wheel_width: Width of a wheel [m], for pictures and masses.
         wheel_mass: Mass of one wheel [kg].
-        axles: The axles of a robot with several; none means one axle at x = 0.
-        max_wheel_speed: Maximum speed of one wheel [rad/s]; none means that only the robot's limits apply.
+        axles: The axles of a robot with several. By default there is one axle at x = 0.
+        max_wheel_speed: Maximum speed of one wheel [rad/s]. If None, only the robot's limits apply.
     """
 
     type: Literal["differential"] = "differential"
@@ -87,7 +99,7 @@ class DifferentialDrive(Config):
         )
 
     def wheel_speeds(self, twist: Twist2D) -> WheelSpeeds:
-        """Wheel speeds [rad/s] that drive `twist` without slip: (2v ∓ w·track) / (2·radius)."""
+        """Return the wheel speeds [rad/s] that drive `twist` without slip: (2v ∓ w·track) / (2·radius)."""
         across = twist.w * self.track_width
         return WheelSpeeds(
             (2.0 * twist.v - across) / (2.0 * self.wheel_radius),
@@ -95,7 +107,7 @@ class DifferentialDrive(Config):
         )
 
     def twist(self, wheels: WheelSpeeds) -> Twist2D:
-        """Twist that wheel speeds [rad/s] drive without slip; the inverse of `wheel_speeds`."""
+        """Return the twist that wheel speeds [rad/s] drive without slip; the inverse of `wheel_speeds`."""
         left, right = wheels
         return Twist2D(
             self.wheel_radius * (left + right) / 2.0,
@@ -105,7 +117,7 @@ class DifferentialDrive(Config):
     def wheel_command(
         self, twist: Twist2D, *, max_linear_speed: float | None = None, max_angular_speed: float | None = None
     ) -> WheelSpeeds:
-        """Wheel speeds [rad/s] with the clipping of Isaac Sim's DifferentialController.
+        """Return the wheel speeds [rad/s] with the clipping of Isaac Sim's DifferentialController.
 
         v and w are clipped independently, then each wheel at `max_wheel_speed`: the curvature is not preserved.
         """
@@ -116,3 +128,38 @@ class DifferentialDrive(Config):
 
 def _clip(value: float, limit: float | None) -> float:
     return value if limit is None else max(-limit, min(limit, value))
+
+
+class Limits(Config):
+    """Maximum speeds and accelerations of the base.
+
+    Attributes:
+        linear_speed: Maximum forward speed [m/s].
+        reverse_speed: Maximum reverse speed [m/s], as a positive number. If None, it is the same as forward.
+        angular_speed: Maximum turning speed in both directions [rad/s].
+        linear_acceleration: Maximum acceleration and deceleration [m/s²].
+        angular_acceleration: Maximum angular acceleration and deceleration [rad/s²].
+    """
+
+    linear_speed: Speed
+    reverse_speed: ReverseSpeed | None = None
+    angular_speed: TurningSpeed
+    linear_acceleration: Acceleration
+    angular_acceleration: TurningAcceleration
+
+    def clamp(self, twist: Twist2D) -> Twist2D:
+        """Clamp a twist to the maximum speeds, v and w independently."""
+        back = self.linear_speed if self.reverse_speed is None else self.reverse_speed
+        return Twist2D(
+            min(self.linear_speed, max(-back, twist.v)),
+            min(self.angular_speed, max(-self.angular_speed, twist.w)),
+        )
+
+    def approach(self, current: Twist2D, command: Twist2D, dt: float) -> Twist2D:
+        """Return the twist after `dt` [s] of accelerating from `current` towards `command` within all limits."""
+        target = self.clamp(command)
+        linear, angular = self.linear_acceleration * dt, self.angular_acceleration * dt
+        return Twist2D(
+            current.v + min(linear, max(-linear, target.v - current.v)),
+            current.w + min(angular, max(-angular, target.w - current.w)),
+        )

@@ -29,14 +29,14 @@ from trundle.files.xacro import expand_xacro
 from trundle.files.xml_elements import read_xml
 from trundle.files.yaml_config import Plain
 from trundle.geometry import FloatArray, convex_hull
-from trundle.robots.merging import merge_settings
 from trundle.robots.model_shape import body_points, simplify_outline
 from trundle.robots.model_wheels import Frame, read_layout, root_of
 
 _TOUCHES = 0.006
-"""Parts this near to the floor [m] support the robot."""
+"""Parts this near to the floor [m] support the robot: more takes a low chassis for a caster, less misses casters that
+a model leaves a little above the floor."""
 
-_BALL_MASS = 0.01
+_BALL_MASS = 0.01  # [kg]: of balls that stand for parts whose mass the chassis already has
 
 _LARGEST = 1000.0
 """Limit on the size of a robot [m]."""
@@ -51,11 +51,11 @@ _ASSUMED_LIMITS: dict[str, Plain] = {
 
 
 def read_robot(path: Path, given: dict[str, Plain], folders: tuple[Path, ...]) -> dict[str, Plain]:
-    """Derive the settings of a `Robot` from a model; `given` settings override derived ones.
+    """Derive the settings of a `Robot` from a model.
 
     Args:
         path: A URDF or MJCF file.
-        given: Settings of a `Robot`, all optional; `drive` should name the joints.
+        given: The settings that will override derived ones, all optional; `drive` should name the joints.
         folders: Folders to search for package:// names, after those above the file.
 
     Raises:
@@ -116,11 +116,11 @@ def read_robot(path: Path, given: dict[str, Plain], folders: tuple[Path, ...]) -
     }
     if "limits" not in given:
         read["limits"] = _read_limits(path, joints, radius, layout.track)
-    return merge_settings(read, given)
+    return read
 
 
 def _compile(path: Path, folders: tuple[Path, ...]) -> tuple[Any, Any, str]:
-    """The compiled model with its collision geometry, or its visual geometry if it has none."""
+    """Return the compiled model with its collision geometry, or its visual geometry if it has none."""
     spec = read_spec(path, folders=folders, error=RobotError, geometry="collision")
     if not any(geom.contype or geom.conaffinity for geom in spec.geoms):
         spec = read_spec(path, folders=folders, error=RobotError, geometry="visual")
@@ -133,7 +133,7 @@ def _compile(path: Path, folders: tuple[Path, ...]) -> tuple[Any, Any, str]:
 
 
 def _read_underside(parts: list[FloatArray], radius: float) -> tuple[list[Plain], float]:
-    """Parts that touch the floor besides the drive wheels, as balls, and the clearance of the rest [m]."""
+    """Return parts that touch the floor besides the drive wheels, as balls, and the clearance of the rest [m]."""
     spots: list[FloatArray] = []
     lowest: list[float] = []
     for points in parts:
@@ -157,7 +157,7 @@ def _ball(x: float, y: float, radius: float) -> dict[str, Plain]:
 def _read_inertia(
     path: Path, model: Any, data: Any, frame: Frame, bodies: list[int]
 ) -> tuple[float, FloatArray, FloatArray]:
-    """Mass, centre of mass in base_link, and moments of inertia about it along base_link's axes, of some bodies."""
+    """Read the mass of some bodies, their centre of mass in base_link, and moments of inertia about it."""
     masses = np.array([model.body_mass[body] for body in bodies])
     mass = float(masses.sum())
     if mass < 1e-2:
@@ -198,7 +198,7 @@ def _keep_upright(
 
 
 def _read_limits(path: Path, joints: tuple[str, str], radius: float, track: float) -> dict[str, Plain]:
-    """Speeds from the velocity limits of a URDF's wheel joints, if both have one; accelerations are assumed."""
+    """Return speeds from the velocity limits of a URDF's wheel joints, if both have one; accelerations are assumed."""
     speeds: list[float] = []
     root = read_xml(path, error=RobotError)
     expand_xacro(path, root, error=RobotError)

@@ -17,7 +17,7 @@ from trundle.geometry import FloatArray
 from trundle.robots.model_shape import body_points
 
 _ALIKE = 0.02
-"""Largest relative difference between the radii of wheels on one side."""
+"""Largest relative difference between the radii of wheels on one side: that of rounded numbers and coarse meshes."""
 
 _BESIDE = 0.05
 """Largest offset [m] between wheels of one side, laterally and in height."""
@@ -31,8 +31,8 @@ _ROLLERS = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Wheel:
-    """A drive wheel: its joint, its centre [m] and axis in the model's world frame, and its sizes."""
+class ModelWheel:
+    """A drive wheel of a model: its joint, its centre [m] and axis in the model's world frame, and its sizes."""
 
     joint: str
     center: FloatArray
@@ -51,7 +51,7 @@ class Frame:
     rotation: FloatArray
 
     def local(self, points: FloatArray) -> FloatArray:
-        """Points [m] in base_link."""
+        """Return points [m] in base_link."""
         return (points - self.origin) @ self.rotation
 
 
@@ -66,13 +66,13 @@ class Layout:
         frame: base_link.
     """
 
-    axles: tuple[tuple[Wheel, Wheel], ...]
+    axles: tuple[tuple[ModelWheel, ModelWheel], ...]
     radius: float
     track: float
     frame: Frame
 
     @property
-    def wheels(self) -> tuple[Wheel, ...]:
+    def wheels(self) -> tuple[ModelWheel, ...]:
         """All wheels."""
         return tuple(wheel for axle in self.axles for wheel in axle)
 
@@ -105,7 +105,7 @@ def read_layout(path: Path, model: Any, data: Any, drive: dict[str, Plain]) -> L
 
 
 def hinge_names(model: Any) -> list[str]:
-    """Names of the revolute joints."""
+    """Return the names of the revolute joints."""
     import mujoco
 
     return [
@@ -116,12 +116,12 @@ def hinge_names(model: Any) -> list[str]:
 
 
 def root_of(model: Any, joint: str) -> int:
-    """The root body of the robot that a joint belongs to."""
+    """Return the root body of the robot that a joint belongs to."""
     return int(model.body_rootid[int(model.jnt_bodyid[model.joint(joint).id])])
 
 
 def wheels_named(joints: Sequence[str], side: str) -> list[str]:
-    """The joints whose names clearly say that they are wheels of a side, "left" or "right"."""
+    """Return the joints whose names clearly say that they are wheels of a side, "left" or "right"."""
     return [
         joint
         for joint in joints
@@ -130,7 +130,7 @@ def wheels_named(joints: Sequence[str], side: str) -> list[str]:
 
 
 def _name_joints(path: Path, model: Any, drive: dict[str, Plain]) -> tuple[list[str], list[str]]:
-    """Joints of the left and right wheels: as given, or found by their names."""
+    """Return joints of the left and right wheels: as given, or found by their names."""
     hinges = hinge_names(model)
     found: list[list[str]] = []
     for side in ("left", "right"):
@@ -160,9 +160,11 @@ def _which_joints(path: Path, hinges: list[str]) -> str:
     )
 
 
-def _behind(path: Path, model: Any, data: Any, wheel: Wheel, chosen: set[str], given_radius: Plain) -> list[Wheel]:
-    """Wheels similar to one, in front of it and behind it on the same side."""
-    found: list[Wheel] = []
+def _behind(
+    path: Path, model: Any, data: Any, wheel: ModelWheel, chosen: set[str], given_radius: Plain
+) -> list[ModelWheel]:
+    """Return wheels similar to one, in front of it and behind it on the same side."""
+    found: list[ModelWheel] = []
     for joint in hinge_names(model):
         index = int(model.joint(joint).id)
         axis = np.array(data.xaxis[index], dtype=np.float64)
@@ -180,7 +182,7 @@ def _behind(path: Path, model: Any, data: Any, wheel: Wheel, chosen: set[str], g
     return found
 
 
-def _refuse_rollers(path: Path, model: Any, wheel: Wheel) -> None:
+def _refuse_rollers(path: Path, model: Any, wheel: ModelWheel) -> None:
     """Refuse mecanum and omni wheels, which roll sideways too.
 
     Raises:
@@ -201,8 +203,10 @@ def _refuse_rollers(path: Path, model: Any, wheel: Wheel) -> None:
     )
 
 
-def _pair(path: Path, left: Sequence[Wheel], right: Sequence[Wheel]) -> tuple[tuple[Wheel, Wheel], ...]:
-    """Each left wheel with the one opposite, the foremost first."""
+def _pair(
+    path: Path, left: Sequence[ModelWheel], right: Sequence[ModelWheel]
+) -> tuple[tuple[ModelWheel, ModelWheel], ...]:
+    """Return each left wheel with the one opposite, the foremost first."""
     across = np.mean([wheel.center for wheel in left], axis=0) - np.mean([wheel.center for wheel in right], axis=0)
     axis = left[0].axis * (1.0 if float(left[0].axis @ across) >= 0.0 else -1.0)
     forward = np.array([axis[1], -axis[0], 0.0])
@@ -218,7 +222,7 @@ def _pair(path: Path, left: Sequence[Wheel], right: Sequence[Wheel]) -> tuple[tu
     return axles
 
 
-def _check_axle(path: Path, left: Wheel, right: Wheel) -> None:
+def _check_axle(path: Path, left: ModelWheel, right: ModelWheel) -> None:
     across = left.center - right.center
     distance = float(np.linalg.norm(across))
     if distance < 1e-3:
@@ -231,7 +235,7 @@ def _check_axle(path: Path, left: Wheel, right: Wheel) -> None:
 
 
 def _lay_out(
-    path: Path, model: Any, data: Any, axles: tuple[tuple[Wheel, Wheel], ...], drive: dict[str, Plain]
+    path: Path, model: Any, data: Any, axles: tuple[tuple[ModelWheel, ModelWheel], ...], drive: dict[str, Plain]
 ) -> Layout:
     wheels = [wheel for axle in axles for wheel in axle]
     radii = [wheel.radius for wheel in wheels]
@@ -261,7 +265,7 @@ def _lay_out(
     return Layout(axles, radius, track, Frame((left + right) / 2.0 - floor, rotation))
 
 
-def read_wheel(path: Path, model: Any, data: Any, joint: str, given_radius: Plain) -> Wheel:
+def read_wheel(path: Path, model: Any, data: Any, joint: str, given_radius: Plain) -> ModelWheel:
     """Derive a wheel's sizes from its body's geometry and mass.
 
     Raises:
@@ -280,7 +284,9 @@ def read_wheel(path: Path, model: Any, data: Any, joint: str, given_radius: Plai
         raise RobotError(f"{path}: joint {joint!r} is not a wheel: its axis {axis.round(3).tolist()} is not horizontal")
     mass = float(sum(model.body_mass[member] for member in bodies))
     if not parts and given_radius is not None:
-        return Wheel(joint, anchor, axis, _positive(path, "wheel_radius", given_radius), 0.05, mass, frozenset(bodies))
+        return ModelWheel(
+            joint, anchor, axis, _positive(path, "wheel_radius", given_radius), 0.05, mass, frozenset(bodies)
+        )
     if not parts:
         raise RobotError(
             f"{path}: the wheel of joint {joint!r} has no geometry to read its radius from; give wheel_radius, or give "
@@ -290,7 +296,7 @@ def read_wheel(path: Path, model: Any, data: Any, joint: str, given_radius: Plai
     along = offset @ axis
     middle = (along.min() + along.max()) / 2.0
     radius = float(np.linalg.norm(offset - np.outer(along, axis), axis=1).max())
-    return Wheel(joint, anchor + middle * axis, axis, radius, float(np.ptp(along)), mass, frozenset(bodies))
+    return ModelWheel(joint, anchor + middle * axis, axis, radius, float(np.ptp(along)), mass, frozenset(bodies))
 
 
 def _positive(path: Path, key: str, value: Plain) -> float:

@@ -1,31 +1,46 @@
-"""What a robot is made of besides its drive: the chassis, casters and lidars, as its file describes them."""
+"""What a robot is made of besides its drive, chassis, casters and lidars, and the types of its numbers.
+
+Each type has a plausible range: a value outside is a wrong unit or a misplaced point.
+"""
 
 from __future__ import annotations
 
 import math
 from typing import Annotated, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
-from trundle.files.config_fields import Angle
+from trundle.files.config_fields import Angle, read_angle
 from trundle.files.yaml_config import Config
-from trundle.robots.sizes import (
-    BodyMass,
-    Brightness,
-    Clearance,
-    Coordinate,
-    FieldOfView,
-    Height,
-    Inertia,
-    LargestRange,
-    LeastRange,
-    RangeNoise,
-    ScanRate,
-    Trail,
-    WheelMass,
-    WheelRadius,
-    WheelWidth,
-)
+
+WheelRadius = Annotated[float, Field(ge=0.001, le=5.0, json_schema_extra={"unit": "m"})]
+WheelWidth = Annotated[float, Field(gt=0.0, le=5.0, json_schema_extra={"unit": "m"})]
+TrackWidth = Annotated[float, Field(ge=0.005, le=20.0, json_schema_extra={"unit": "m"})]
+Trail = Annotated[float, Field(ge=0.0, le=5.0, json_schema_extra={"unit": "m"})]
+Coordinate = Annotated[float, Field(ge=-50.0, le=50.0, json_schema_extra={"unit": "m"})]
+"""Coordinate in base_link [m]."""
+
+Height = Annotated[float, Field(gt=0.0, le=50.0, json_schema_extra={"unit": "m"})]
+Clearance = Annotated[float, Field(ge=0.0, le=50.0, json_schema_extra={"unit": "m"})]
+WheelMass = Annotated[float, Field(gt=0.0, le=1e4, json_schema_extra={"unit": "kg"})]
+BodyMass = Annotated[float, Field(gt=0.0, le=1e6, json_schema_extra={"unit": "kg"})]
+Inertia = Annotated[float, Field(gt=0.0, le=1e9, json_schema_extra={"unit": "kg·m²"})]
+Speed = Annotated[float, Field(gt=0.0, le=100.0, json_schema_extra={"unit": "m/s"})]
+ReverseSpeed = Annotated[float, Field(ge=0.0, le=100.0, json_schema_extra={"unit": "m/s"})]
+TurningSpeed = Annotated[float, Field(gt=0.0, le=1e3, json_schema_extra={"unit": "rad/s"})]
+WheelSpeed = Annotated[float, Field(gt=0.0, le=1e4, json_schema_extra={"unit": "rad/s"})]
+Acceleration = Annotated[float, Field(gt=0.0, le=1e4, json_schema_extra={"unit": "m/s²"})]
+TurningAcceleration = Annotated[float, Field(gt=0.0, le=1e5, json_schema_extra={"unit": "rad/s²"})]
+LeastRange = Annotated[float, Field(ge=0.0, le=1e4, json_schema_extra={"unit": "m"})]
+LargestRange = Annotated[float, Field(gt=0.0, le=1e4, json_schema_extra={"unit": "m"})]
+RangeNoise = Annotated[float, Field(ge=0.0, le=100.0, json_schema_extra={"unit": "m"})]
+ScanRate = Annotated[float, Field(gt=0.0, le=1e4, json_schema_extra={"unit": "Hz"})]
+Brightness = Annotated[float, Field(ge=0.0, le=1.0)]
+FieldOfView = Annotated[
+    float,
+    BeforeValidator(read_angle, json_schema_input_type=float | str),
+    Field(gt=0.0, le=math.tau + 1e-9, json_schema_extra={"unit": "rad"}),
+]
 
 
 class Body(Config):
@@ -35,9 +50,9 @@ class Body(Config):
         mass: Mass of the chassis alone, without wheels and casters [kg].
         height: Top of the robot above the floor [m].
         clearance: Underside of the chassis above the floor [m].
-        center_of_mass: Centre of mass in base_link [m]; none means the middle of the footprint at 40 % of the height.
-        inertia: Principal moments about the centre of mass along base_link's axes [kg·m²]; none means those of a
-            solid box of the footprint's extent.
+        center_of_mass: Centre of mass in base_link [m]. If None, the middle of the footprint at 40 % of the height.
+        inertia: Principal moments about the centre of mass along base_link's axes [kg·m²]. If None, they are those of
+            a solid box of the footprint's extent.
         color: Red, green and blue, each 0 to 1.
     """
 
@@ -60,13 +75,13 @@ class Caster(Config):
 
     Attributes:
         x: Position of the swivel axis, or of a ball's contact point, in base_link [m].
-        y: As x [m].
+        y: As `x`, to the left [m].
         radius: Radius of the wheel or ball [m].
         trail: Distance of the wheel's axle behind the swivel axis [m].
         width: Width of the wheel [m].
         mass: Mass of wheel and fork together [kg].
-        swivel_joint: Name of the swivel joint (about z), or none for a ball.
-        wheel_joint: Name of the wheel joint, or none for a ball.
+        swivel_joint: Name of the swivel joint (about z). If None, the caster is a ball.
+        wheel_joint: Name of the wheel joint. If None, the caster is a ball.
     """
 
     x: Coordinate

@@ -14,12 +14,12 @@ from trundle.pictures.colors import BAD, FAINT, INK, LINE, Rgb
 from trundle.pictures.figure import make_figure
 from trundle.pictures.plan import Plan
 
-_LONG_SIDE = 480
+_LONG_SIDE = 480  # [pixels]
 
 
 @dataclass(frozen=True, slots=True)
-class Wheel:
-    """A drive wheel: its centre (x, y), its diameter and its width [m] in base_link."""
+class DrawnWheel:
+    """A drive wheel as seen from above: its centre (x, y), its diameter and its width [m] in base_link."""
 
     x: float
     y: float
@@ -29,7 +29,7 @@ class Wheel:
 
 def draw_robot(
     outline: FloatArray,
-    wheels: Sequence[Wheel],
+    wheels: Sequence[DrawnWheel],
     casters: Sequence[tuple[float, float, float]],
     lidars: Sequence[tuple[float, float, float]],
     color: Rgb,
@@ -66,6 +66,6 @@ def draw_robot(
     return make_figure(plan.finish(), plan.pixels_per_metre, title, lines)
 
 
-def _rectangle(wheel: Wheel) -> FloatArray:
+def _rectangle(wheel: DrawnWheel) -> FloatArray:
     half = np.array([wheel.diameter, wheel.width]) / 2.0
     return np.array([wheel.x, wheel.y]) + np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half

@@ -20,11 +20,8 @@ from trundle.files.yaml_nodes import compose
 from trundle.geometry import FloatArray, Footprint, Twist2D
 from trundle.guard import ReadCall, ReadLimits, read_guarded, read_limits
 from trundle.registry import Registry
-from trundle.robots.drive import DifferentialDrive, WheelSpeeds
-from trundle.robots.limits import Limits
-from trundle.robots.merging import merge_settings
-from trundle.robots.parts import Body, Caster, Lidar
-from trundle.robots.sizes import Coordinate
+from trundle.robots.drive import DifferentialDrive, Limits, WheelSpeeds
+from trundle.robots.parts import Body, Caster, Coordinate, Lidar
 from trundle.values import check_kind
 
 MODEL_SUFFIXES = (".urdf", ".xacro", ".xml", ".mjcf")
@@ -46,8 +43,8 @@ class Robot(Config):
         body: The chassis.
         casters: Passive wheels.
         lidars: Planar lidars by name.
-        map_height_band: Range of heights above the floor in which solids are obstacles to this robot [m, m]; none means
-            from 0.05 m to the robot's height.
+        map_height_band: Range of heights above the floor in which solids are obstacles to this robot [m, m]. If None,
+            it goes from 0.05 m to the robot's height.
     """
 
     file_keys: ClassVar[tuple[str, ...]] = ("model", "paths", "base")
@@ -123,12 +120,12 @@ class Robot(Config):
 
         Args:
             path: The file.
-            left_joint: Name of the left drive wheel's joint; none finds it by its name.
+            left_joint: Name of the left drive wheel's joint. If None, it is found by its name.
             right_joint: As `left_joint`.
-            wheel_radius: [m]; none takes it from the wheels' geometry.
-            track_width: Distance between the wheels' centres [m]; none takes it from their geometry.
-            limits: Maximum speeds and accelerations; none takes them from the joints, or assumes them with a warning.
-            name: Name of the robot; none means the model's.
+            wheel_radius: Radius of the wheels [m]. If None, it is read from their geometry.
+            track_width: Distance between the wheels' centres [m]. If None, it is read from their geometry.
+            limits: Maximum speeds and accelerations. If None, they are the joints', or assumed with a warning.
+            name: Name of the robot. If None, it is the model's.
             paths: Folders to search for package:// names, after those above the file.
             trusted: As in `World.load`.
             time_limit_s: As in `World.load`.
@@ -168,11 +165,11 @@ class Robot(Config):
     def _repr_png_(self) -> bytes:
         """Show a picture from above in notebooks: footprint, wheels, casters and lidars; the robot faces right."""
         from trundle.pictures.figure import to_png
-        from trundle.robots.picture import Wheel, draw_robot
+        from trundle.robots.picture import DrawnWheel, draw_robot
 
         drive, body = self.drive, self.body
         wheels = [
-            Wheel(wheel.x, wheel.side * drive.track_width / 2.0, 2.0 * drive.wheel_radius, drive.wheel_width)
+            DrawnWheel(wheel.x, wheel.side * drive.track_width / 2.0, 2.0 * drive.wheel_radius, drive.wheel_width)
             for wheel in drive.wheels
         ]
         casters = [(caster.x, caster.y, caster.radius) for caster in self.casters]
@@ -229,27 +226,27 @@ class Robot(Config):
         )
 
     def wheel_speeds(self, twist: Twist2D) -> WheelSpeeds:
-        """Wheel speeds [rad/s] that drive a twist without slip."""
+        """Return the wheel speeds [rad/s] that drive a twist without slip."""
         return self.drive.wheel_speeds(twist)
 
     def twist(self, wheels: WheelSpeeds) -> Twist2D:
-        """Twist that wheel speeds [rad/s] drive without slip."""
+        """Return the twist that wheel speeds [rad/s] drive without slip."""
         return self.drive.twist(wheels)
 
     def wheel_command(self, twist: Twist2D) -> WheelSpeeds:
-        """Wheel speeds [rad/s] for a command, clipped as Isaac Sim's DifferentialController clips."""
+        """Return the wheel speeds [rad/s] for a command, clipped as Isaac Sim's DifferentialController clips."""
         return self.drive.wheel_command(
             twist, max_linear_speed=self.limits.linear_speed, max_angular_speed=self.limits.angular_speed
         )
 
 
 def robot_names() -> list[str]:
-    """Names of the robots that can be loaded without a file, sorted."""
+    """Return the names of the robots that can be loaded without a file, sorted."""
     return sorted({*_catalogue(), *_PLUGINS.names()})
 
 
 def is_robot_file(text: str) -> bool:
-    """Whether a text names a robot file rather than a robot of the catalogue; the file need not exist."""
+    """Return whether a text names a robot file rather than a robot of the catalogue; the file need not exist."""
     return Path(text).suffix.lower() in (".yaml", ".yml", *MODEL_SUFFIXES) or os.sep in text
 
 
@@ -274,7 +271,7 @@ def _load_file(path: Path, limits: ReadLimits, paths: tuple[Path, ...] = (), der
             raise RobotError(f"{path}: give either model or base")
         base = _load_base(settings.pop("base"), path, limits, paths, derived)
         given: dict[str, Plain] = {"name": path.stem, **settings}
-        return _make(merge_settings(base.model_dump(mode="json"), given), str(path), node)
+        return _make(_merge(base.model_dump(mode="json"), given), str(path), node)
     model, folders = settings.pop("model"), settings.pop("paths", [])
     if not isinstance(model, str) or Path(model).suffix.lower() not in MODEL_SUFFIXES:
         raise RobotError(f"{path}: model must be the path of a {', '.join(MODEL_SUFFIXES)} file, got {model!r}")
@@ -287,7 +284,7 @@ def _load_file(path: Path, limits: ReadLimits, paths: tuple[Path, ...] = (), der
 def _load_base(
     base: Plain, path: Path, limits: ReadLimits, paths: tuple[Path, ...], derived: tuple[Path, ...]
 ) -> Robot:
-    """The robot that a file is based on."""
+    """Return the robot that a file is based on."""
     if not isinstance(base, str):
         raise RobotError(f"{path}: base must be the name of a robot or the path of its file, got {base!r}")
     if not is_robot_file(base):
@@ -311,7 +308,16 @@ def _read_model(path: Path, given: dict[str, Plain], folders: tuple[Path, ...], 
         limits=limits,
         imports=("mujoco",),
     )
-    return read_guarded(call, stacklevel=4)
+    return _merge(read_guarded(call, stacklevel=4), given)
+
+
+def _merge(below: dict[str, Plain], given: dict[str, Plain]) -> dict[str, Plain]:
+    """Merge given settings over others, key by key, also within mappings; lists are replaced as a whole."""
+    merged = dict(below)
+    for key, value in given.items():
+        old = merged.get(key)
+        merged[key] = _merge(old, value) if isinstance(old, dict) and isinstance(value, dict) else value
+    return merged
 
 
 def _make(settings: dict[str, Plain], where: str, node: yaml.Node | None = None) -> Robot:

@@ -17,8 +17,9 @@ from trundle.sim.mover_checks import warn_of_motions, warn_of_start
 from trundle.sim.simulator import Contact, MoverState
 from trundle.worlds import World
 from trundle.worlds.movers.crowd import Crowd
+from trundle.worlds.movers.interaction import RobotMotion
 from trundle.worlds.movers.mover import Mover, outline_of
-from trundle.worlds.movers.walk import CrowdWalk, RobotMotion
+from trundle.worlds.movers.walk import CrowdWalk
 
 RobotPose = Callable[[], tuple[Pose2D, float]]
 """The robot's pose, map frame, and its forward speed [m/s]."""

@@ -38,7 +38,9 @@ def check_planner(planner: PlannerLike, *, robot: Robot | None = None) -> None:
     repeated and in a second planner; the costmap is not modified; a goal outside the map, in an obstacle, in unknown
     space or unreachable raises a typed error and never returns an empty path. Those keywords of the interface that
     `plan` takes do what they say: a deadline that is not reached changes nothing, and one that has passed gives a
-    `PlanningStoppedError` or the same path; a query that is cancelled already raises it.
+    `PlanningStoppedError` or the same path; a query that is cancelled already raises it. A planner that counts by
+    `cancel.count` counts one node or more in each plan. What its `make_quick` returns, if it has that, is None or a
+    planner: its paths meet the same requirements, but it may give up where there is a path.
 
     Args:
         planner: A planner in any of the ways of `PlannerLike`, or a function that makes one.
@@ -61,6 +63,7 @@ def check_planner(planner: PlannerLike, *, robot: Robot | None = None) -> None:
         _check_same(path, _plan(instance, costmap, start, goal), "the same query twice gives two different paths")
         _check_same(path, _plan(make(), costmap, start, goal), "two planners of the same kind give different paths")
         _check_keywords(instance, costmap, start, goal, path)
+    _check_quick(instance, costmap)
     for start, goal, kinds, what in _REFUSALS:
         _check_refusal(instance, costmap, start, goal, kinds, what)
     start, goal = _QUESTIONS[0]
@@ -113,8 +116,13 @@ def _plan(planner: Planner, costmap: Costmap, start: Pose2D, goal: Goal, **keywo
 
 def _check_keywords(planner: Planner, costmap: Costmap, start: Pose2D, goal: Goal, path: Path) -> None:
     """Check `deadline_s` and `cancel` with a query whose `path` is known."""
-    patient = _plan(planner, costmap, start, goal, deadline_s=_LONG_S, cancel=Cancellation())
+    count = Cancellation()
+    patient = _plan(planner, costmap, start, goal, deadline_s=_LONG_S, cancel=count)
     _check_same(path, patient, "a deadline that is far off changes the path")
+    expect(
+        count.expansions is None or count.expansions > 0,
+        f"a planner counts the nodes that it expands, one or more in each plan; it counted {count.expansions}",
+    )
     try:
         hasty = planner.plan(costmap, start, goal, deadline_s=_SHORT_S)
     except PlanningStoppedError as error:
@@ -132,6 +140,24 @@ def _check_keywords(planner: Planner, costmap: Costmap, start: Pose2D, goal: Goa
         expect(error.status == "cancelled", f"a cancelled query must have the status 'cancelled', not {error.status!r}")
     else:
         raise ConformanceError("an already cancelled query must raise PlanningStoppedError, but it returned a path")
+
+
+def _check_quick(planner: Planner, costmap: Costmap) -> None:
+    """Check `make_quick`: its planner finds a path that conforms, or gives up."""
+    quick = accept(lambda _: planner.make_quick(), planner)
+    if quick is None:
+        return
+    start, goal = _QUESTIONS[0]
+    try:
+        path = quick.plan(costmap, start, goal)
+    except PlanningStoppedError:
+        return
+    except PlanningError as error:
+        raise ConformanceError(
+            "the planner of make_quick may give up by a PlanningStoppedError, but must not say that there is no path "
+            f"where there is one: {error}"
+        ) from error
+    _check_path(path, costmap, start, goal)
 
 
 def _check_path(path: Path, costmap: Costmap, start: Pose2D, goal: Goal) -> None:

@@ -4,7 +4,6 @@ A `Tracker` takes scans with the odometry, and returns a `trundle.observation.Tr
 needs no map, and knows neither the shape nor the size of what moves.
 """
 
-from trundle.tracking.settings import TrackerSettings
-from trundle.tracking.tracker import Tracker
+from trundle.tracking.tracker import Tracker, TrackerSettings
 
 __all__ = ["Tracker", "TrackerSettings"]

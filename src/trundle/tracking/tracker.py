@@ -5,19 +5,56 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
+from pydantic import Field
 
 from trundle._core import ScanTracker
-from trundle.costmap.layers.scan_gate import ScanGate
+from trundle.costmap.layers.scan_filter import ScanFilter
 from trundle.errors import InputError, SensorWarning
+from trundle.files.config_fields import NotNegative, Positive
+from trundle.files.yaml_config import Config
 from trundle.geometry import FloatArray, Pose2D
 from trundle.observation import Estimate, Scan, Track, check_scans
 from trundle.robots import Robot
-from trundle.tracking.settings import TrackerSettings
 from trundle.values import as_number, check_kind
 
-_BODY_M = 0.02
+_BODY_M = 0.02  # around the footprint: hits of the robot's own body scatter by the noise of its lidars
+
+
+class TrackerSettings(Config):
+    """What a tracker takes for something that moves, and how long it remembers it.
+
+    Attributes:
+        max_range: Hits farther away than this are left out [m].
+        max_size: Larger things are parts of the building [m].
+        min_points: Number of points of a scan from which they count as something.
+        same_surface: Points of two scans that are this close belong to one surface [m]; several times the noise of the
+            lidars.
+        acceleration: Acceleration of the movers that are followed [m/s²]: by how much their velocity changes in a
+            second, one standard deviation.
+        min_speed: Speed below which something stands [m/s].
+        confirm_scans: Number of scans that must show that something moves before its track is confirmed.
+        hidden_s: How long a confirmed track is kept while something hides it [s], at most: one whose velocity has just
+            changed is forgotten earlier.
+        aside_s: How long a confirmed track is kept while it is outside the field of view of every lidar [s], at most.
+        source_timeout: Scans that are older than this are ignored [s].
+
+    Raises:
+        InputError: If a value is out of range.
+    """
+
+    max_range: Positive = 15.0
+    max_size: Positive = 3.0
+    min_points: Annotated[int, Field(ge=2)] = 3
+    same_surface: Positive = 0.07
+    acceleration: Positive = 0.6
+    min_speed: NotNegative = 0.2
+    confirm_scans: Annotated[int, Field(ge=1)] = 2
+    hidden_s: NotNegative = 0.8
+    aside_s: NotNegative = 1.5
+    source_timeout: Positive = 1.0
 
 
 class Tracker:
@@ -28,7 +65,7 @@ class Tracker:
 
     Args:
         robot: The robot; points inside its footprint are its own body.
-        settings: The settings; none means the defaults.
+        settings: The settings. If None, the defaults apply.
         warn: Whether to warn of scans that are left out; a navigator's layers do that already.
 
     Attributes:
@@ -44,7 +81,7 @@ class Tracker:
         self.settings = TrackerSettings() if settings is None else settings
         check_kind(self.settings, TrackerSettings, "a tracker's settings", "TrackerSettings(max_range=10.0) makes them")
         self._body = robot.planar.padded(_BODY_M).outline
-        self._gate = ScanGate(robot, self.settings.source_timeout, warn=warn)
+        self._filter = ScanFilter(robot, self.settings.source_timeout, warn=warn)
         self._warns = warn
         self.reset()
 
@@ -54,7 +91,7 @@ class Tracker:
 
     def reset(self) -> None:
         """Forget all scans and tracks, at the start of a run."""
-        self._gate.reset()
+        self._filter.reset()
         self._time: float | None = None
         self._forget()
 
@@ -86,10 +123,10 @@ class Tracker:
                 message = f"the time went back from {self._time:g} s to {now:g} s: all tracks are forgotten"
                 warnings.warn(message, SensorWarning, stacklevel=2)
             self.reset()
-        if (self._time is None or now > self._time) and self._gate.follow(Estimate(now, pose)):
+        if (self._time is None or now > self._time) and self._filter.follow(Estimate(now, pose)):
             self._forget()
         self._time = now
-        for scan, poses in sorted(self._gate.admit(scans), key=lambda admitted: (admitted[0].time, admitted[0].lidar)):
+        for scan, poses in sorted(self._filter.admit(scans), key=lambda one: (one[0].time, one[0].lidar)):
             self._take(scan, poses)
         self.tracks = self._predict(now)
         return self.tracks
@@ -101,7 +138,7 @@ class Tracker:
         self._kernel.see(lidar, scan.time, ranges, angles, np.ascontiguousarray(poses), sensor)
 
     def _predict(self, now: float) -> tuple[Track, ...]:
-        """All that is followed, as it is at a time [s]."""
+        """Return all that is followed, as it is at a time [s]."""
         ids, flags, states, covariances = self._kernel.tracks(now)
         covariances.flags.writeable = False
         return tuple(
@@ -113,7 +150,7 @@ class Tracker:
 
 
 def _as_numbers(settings: TrackerSettings) -> FloatArray:
-    """The settings in the kernel's order."""
+    """Return the settings in the kernel's order."""
     return np.array(
         [
             *(settings.max_range, settings.max_size, settings.min_points, settings.same_surface),

@@ -10,7 +10,7 @@ from typing import Any
 
 from pxr import Gf, Sdf, UsdGeom, UsdLux, UsdPhysics, UsdShade
 
-from trundle.usd.isaac_physics import GROUND_OFFSET, TIMESTEP
+from trundle.usd import GROUND_OFFSET, TIMESTEP
 
 POSITION_ITERATIONS, VELOCITY_ITERATIONS = 32, 1
 """Iterations of PhysX's solver for the robot, explicit so that they do not depend on a version's defaults."""

@@ -36,7 +36,7 @@ class PrimNames:
 
 
 def new_stage(root: str) -> Any:
-    """A stage in metres and kilograms with z up, whose default prim is a transform with the given name."""
+    """Return a stage in metres and kilograms with z up, whose default prim is a transform with the given name."""
     stage = Usd.Stage.CreateInMemory()
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)

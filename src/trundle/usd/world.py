@@ -23,12 +23,12 @@ from trundle.usd.stage import (
 )
 from trundle.worlds import World
 from trundle.worlds.tessellate import box_mesh
-from trundle.worlds.usd.words import NAME, SEEDS
+from trundle.worlds.usd.options import NAME, SEEDS
 from trundle.worlds.walls import merge_cells
 
 _ROOT = "World"
-_FRICTION = 1.0
-_FLOOR_MARGIN = 5.0
+_FRICTION = 1.0  # as the wheels': PhysX takes the mean of two materials
+_FLOOR_MARGIN = 5.0  # how far the floor is drawn beyond the solids [m]
 _FLOOR_COLOR = (0.66, 0.67, 0.68, 1.0)
 
 
@@ -62,7 +62,7 @@ def _add_scene(stage: Any) -> None:
 
 
 def _add_floor(stage: Any, world: World, material: Any) -> None:
-    """A plane under everything, infinite in physics."""
+    """Add a plane under everything, which is infinite in physics."""
     low, high = world.bounds
     middle = (low + high) / 2.0
     floor = UsdGeom.Plane.Define(stage, f"/{_ROOT}/GroundPlane")
@@ -111,7 +111,7 @@ def _add_solid(stage: Any, path: str, solid: Solid) -> Any:
 
 
 def _add_mesh(stage: Any, path: str, solid: Solid, mesh: Mesh) -> Any:
-    """Points far from the origin lose precision, so the points are centred and the mesh is moved instead."""
+    """Define a mesh with centred points, whose single precision suffers far from the origin, and move the prim."""
     middle = _middle(mesh.vertices)
     gprim = define_mesh(stage, path, Mesh(mesh.vertices - middle, mesh.faces))
     set_pose(gprim, solid.pose)
@@ -121,14 +121,14 @@ def _add_mesh(stage: Any, path: str, solid: Solid, mesh: Mesh) -> Any:
 
 
 def _middle(vertices: FloatArray) -> FloatArray:
-    """Offset to centre a mesh by: zero, unless it is farther from the origin than its size."""
+    """Return the offset [m] that centres a mesh: zero, unless it is farther from the origin than its size."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     middle = (low + high) / 2.0
     return middle if np.abs(middle).max() > (high - low).max() else np.zeros(3)
 
 
 def cells_mesh(cells: OccupancyCells) -> Mesh:
-    """Blocked cells as one mesh: a closed box for every rectangle of them, in the cells' frame."""
+    """Return blocked cells as one mesh: a closed box for every rectangle of them, in the cells' frame."""
     rectangles = merge_cells(cells.blocked.astype(np.uint8), most=cells.blocked.size)
     if rectangles is None or len(rectangles.kind) == 0:
         raise OutputError("none of the cells is blocked: there is nothing to write")

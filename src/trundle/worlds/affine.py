@@ -9,7 +9,7 @@ import numpy as np
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose3D
 from trundle.geometry.solids import Box, Cylinder, Mesh, Sphere
-from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
+from trundle.worlds.tessellate import as_mesh
 
 ALIKE = 1e-6
 """Relative tolerance for equal scales and orthogonal columns: the accuracy of single precision."""
@@ -42,8 +42,9 @@ def split(matrix: FloatArray) -> tuple[FloatArray, FloatArray] | None:
 
 
 def pose_of(position: FloatArray, rotation: FloatArray) -> Pose3D:
-    """Pose from a position [m], shape (3,), and a rotation matrix, shape (3, 3)."""
-    # The largest of the four components is taken from the diagonal, so that nothing cancels.
+    """Return the pose with a position [m], shape (3,), and a rotation matrix, shape (3, 3)."""
+    # Shepperd, Quaternion from Rotation Matrix (1978): the largest of the four components is taken from the diagonal,
+    # so that nothing cancels.
     diagonal = np.array([np.trace(rotation), *np.diag(rotation)])
     largest = int(diagonal.argmax())
     skew = [rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]]
@@ -66,7 +67,7 @@ def place(shape: Box | Cylinder | Sphere | Mesh, matrix: FloatArray) -> tuple[Bo
     """Transform a shape by an affine map.
 
     Args:
-        shape: In its own frame.
+        shape: The shape, in its own frame.
         matrix: From that frame to the map frame [m], acting on columns, shape (4, 4).
 
     Returns:
@@ -101,19 +102,6 @@ def scale_mesh(mesh: Mesh, scales: FloatArray) -> Mesh:
         return mesh
     faces = mesh.faces[:, ::-1] if scales.prod() < 0.0 else mesh.faces
     return Mesh(mesh.vertices * scales, faces)
-
-
-def as_mesh(shape: Box | Cylinder | Sphere | Mesh) -> Mesh:
-    """A shape's surface as triangles; round ones as circumscribed polyhedra."""
-    match shape:
-        case Box(size):
-            return box_mesh(size)
-        case Cylinder(radius, length):
-            return cylinder_mesh(radius, length)
-        case Sphere(radius):
-            return sphere_mesh(radius)
-        case Mesh():
-            return shape
 
 
 def _place_sheared(

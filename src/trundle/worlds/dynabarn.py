@@ -42,7 +42,7 @@ def load_dynabarn(path: Path, *, world: str | int | None = None, start_s: float 
 
     Args:
         path: The file.
-        world: Name or number of the world, `world_4` or 4; None means the only one.
+        world: Name or number of the world, `world_4` or 4. If None, the file must have one only.
         start_s: How far the motions are when a run begins [s].
 
     Raises:
@@ -70,7 +70,7 @@ def load_dynabarn(path: Path, *, world: str | int | None = None, start_s: float 
 
 
 def read_dynabarn(path: Path) -> dict[str, dict[str, Any]]:
-    """The worlds of a file, by name: `level` and `obstacles` of each.
+    """Return the worlds of a file, by name: `level` and `obstacles` of each.
 
     Raises:
         WorldError: If the file cannot be read, is damaged or of another kind.

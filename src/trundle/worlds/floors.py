@@ -19,10 +19,10 @@ import numpy.typing as npt
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose2D, Pose3D
-from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
+from trundle.geometry.solids import OccupancyCells, Solid, solids_bounds
 from trundle.robots import Robot
 from trundle.worlds.ground import LARGE
-from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
+from trundle.worlds.tessellate import box_mesh, solid_triangles
 from trundle.worlds.world_like import WorldLike, WorldT
 
 STOREY = 2.0
@@ -32,9 +32,9 @@ _LEVEL = math.cos(math.radians(1.0))
 _SAME = 0.005
 """Tiles whose heights differ by up to this [m] are one floor."""
 
-_SPACING = 0.05
-_PROBES = 9
-_EDGE = 1e-6
+_SPACING = 0.05  # between the points of a footprint that are looked at [m]: the edge of a usual map's cell
+_PROBES = 9  # places along each side of a world that are looked at
+_EDGE = 1e-6  # [m²]: a point this little beside a triangle's edge is on it, so that none falls between two triangles
 
 FLOOR_TOP = 1e-3
 """Anything that ends within this height [m] of the ground belongs to the ground and is not an obstacle."""
@@ -55,7 +55,7 @@ class _Column:
     owners: npt.NDArray[np.int64]
 
     def is_free(self, low: float, height: float) -> bool:
-        """Whether the space between a floor and a height above it is free."""
+        """Return whether the space between a floor and a height above it is free."""
         between = (self.heights > low + _SAME) & (self.heights < low + height)
         if between.any():
             return False
@@ -79,18 +79,18 @@ class _Surfaces:
         self._made: dict[int, FloatArray] = {}
 
     def triangles(self, index: int, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Triangles [m] of one solid that overlap a rectangle (x, y), map frame, shape (N, 3, 3)."""
+        """Return triangles [m] of one solid that overlap a rectangle (x, y), map frame, shape (N, 3, 3)."""
         solid = self.solids[index]
         if isinstance(solid.shape, OccupancyCells):
             return _cell_triangles(solid.pose, solid.shape, low, high)
         if index not in self._made:
-            self._made[index] = _triangles(solid)
+            self._made[index] = solid_triangles(solid)
         corners = self._made[index]
         flat = corners[:, :, :2]
         return corners[((flat.min(axis=1) <= high) & (flat.max(axis=1) >= low)).all(axis=1)]
 
     def columns(self, points: FloatArray) -> list[_Column]:
-        """Surfaces above and below each point (x, y)."""
+        """Return surfaces above and below each point (x, y)."""
         low, high = points.min(axis=0), points.max(axis=0)
         near = ((self.lows[:, :2] <= high) & (self.highs[:, :2] >= low)).all(axis=1)
         found = {index: self.triangles(index, low, high) for index in np.flatnonzero(near).tolist()}
@@ -105,7 +105,7 @@ class _Surfaces:
 
 
 def find_floor(world: WorldLike, robot: Robot, start: Pose2D) -> float:
-    """Height [m] of the floor under a robot at a pose, in the world's own coordinates.
+    """Return the height [m] of the floor under a robot at a pose, in the world's own coordinates.
 
     If no floor has the robot's height free above its whole footprint, the one with the largest free part is taken:
     the start is blocked, and the contact names the obstacle.
@@ -127,7 +127,7 @@ def find_floor(world: WorldLike, robot: Robot, start: Pose2D) -> float:
 
 
 def find_common_floor(world: WorldLike, robot: Robot) -> float:
-    """Height [m] of the floor under most of a world, for when the robot's start is unknown.
+    """Return the height [m] of the floor under most of a world, for when the robot's start is unknown.
 
     The lowest floor is sampled at 9 x 9 points over the world, and the most frequent height is taken. A floor other
     than the ground must be large and have something on it, unlike the top of a crate or a container.
@@ -154,7 +154,7 @@ def find_common_floor(world: WorldLike, robot: Robot) -> float:
 
 
 def _levels_under(surfaces: _Surfaces, robot: Robot, points: FloatArray, *, blocked: bool = True) -> list[float]:
-    """Floors under all the points with the robot's height free above, lowest first.
+    """Return floors under all the points with the robot's height free above, lowest first.
 
     If there is none and `blocked` is set, the one with the largest free part; the highest of equal ones.
     """
@@ -179,7 +179,7 @@ def _levels_under(surfaces: _Surfaces, robot: Robot, points: FloatArray, *, bloc
 
 
 def _shared_levels(columns: Sequence[_Column]) -> list[float]:
-    """Heights at which every point has a level surface that faces up; for each floor, that of its highest tile."""
+    """Return heights where all points have a level surface that faces up; of each floor, that of its highest tile."""
     tops = [column.heights[column.rising >= _LEVEL] for column in columns]
     levels: list[float] = []
     for height in np.unique(np.round(tops[0], 6)):
@@ -205,24 +205,8 @@ def _column(
     return _Column(heights[order], rising[hit][order], owner[hit][order])
 
 
-def _triangles(solid: Solid) -> FloatArray:
-    """A solid's surface as triangles [m], map frame, shape (N, 3, 3)."""
-    match solid.shape:
-        case Box(size):
-            mesh = box_mesh(size)
-        case Cylinder(radius, length):
-            mesh = cylinder_mesh(radius, length)
-        case Sphere(radius):
-            mesh = sphere_mesh(radius)
-        case Mesh() as mesh:
-            pass
-        case OccupancyCells():
-            raise WorldError(f"blocked cells {solid.name!r} cannot be converted to triangles")
-    return solid.pose.transform_points(mesh.vertices)[mesh.faces]
-
-
 def _cell_triangles(pose: Pose3D, cells: OccupancyCells, low: FloatArray, high: FloatArray) -> FloatArray:
-    """The blocked cells near some points, each a box."""
+    """Return the blocked cells near some points, each a box."""
     middle = pose.inverse().transform_points([[*((low + high) / 2.0), pose.position[2]]])[0]
     reach = float(np.hypot(*(high - low))) / 2.0 + cells.resolution
     rows, cols = cells.blocked.shape
@@ -238,7 +222,7 @@ def _cell_triangles(pose: Pose3D, cells: OccupancyCells, low: FloatArray, high: 
 
 
 def _footprint_points(robot: Robot, start: Pose2D) -> FloatArray:
-    """Points of the footprint at a pose, map frame: its corners and a grid within it."""
+    """Return points of the footprint at a pose, map frame: its corners and a grid within it."""
     outline = robot.outline
     low, high = outline.min(axis=0), outline.max(axis=0)
     axes = [np.linspace(low[i], high[i], max(2, math.ceil((high[i] - low[i]) / _SPACING) + 1)) for i in (0, 1)]
@@ -250,13 +234,13 @@ def _footprint_points(robot: Robot, start: Pose2D) -> FloatArray:
 
 
 def _is_floor_too(surfaces: _Surfaces, floor: float, level: float) -> bool:
-    """Whether a level above a floor could be the robot's floor as well."""
+    """Return whether a level above a floor could be the robot's floor as well."""
     carries = _carries(surfaces, level)
     return carries is not None and (carries or level - floor < STOREY)
 
 
 def _carries(surfaces: _Surfaces, level: float) -> bool | None:
-    """Whether something is on a level; None if the level is not large."""
+    """Return whether something is on a level; None if the level is not large."""
     lows, highs = surfaces.lows, surfaces.highs
     reaching = np.flatnonzero((lows[:, 2] <= level + _SAME) & (highs[:, 2] >= level - _SAME)).tolist()
     everything = [surfaces.triangles(index, lows[index, :2], highs[index, :2]) for index in reaching]

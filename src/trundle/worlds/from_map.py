@@ -23,7 +23,7 @@ def load_map(
 
     Args:
         path: The YAML, or the .map.
-        height: Of the walls [m].
+        height: Height of the walls [m].
         unknown: Treat unknown cells as "solid" or "free".
         compat: "humble" reads a YAML as ROS 2 Humble does.
         max_cells: As for `OccupancyGrid.load`.

@@ -12,7 +12,7 @@ from trundle.geometry.solids import Color, Solid, solids_bounds
 from trundle.worlds.shapes import Names, Part, make_solids
 
 LARGE = 10.0
-"""Minimum area [m²] of a floor: a smaller level surface may be a table top."""
+"""Minimum area [m²] of a floor: a smaller level surface may be a table top, a pallet or a landing."""
 
 NEAR_ZERO = 0.01
 """A plane this near to z = 0 [m] is the ground whatever its size; surfaces this little above it belong to it."""
@@ -25,8 +25,8 @@ class LevelPlane(NamedTuple):
     """A level plane that faces up.
 
     Attributes:
-        height: [m]
-        area: [m²]; `ENDLESS` for one that collides.
+        height: Height of the plane [m].
+        area: Area of the plane [m²]; `ENDLESS` for one that collides.
     """
 
     height: float
@@ -34,12 +34,12 @@ class LevelPlane(NamedTuple):
 
 
 def is_level(normal_z: float) -> bool:
-    """Whether a plane whose unit normal has this third component is level and faces up."""
+    """Return whether a plane whose unit normal has this third component is level and faces up."""
     return normal_z > 1.0 - 1e-9
 
 
 def find_ground(planes: Iterable[LevelPlane], solids: Sequence[Solid]) -> float | None:
-    """Height [m] of the ground that a file declares, or None.
+    """Return the height [m] of the ground that a file declares, or None.
 
     It is the highest plane at or below z = 0, which hides the others. Without one it is the lowest large plane above
     z = 0, unless a solid ends below that: then the plane is a deck or a roof.
@@ -55,7 +55,7 @@ def find_ground(planes: Iterable[LevelPlane], solids: Sequence[Solid]) -> float 
 
 
 def is_ground(plane: LevelPlane, ground: float | None) -> bool:
-    """Whether a plane is the ground or hidden by it, and so makes no rectangle."""
+    """Return whether a plane is the ground or hidden by it, and so makes no rectangle."""
     return ground is not None and plane.height <= ground + NEAR_ZERO
 
 
@@ -74,7 +74,7 @@ class LevelPlanes:
             name: Name of its solid, if it is not the ground.
             parts: Its rectangle; empty for a plane without a size.
             pose: Pose of its parts' frame, whose z is the normal.
-            area: [m²]
+            area: Area of the plane [m²].
             color: Colour of the solid.
         """
         if not is_level(float(pose.rotation()[2, 2])):
@@ -83,7 +83,7 @@ class LevelPlanes:
         return True
 
     def settle(self, solids: Sequence[Solid], names: Names) -> tuple[float | None, list[Solid], list[str]]:
-        """The ground's height [m] or None, rectangles of the other planes, and names of those without a size."""
+        """Return the ground's height [m] or None, rectangles of the other planes, and names of those without a size."""
         ground = find_ground((plane for plane, *_ in self._put_aside), solids)
         rectangles: list[Solid] = []
         endless: list[str] = []

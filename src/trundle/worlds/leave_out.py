@@ -11,9 +11,8 @@ from trundle.errors import InputError, WorldWarning
 from trundle.geometry.solids import Solid
 from trundle.worlds.world_like import WorldT
 
-_FLOOR_TOP = 0.01
-_CEILING_BOTTOM = 2.0
-"""Heights [m] for the words `floor` and `ceiling`."""
+_FLOOR_TOP, _CEILING_BOTTOM = 0.01, 2.0
+"""Heights [m] for `floor` and `ceiling`: what ends lower is driven over, what starts higher is above every robot."""
 
 _BELOW = "/:[#"
 """Characters that separate a group (`/World/Rack`, `shelf`) from its members (`/Post`, `::board`, `#2`) in names."""
@@ -41,15 +40,15 @@ class Filter:
         return cls(tuple(word.rstrip("/") or "/" for word in split_words(words)))
 
     def takes_name(self, name: str) -> bool:
-        """Whether a solid or other named item is left out by its name or that of a group above it."""
+        """Return whether a solid or other named item is left out by its name or that of a group above it."""
         return self._find(lambda word: _is_within(name, word))
 
     def takes_kind(self, kind: str) -> bool:
-        """Whether a kind is left out."""
+        """Return whether a kind is left out."""
         return bool(kind) and self._find(lambda word: fnmatch.fnmatchcase(kind.lower(), _pattern(word.lower())))
 
     def takes_solid(self, solid: Solid) -> bool:
-        """Whether a solid is left out by its name, kind or position."""
+        """Return whether a solid is left out by its name, kind or position."""
         return self.takes_name(solid.name) or self.takes_kind(solid.kind) or self._takes_place(solid)
 
     @property
@@ -77,7 +76,7 @@ class Filter:
 
 
 def split_words(words: str | Sequence[str]) -> tuple[str, ...]:
-    """Words from a sequence, or from one text with commas between them, as given on the command line.
+    """Return words from a sequence, or from one text with commas between them, as given on the command line.
 
     Raises:
         InputError: If they are not texts.
@@ -121,5 +120,5 @@ def _is_within(name: str, word: str) -> bool:
 
 
 def _pattern(word: str) -> str:
-    """A pattern with only `*` and `?` as wildcards: brackets are part of names."""
+    """Return a pattern with only `*` and `?` as wildcards: brackets are part of names."""
     return word.replace("[", "[[]")

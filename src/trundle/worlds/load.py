@@ -60,7 +60,7 @@ LARGEST_EXTENT = 2_000.0
 
 
 def is_world_file(text: str) -> bool:
-    """Whether a text names a file that `World.load` has a loader for; it need not exist."""
+    """Return whether a text names a file that `World.load` has a loader for; it need not exist."""
     return Path(text).suffix.lower() in LOADERS
 
 
@@ -119,7 +119,7 @@ def read_world(path: str, options: dict[str, Any]) -> WorldLike:
 
 
 def takes_paths(text: str) -> bool:
-    """Whether a text names a file that may refer to others, so that its loader takes folders to search."""
+    """Return whether a text names a file that may refer to others, so that its loader takes folders to search."""
     target = LOADERS.get(Path(text).suffix.lower())
     return target is not None and "paths" in _keywords(_loader(target))
 
@@ -130,7 +130,7 @@ def _loader(target: str) -> Any:
 
 
 def _keywords(load: Any) -> list[str]:
-    """The options of a loader."""
+    """Return the options of a loader."""
     parameters = inspect.signature(load).parameters.items()
     return [name for name, parameter in parameters if parameter.kind is inspect.Parameter.KEYWORD_ONLY]
 

@@ -18,8 +18,8 @@ def load_mesh(path: Path, *, up: str | None = None, unit: str | float | None = N
 
     Args:
         path: The file.
-        up: The file's upward axis, "y" or "z"; None takes it from the format, see `trundle.files.mesh.read_mesh`.
-        unit: The file's unit: m, cm, mm, km, in, ft, or its length in metres; None takes it from the format.
+        up: The file's upward axis, "y" or "z". If None, it is the format's, see `trundle.files.mesh.read_mesh`.
+        unit: The file's unit: m, cm, mm, km, in, ft, or its length in metres. If None, it is the format's.
 
     Raises:
         WorldError: If it cannot be read, has no faces, has vertices that are not finite numbers, or a scale of 0.

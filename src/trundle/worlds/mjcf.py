@@ -80,7 +80,8 @@ def load_mjcf(path: Path, *, geometry: GeometryChoice = "collision", paths: Fold
             moving.append(model.body(int(model.body_rootid[body])).name or "unnamed")
             continue
         name = _name(model, geom, body)
-        matrix = _matrix(data.geom_xpos[geom], data.geom_xmat[geom])
+        matrix = np.eye(4)
+        matrix[:3, 3], matrix[:3, :3] = data.geom_xpos[geom], data.geom_xmat[geom].reshape(3, 3)
         if not np.isfinite(matrix).all():
             raise WorldError(f"{path}: geom {name!r}: its pose is not finite")
         parts, pose, color = _parts(model, geom), Pose3D.from_matrix(matrix), _color(model, geom)
@@ -129,21 +130,15 @@ def _simplify(spec: mujoco.MjSpec) -> None:
 
 
 def _pieces(model: mujoco.MjModel) -> dict[int, str]:
-    """Geoms that are convex pieces of others, mapped to the names of those."""
+    """Return geoms that are convex pieces of others, mapped to the names of those."""
     hidden = [geom for geom in range(model.ngeom) if not int(model.geom_group[geom]) & _SHOWN]
     named = {geom: model.geom(geom).name.rpartition(PIECE)[0] for geom in hidden}
     wholes = {model.geom(geom).name for geom in range(model.ngeom)} - {""}
     return {geom: name for geom, name in named.items() if name in wholes}
 
 
-def _matrix(position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-    matrix = np.eye(4)
-    matrix[:3, 3], matrix[:3, :3] = position, rotation.reshape(3, 3)
-    return matrix
-
-
 def _name(model: mujoco.MjModel, geom: int, body: int) -> str:
-    """The geom's name; else its body's, else its mesh's, else its type."""
+    """Return the geom's name; else its body's, else its mesh's, else its type."""
     import mujoco
 
     own = model.geom(geom).name
@@ -161,7 +156,7 @@ def _color(model: mujoco.MjModel, geom: int) -> Color:
 
 
 def _plane_area(model: mujoco.MjModel, geom: int) -> float:
-    """[m²]; a plane that collides or has no size is infinite."""
+    """Return the area of a plane [m²]; one that collides or has no size is infinite."""
     x, y, _ = model.geom_size[geom].tolist()
     drawn = not int(model.geom_group[geom]) & _COLLIDES and x > 0.0 and y > 0.0
     return 4.0 * x * y if drawn else ENDLESS

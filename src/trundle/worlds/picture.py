@@ -10,24 +10,25 @@ from PIL import Image
 
 from trundle._core import draw_triangles
 from trundle.geometry import FloatArray, Pose2D
-from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
+from trundle.geometry.solids import OccupancyCells, Solid, solids_bounds
 from trundle.pictures.cells import merge_cells
 from trundle.pictures.colors import START, WARNING
 from trundle.pictures.figure import make_figure
 from trundle.pictures.plan import Plan
 from trundle.worlds.movers.crowd import Crowd
+from trundle.worlds.movers.interaction import RobotMotion
 from trundle.worlds.movers.mover import Mover, outline_of
-from trundle.worlds.movers.walk import CrowdWalk, RobotMotion
-from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
+from trundle.worlds.movers.walk import CrowdWalk
+from trundle.worlds.tessellate import solid_triangles
 
 _CEILING_M = 2.0
 """Solids that start above this height are left out: they would hide everything below."""
 
-_LONG_SIDE = 800
+_LONG_SIDE = 800  # [pixels]
 _STEP_M = 0.08  # a drop in height from one pixel to the next that gets an outline
-_SUN = np.array([-0.45, 0.35, 0.82])
-_AHEAD_S, _AHEAD_STEPS = 8.0, 41
-_FILL = 110
+_SUN = np.array([-0.45, 0.35, 0.82])  # from the upper left, as in maps: shadows then read as heights
+_AHEAD_S, _AHEAD_STEPS = 8.0, 41  # how far movers' lines reach, in points every 0.2 s
+_FILL = 110  # opacity of movers, 0 to 255
 _NO_ROBOT = RobotMotion(1e6, 1e6, 0.0, 0.0, 0.0)
 _SAME = np.arange(256, dtype=np.uint8)
 
@@ -77,9 +78,9 @@ def _draw_movers(plan: Plan, movers: Sequence[Mover | Crowd], solids: Sequence[S
 
 
 def _render(solids: Sequence[Solid], plan: Plan, top: float) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.bool_]]:
-    """Colours seen from above, and a mask of pixels with a solid, over the plan's inner pixels."""
+    """Return colours seen from above, and a mask of pixels with a solid, over the plan's inner pixels."""
     meshes = [solid for solid in solids if not isinstance(solid.shape, OccupancyCells)]
-    parts = [_triangles(solid) for solid in meshes]
+    parts = [solid_triangles(solid) for solid in meshes]
     corners = np.concatenate([np.zeros((0, 3, 3)), *parts])
     colors = np.array([solid.color[:3] for solid in meshes]).reshape(-1, 3)
     colors = np.repeat(colors, [len(part) for part in parts], axis=0)
@@ -101,22 +102,6 @@ def _render(solids: Sequence[Solid], plan: Plan, top: float) -> tuple[npt.NDArra
     return (picture.clip(0.0, 1.0) * 255.0).round().astype(np.uint8), np.isfinite(heights)
 
 
-def _triangles(solid: Solid) -> FloatArray:
-    """Corners in the map frame [m], shape (N, 3, 3)."""
-    match solid.shape:
-        case Box(size):
-            mesh = box_mesh(size)
-        case Cylinder(radius, length):
-            mesh = cylinder_mesh(radius, length)
-        case Sphere(radius):
-            mesh = sphere_mesh(radius)
-        case Mesh():
-            mesh = solid.shape
-        case _:
-            return np.zeros((0, 3, 3))
-    return solid.pose.transform_points(mesh.vertices)[mesh.faces]
-
-
 def _lay_cells(
     solid: Solid, cells: OccupancyCells, at: tuple[FloatArray, FloatArray], heights: FloatArray, picture: FloatArray
 ) -> None:
@@ -135,7 +120,7 @@ def _lay_cells(
 
 
 def _outlines(heights: FloatArray) -> npt.NDArray[np.bool_]:
-    """Pixels of a solid next to a drop in height."""
+    """Return pixels of a solid next to a drop in height."""
     ground = np.where(np.isfinite(heights), heights, -1e9)
     edges = np.zeros(heights.shape, dtype=np.bool_)
     for axis in (0, 1):

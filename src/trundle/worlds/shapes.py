@@ -48,7 +48,7 @@ class Part(NamedTuple):
 
 
 def capsule_parts(radius: float, length: float) -> list[Part]:
-    """A capsule along z, centred, whose straight part is `length` [m] long: a cylinder and two spheres.
+    """Return a capsule along z, centred, whose straight part is `length` [m] long: a cylinder and two spheres.
 
     Together they form the exact capsule.
     """
@@ -60,16 +60,16 @@ def capsule_parts(radius: float, length: float) -> list[Part]:
 
 
 def ellipsoid_mesh(radii: tuple[float, float, float]) -> Mesh:
-    """An ellipsoid of three radii [m] along the axes, as a closed mesh that encloses it and is at most 0.5 % larger."""
+    """Return an ellipsoid of three radii [m] as a closed mesh that encloses it and is at most 0.5 % larger."""
     ball = sphere_mesh(1.0)
     return Mesh(ball.vertices * np.asarray(radii), ball.faces)
 
 
 def height_field_mesh(heights: FloatArray, size: tuple[float, float], floor: float) -> Mesh:
-    """A height field as a closed mesh: its surface, walls around it and a base.
+    """Return a height field as a closed mesh: its surface, walls around it and a base.
 
     Args:
-        heights: [m] above the field's frame at its points, shape (rows, cols), row 0 at the smallest y.
+        heights: Heights [m] above the field's frame at its points, shape (rows, cols), row 0 at the smallest y.
         size: Half extents along x and y [m].
         floor: Height of the base [m], below all of `heights`.
     """
@@ -91,7 +91,7 @@ def height_field_mesh(heights: FloatArray, size: tuple[float, float], floor: flo
 def make_solids(
     names: Names, name: str, parts: Iterable[Part], pose: Pose3D, *, color: Color | None, kind: str
 ) -> list[Solid]:
-    """Solids of one named object at a pose; `color` overrides the parts' own. The first has the plain name."""
+    """Make the solids of one named object at a pose; `color` overrides the parts' own. The first has the plain name."""
     solids: list[Solid] = []
     for part in parts:
         shade = color or part.color

@@ -21,6 +21,7 @@ from trundle.worlds.options import Unknown, check_choice
 MOST_BOXES = 5_000
 """Above this many boxes physics engines slow down, and one field of blocked cells is used instead."""
 
+# Classes of cells while they are merged: 0 is left out.
 _FREE, _OCCUPIED, _UNKNOWN = 0, 1, 2
 _COLORS: dict[int, Color] = {_OCCUPIED: (0.66, 0.67, 0.70, 1.0), _UNKNOWN: (0.36, 0.38, 0.42, 1.0)}
 _KINDS = {_OCCUPIED: "wall", _UNKNOWN: "unknown"}
@@ -67,7 +68,7 @@ def extrude(
 
     Args:
         grid: A grid, or the path of a ROS map YAML.
-        height: Of the walls [m].
+        height: Height of the walls [m].
         unknown: Treat unknown cells as "solid" or "free".
         most_boxes: The largest number of boxes.
 
@@ -117,6 +118,7 @@ def merge_cells(classes: npt.NDArray[np.uint8], *, most: int) -> Rectangles | No
     grows = (begins[above] == begins - cols) & (end[above] == end) & (kind[above] == kind) & (row > 0)
     if len(begins) - np.count_nonzero(grows) > most:
         return None
+    # Each run points to the one that it continues; pointers are doubled until all runs of a box point to its first.
     first = np.where(grows, above, np.arange(len(begins)))
     while True:
         further = first[first]
@@ -128,7 +130,7 @@ def merge_cells(classes: npt.NDArray[np.uint8], *, most: int) -> Rectangles | No
 
 
 def _classify(grid: OccupancyGrid, unknown: Unknown) -> npt.NDArray[np.uint8]:
-    """Classes of the cells; as in a costmap, only 100 is occupied and 1 to 99 are free."""
+    """Return classes of the cells; as in a costmap, only 100 is occupied and 1 to 99 are free."""
     classes = np.full(grid.shape, _FREE, dtype=np.uint8)
     classes[grid.data == OCCUPIED] = _OCCUPIED
     if unknown == "solid":
@@ -151,7 +153,7 @@ def _boxes(grid: OccupancyGrid, cells: Rectangles, height: float) -> tuple[Solid
 
 
 def _seed(grid: OccupancyGrid, classes: npt.NDArray[np.uint8]) -> tuple[float, float]:
-    """The middle of the longest row of cells in the largest free area."""
+    """Return the middle of the longest row of cells in the largest free area."""
     area = np.where(classes == _FREE, np.int8(-1), np.int8(100))
     flood_largest(area)
     rows, cols = area.shape

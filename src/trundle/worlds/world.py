@@ -132,10 +132,10 @@ class World:
                 labels; and `floor` (solids that end within 1 cm above z = 0) and `ceiling` (solids that start above
                 2 m and are wider than high).
             floor_z: Height of the floor in the file [m]: the world is moved down by it, so that the floor is at z = 0
-                as in every world. None leaves it where it is; `worlds.floors.find_floor` finds the floor under a robot.
-            trusted: Read the file in this process, without limits; None means TRUNDLE_TRUSTED (0 or 1).
-            time_limit_s: Time limit for reading [s]; None means TRUNDLE_READ_SECONDS, or 20.
-            memory_limit_gb: Memory limit for reading, if the system supports one (Linux) [GB]; None means
+                as in every world. By default it stays; `worlds.floors.find_floor` finds the floor under a robot.
+            trusted: Read the file in this process, without limits. If None, TRUNDLE_TRUSTED (0 or 1) decides.
+            time_limit_s: Time limit for reading [s]. If None, it is TRUNDLE_READ_SECONDS, or 20.
+            memory_limit_gb: Memory limit for reading, if the system supports one (Linux) [GB]. If None, it is
                 TRUNDLE_READ_GIGABYTES, or 2.
             **options: Options of the loader.
 
@@ -164,7 +164,7 @@ class World:
 
         Args:
             grid: A grid, or the path of a ROS map YAML.
-            height: Of the walls [m].
+            height: Height of the walls [m].
             unknown: Treat unknown cells as "solid" (a robot must not drive there) or "free".
         """
         from trundle.worlds.walls import extrude
@@ -200,5 +200,5 @@ class World:
 
 
 def world_names() -> list[str]:
-    """Names that `World.generate` takes, sorted."""
+    """Return the names that `World.generate` takes, sorted."""
     return WORLDS.names()

@@ -267,7 +267,7 @@ def test_an_odometry_far_from_its_origin_is_held():
 
 
 def test_a_layer_that_may_not_grow_further_keeps_what_is_near(monkeypatch):
-    monkeypatch.setattr("trundle.costmap.layers.evidence_grid._MOST_CELLS", 1_000_000)
+    monkeypatch.setattr("trundle.costmap.layers.obstacle_layer._MOST_CELLS", 1_000_000)
     layer, around = ObstacleLayer(CARTER), Surroundings(WALL)
     see(layer, around)
     windows = [layer.update([], estimate(1.0 + tick, Pose2D(0.0, 1.5 * tick))) for tick in range(40)]

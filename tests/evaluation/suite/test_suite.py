@@ -77,7 +77,6 @@ require: success>=0.99
         ("worlds: warehouse\ncontrollers: [{name: luckahead}]\n", "unknown controller 'luckahead'"),
         ("worlds: warehouse\nsmoothers: [konstrained]\n", "unknown smoother 'konstrained'. Did you mean 'constrained'"),
         ("worlds: warehouse\nbackends: mujocco\n", ":2:11: backends: unknown backend 'mujocco'."),
-        ("worlds: warehouse\nplanners: [jps]\n", "'jps' was removed; use astar with method='jps'"),
         ("worlds: warehouse\nplanners: []\n", ":2:11: planners: an empty list: the cross product has no episodes"),
         ("worlds: []\n", ":1:9: worlds: an empty list"),
         ("worlds: warehouse\ninflation_radius: []\n", ":2:19: inflation_radius: an empty list"),

@@ -13,7 +13,7 @@ from support.fake_isaac.body import Body
 from support.fake_isaac.refused import Refused
 from trundle.sim.footprint import FootprintChecker
 from trundle.worlds import World
-from trundle.worlds.usd.words import NAME
+from trundle.worlds.usd.options import NAME
 
 
 class Behaviour:

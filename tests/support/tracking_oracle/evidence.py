@@ -7,7 +7,7 @@ from collections import deque
 import numpy as np
 
 from support.tracking_oracle.sweep import BoolArray, Sweep
-from trundle.tracking.settings import TrackerSettings
+from trundle.tracking.tracker import TrackerSettings
 
 _AGES_S = (0.25, 0.5, 1.0)
 _STILL_S = 0.4  # what was there before this is still

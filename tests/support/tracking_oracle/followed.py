@@ -15,7 +15,7 @@ from support.tracking_oracle.filters import Filters
 from support.tracking_oracle.sweep import BoolArray, IndexArray, Sweep
 from trundle.geometry import FloatArray
 from trundle.observation import Track
-from trundle.tracking.settings import TrackerSettings
+from trundle.tracking.tracker import TrackerSettings
 
 _GATE_M, _GATE_DEVIATIONS, _WIDEST_GATE_M = 0.15, 2.0, 0.6
 _APPEARED_SHARE, _LEFT_SHARE, _STILL_SHARE = 0.3, 0.6, 0.7

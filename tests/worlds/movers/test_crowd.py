@@ -12,10 +12,10 @@ from trundle.geometry import Pose2D, Pose3D, wrap_angle
 from trundle.geometry.solids import Box, OccupancyCells, Solid
 from trundle.maps import OccupancyGrid
 from trundle.worlds.movers import AlongPath, Crowd, Mover, Waypoints, forklift_body, person_body
+from trundle.worlds.movers.interaction import swings_into
 from trundle.worlds.movers.mover import radius_of
 from trundle.worlds.movers.walk import PERIOD_S, CrowdWalk, RobotMotion
 from trundle.worlds.movers.walkable import WalkableFloor
-from trundle.worlds.movers.yielding import swings_into
 
 ROBOT = RobotMotion(0.0, 0.0, 0.0, 0.0, 0.6)
 HALL = World.generate("warehouse", seed=3, size=(20.0, 14.0))

@@ -14,8 +14,7 @@ from trundle.files.kinds import MAP
 
 if TYPE_CHECKING:
     from trundle.maps import OccupancyGrid
-    from trundle.maps.convert import Crop
-    from trundle.maps.losses import Loss
+    from trundle.maps.convert import Crop, Loss
     from trundle.maps.occupancy import Compat, Mode
 
 app = App(
@@ -74,8 +73,7 @@ def convert(
         max_cells: The most cells to accept; left out: 20 million of a map that is read, 400 million of the new one.
     """
     from trundle.maps import MAX_CELLS
-    from trundle.maps.convert import convert_grid
-    from trundle.maps.losses import find_file_losses
+    from trundle.maps.convert import convert_grid, find_file_losses
     from trundle.maps.ros_writer import choose_mode
 
     sources = [map_file] if second is None else [map_file, second]
@@ -186,7 +184,7 @@ def _report(
 
 def _measure(grid: OccupancyGrid) -> dict[str, object]:
     from trundle.maps import FREE, OCCUPIED, UNKNOWN
-    from trundle.maps.values import count_values
+    from trundle.maps.cells import count_values
 
     rows, cols = grid.shape
     counts = count_values(grid.data)

@@ -6,9 +6,8 @@ of the estimated pose moves what was sensed as a whole instead of smearing it.
 """
 
 from trundle.costmap.layers.layer import EVERYWHERE, Layer, MapPart, OdomWindow
-from trundle.costmap.layers.layered_costmap import LayeredCostmap
-from trundle.costmap.layers.obstacle_layer import ObstacleLayer
-from trundle.costmap.layers.settings import LayersSettings, ObstacleLayerSettings
+from trundle.costmap.layers.layered_costmap import LayeredCostmap, LayersSettings
+from trundle.costmap.layers.obstacle_layer import ObstacleLayer, ObstacleLayerSettings
 
 __all__ = [
     "EVERYWHERE",

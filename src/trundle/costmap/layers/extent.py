@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TypeVar
 
@@ -10,17 +11,23 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle import _core
-from trundle.errors import MapError
+from trundle.costmap.costmap import Costmap, CostmapStyle
+from trundle.costmap.costmap_settings import CostmapSettings
+from trundle.costmap.costs import LETHAL
+from trundle.costmap.layers.layer import OdomWindow
+from trundle.errors import InputError, MapError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
 from trundle.maps.frame import GridFrame
 from trundle.maps.grid import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
+from trundle.robots import Robot
+from trundle.values import check_kind
 
-_GROWTH_M = 4.0
+_GROWTH_M = 4.0  # by how much more than needed it grows, as each growth makes the whole costmap anew
 _DRIFT_SHARE = 0.05  # of a window's width: so far the robot may be from its middle
 _MOST_CELLS = 64_000_000  # 400 x 400 m at 5 cm
-_EIGHT_AROUND = 1.5  # cells
+_EIGHT_AROUND = 1.5  # cells: between the diagonal neighbours at 1.41 and the next ones at 2
 
 _Item = TypeVar("_Item", bound=np.generic)
 
@@ -49,13 +56,13 @@ class Extent:
     """Cells aligned with the static map, or with the map frame where there is none.
 
     Args:
-        static: Occupancy, origin and resolution of the static map; None without one.
+        static: Occupancy, origin and resolution of the static map, or None where there is no map.
         floor: Lowest costs of its cells by the keep-out mask.
         keepout: The mask, where there is no static map.
         resolution: Edge of a cell [m], where there is no static map.
         size: Width and height of the window, or of the first extent without a map [m].
         rolling: Whether the window moves with the robot.
-        tolerance: Distance from static obstacles within which nothing is marked [m]; none for the cells around them.
+        tolerance: Distance from static obstacles within which nothing is marked [m]. If None, the eight cells around.
     """
 
     def __init__(
@@ -125,15 +132,15 @@ class Extent:
         return self._grow(wanted)
 
     def cells(self) -> npt.NDArray[np.int8]:
-        """The static map here, −1 where there is none."""
+        """Return the static map here; cells are −1 where there is none."""
         return self._cut(None if self._static is None else self._static.data, np.int8(UNKNOWN))
 
     def near(self) -> npt.NDArray[np.uint8]:
-        """1 where nothing is marked, as it is near a static obstacle; 0 elsewhere."""
+        """Return 1 where nothing is marked, as it is near a static obstacle, and 0 elsewhere."""
         return self._cut(self._near, np.uint8(0))
 
     def floor(self) -> npt.NDArray[np.uint8] | None:
-        """Lowest costs by the keep-out mask; None without one."""
+        """Return the lowest costs by the keep-out mask; None if there is no mask."""
         if self._floor is not None:
             return self._cut(self._floor, np.uint8(0))
         if self._keepout is None:
@@ -143,6 +150,23 @@ class Extent:
             return self._keepout.costs_on(_Frame(self.resolution, self.origin, (window.rows, window.cols)))
         except MapError:  # the mask lies elsewhere
             return None
+
+    def cells_under(self, windows: Sequence[OdomWindow], T_map_odom: Pose2D) -> tuple[slice, slice] | None:
+        """Return the rows and columns that one or more windows in odom reach into; None where they lie elsewhere."""
+        window = self._now()
+        rows, cols = window.rows, window.cols
+        low_x, low_y, high_x, high_y = zip(*windows, strict=True)
+        x0, y0, x1, y1 = min(low_x), min(low_y), max(high_x), max(high_y)
+        if not math.isfinite(x0 + y0 + x1 + y1):
+            return slice(0, rows), slice(0, cols)
+        place = self.origin.inverse() @ T_map_odom
+        edge, cos, sin = self.resolution, math.cos(place.yaw), math.sin(place.yaw)
+        corners = (x0, y0), (x1, y0), (x0, y1), (x1, y1)
+        across = [(place.x + cos * x - sin * y) / edge for x, y in corners]
+        up = [(place.y + sin * x + cos * y) / edge for x, y in corners]
+        # Centres are looked up in the evidence, so cells up to half a cell's diagonal away may change.
+        (row, row_end), (col, col_end) = _cells_between(up, rows), _cells_between(across, cols)
+        return (slice(row, row_end), slice(col, col_end)) if row < row_end and col < col_end else None
 
     def _now(self) -> CellWindow:
         if self.window is None:
@@ -170,7 +194,7 @@ class Extent:
         return True
 
     def _to_cells(self, points: list[tuple[float, float]] | FloatArray) -> list[tuple[float, float]]:
-        """x, y in cells of the endless grid."""
+        """Return points [m] as x, y in cells of the endless grid."""
         at = self._frame.inverse().transform_points(points) / self.resolution
         return [(x, y) for x, y in at.tolist()]
 
@@ -179,7 +203,7 @@ class Extent:
         return wide, high
 
     def _cut(self, full: npt.NDArray[_Item] | None, outside: _Item) -> npt.NDArray[_Item]:
-        """This extent's part of an array of the static map's shape."""
+        """Return this extent's part of an array of the static map's shape."""
         window = self._now()
         part = np.full((window.rows, window.cols), outside)
         if full is None:
@@ -193,6 +217,11 @@ class Extent:
                 first[0] : end[0], first[1] : end[1]
             ]
         return part
+
+
+def _cells_between(places: Sequence[float], count: int) -> tuple[int, int]:
+    """Return the first of `count` cells around some places, in cells, with one cell more, and the one after them."""
+    return max(0, min(count, math.floor(min(places)) - 1)), max(0, min(count, math.ceil(max(places)) + 1))
 
 
 def _around(points: list[tuple[float, float]]) -> CellWindow:
@@ -220,3 +249,36 @@ def _near_obstacles(static: OccupancyGrid, tolerance: float | None) -> npt.NDArr
     occupied = np.where(static.data == OCCUPIED, np.int8(OCCUPIED), np.int8(FREE))
     table = np.ones(math.floor(cells * cells + 1e-9) + 1, np.uint8)
     return np.minimum(_core.inflate(occupied, table), np.uint8(1))
+
+
+def read_static(
+    static: OccupancyGrid | Costmap | None,
+    robot: Robot,
+    costmap: CostmapSettings | None,
+    keepout: KeepoutMask | None,
+    resolution: float,
+) -> tuple[Costmap | None, OccupancyGrid | None, CostmapStyle]:
+    """Return the static costmap and its occupancy, if there is a map, and how costmaps are made."""
+    settings = CostmapSettings() if costmap is None else costmap
+    check_kind(settings, CostmapSettings, "costmap", "give CostmapSettings(…)")
+    grid: OccupancyGrid | None = None
+    if isinstance(static, Costmap):
+        if costmap is not None or keepout is not None:
+            raise InputError(
+                "a Costmap has its settings and its keep-out mask: give the OccupancyGrid to choose others"
+            )
+        made = static
+        data = np.where(static.data == LETHAL, np.int8(OCCUPIED), np.int8(FREE))
+        if static.keepout is not None:
+            data[static.keepout == LETHAL] = FREE
+        data[static.unknown_cells] = UNKNOWN
+        grid = OccupancyGrid(data, static.resolution, static.origin)
+    elif static is not None:
+        check_kind(static, OccupancyGrid, "a layered costmap's map", "OccupancyGrid.load(path) reads one")
+        made, grid = settings.make_costmap(static, robot, keepout=keepout), static
+    else:
+        if "unknown" not in settings.model_fields_set:
+            settings = settings.model_copy(update={"unknown": "costly"})
+        made = settings.make_costmap(OccupancyGrid(np.zeros((1, 1), np.int8), resolution), robot)
+    style = CostmapStyle(made.planar, made.inflation_radius, made.cost_scaling_factor, made.unknown, made.unknown_cost)
+    return (None if grid is None else made), grid, style

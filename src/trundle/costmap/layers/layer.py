@@ -35,7 +35,7 @@ class MapPart:
         cells: int8, shape (rows, cols), writable: −1 unknown, 0 free, 100 occupied. It starts as the static map.
         kept: uint8, shape (rows, cols): not 0 where nothing may be marked, near obstacles of the static map.
         resolution: Edge of a cell [m].
-        pose: Of the lower left corner of cell (0, 0) in the odom frame.
+        pose: Pose of the lower left corner of cell (0, 0) in the odom frame.
     """
 
     cells: npt.NDArray[np.int8]
@@ -58,7 +58,7 @@ class Layer(Protocol):
         Scans that cannot be used are left out with a `SensorWarning`.
 
         Returns:
-            What changed, in the odom frame; None if nothing did.
+            What changed, in the odom frame, or None if nothing changed.
 
         Raises:
             InputError: If the estimate's time is not after the last one.
@@ -70,5 +70,5 @@ class Layer(Protocol):
         ...
 
     def obstacles(self) -> FloatArray:
-        """Points at which it holds something occupied [m], odom frame, shape (N, 2)."""
+        """Return points at which the layer holds something occupied [m], odom frame, shape (N, 2)."""
         ...

@@ -8,21 +8,21 @@ import warnings
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import numpy.typing as npt
+from pydantic import Field
 
-from trundle.costmap.costmap import Costmap, CostmapStyle
-from trundle.costmap.inflation import LETHAL
-from trundle.costmap.layers.extent import Extent
+from trundle.costmap.costmap import Costmap
+from trundle.costmap.costmap_settings import CostmapSettings
+from trundle.costmap.layers.extent import Extent, read_static
 from trundle.costmap.layers.layer import EVERYWHERE, Layer, MapPart, OdomWindow
-from trundle.costmap.layers.obstacle_layer import ObstacleLayer
-from trundle.costmap.layers.settings import LayersSettings
-from trundle.costmap.settings import CostmapSettings
+from trundle.costmap.layers.obstacle_layer import ObstacleLayer, ObstacleLayerSettings
 from trundle.errors import InputError, SensorWarning
+from trundle.files.yaml_config import Config
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
-from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
+from trundle.maps.cells import OCCUPIED
 from trundle.maps.grid import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
 from trundle.observation import Estimate, Scan, check_scans
@@ -32,9 +32,29 @@ from trundle.values import as_array, check_kind, check_number
 _Slices = tuple[slice, slice]
 
 _SHIFT_CELLS = 0.2  # a correction that moves nothing near the robot farther than this is not put into the map yet
-_NEAR_M = 12.0
-_JUMP_M = 1.0
-_MARGIN_M = 1.0
+_NEAR_M = 12.0  # how far "near" is: as far as beams clear by default, where a turn moves what was sensed the most
+_JUMP_M = 1.0  # a correction of more moves obstacles by more than a robot's width: worth a warning
+_MARGIN_M = 1.0  # room around what must be contained, so that its inflation ends within the costmap
+
+
+class LayersSettings(Config):
+    """The layers of a costmap and its extent.
+
+    Attributes:
+        obstacle: How scans become obstacles. If None, they are left out.
+        rolling_window: Whether the costmap is a window that moves with the robot instead of the whole map. What was
+            sensed outside the window is forgotten.
+        width: Width of the window, or of the first extent where there is no map [m].
+        height: Height of the window, or of the first extent where there is no map [m].
+
+    Raises:
+        InputError: If a value is out of range.
+    """
+
+    obstacle: ObstacleLayerSettings | None = ObstacleLayerSettings()
+    rolling_window: bool = False
+    width: Annotated[float, Field(gt=0.0, le=1000.0)] = 12.0
+    height: Annotated[float, Field(gt=0.0, le=1000.0)] = 12.0
 
 
 class LayeredCostmap:
@@ -51,10 +71,10 @@ class LayeredCostmap:
     All methods may be called from several threads.
 
     Args:
-        static: The map, or a costmap of it; None without a map.
+        static: The map, or a costmap of it, or None where there is no map.
         robot: The robot, with its lidars.
-        costmap: How the costmap is made; None for the defaults. Not with a `Costmap`, which is made already.
-        layers: The layers and the extent; None for the defaults.
+        costmap: How the costmap is made. If None, by the defaults. Not with a `Costmap`, which is made already.
+        layers: The layers and the extent. If None, the defaults.
         keepout: Zones to keep out of; not with a `Costmap`, which has its own.
         resolution: Edge of a cell [m], where there is no map.
         extra_layers: Further layers, painted after the obstacles.
@@ -95,7 +115,7 @@ class LayeredCostmap:
         keepout: KeepoutMask | None,
         resolution: float,
     ) -> None:
-        fixed, grid, self._style = _read_static(static, self._robot, costmap, keepout, resolution)
+        fixed, grid, self._style = read_static(static, self._robot, costmap, keepout, resolution)
         obstacle = self.settings.obstacle
         self._extent = Extent(
             grid,
@@ -121,7 +141,7 @@ class LayeredCostmap:
 
     @property
     def changed(self) -> tuple[slice, slice] | None:
-        """Rows and columns of `costmap` whose occupancy the last update changed; None if it changed nothing."""
+        """Rows and columns of `costmap` whose occupancy the last update changed, or None if it changed nothing."""
         return self._changed
 
     @property
@@ -139,7 +159,7 @@ class LayeredCostmap:
             return (self._cells == OCCUPIED) & (self._base != OCCUPIED)
 
     def obstacles(self) -> FloatArray:
-        """Where obstacles were sensed that are not on the static map [m], map frame, shape (N, 2)."""
+        """Return where obstacles were sensed that are not on the static map [m], map frame, shape (N, 2)."""
         with self._lock:
             if self._T_map_odom is None or self._costmap is None:
                 return np.zeros((0, 2))
@@ -217,7 +237,7 @@ class LayeredCostmap:
             points: [m], map frame, shape (N, 2) or (2,).
 
         Returns:
-            The costmap; None before the first update. With a map or a rolling window it stays as it is.
+            The costmap, or None before the first update. With a map or a rolling window it stays as it is.
 
         Raises:
             InputError: If the points are not finite or of another shape.
@@ -331,7 +351,9 @@ class LayeredCostmap:
     def _repaint(self, windows: Sequence[OdomWindow]) -> None:
         """Paint what changed, and update the costmap where that makes a difference."""
         self._changed = None
-        part = self._cells_of(windows)
+        if not windows or self._T_map_odom is None:
+            return
+        part = self._extent.cells_under(windows, self._T_map_odom)
         if part is None:
             return
         painted = self._painted(part)
@@ -347,7 +369,7 @@ class LayeredCostmap:
         self._changed = rows, cols
 
     def _painted(self, part: _Slices) -> npt.NDArray[np.int8]:
-        """The static map in a part of it, with the layers."""
+        """Return a part of the static map with the layers painted on it."""
         cells = np.array(self._base[part])
         if self._T_map_odom is None or not self._layers:
             return cells
@@ -359,65 +381,9 @@ class LayeredCostmap:
             layer.paint(MapPart(cells, kept, self._extent.resolution, pose))
         return cells
 
-    def _cells_of(self, windows: Sequence[OdomWindow]) -> _Slices | None:
-        """Cells of the map that windows in odom reach into; None if there are none."""
-        if not windows or self._T_map_odom is None:
-            return None
-        rows, cols = self._base.shape
-        low_x, low_y, high_x, high_y = zip(*windows, strict=True)
-        x0, y0, x1, y1 = min(low_x), min(low_y), max(high_x), max(high_y)
-        if not math.isfinite(x0 + y0 + x1 + y1):
-            return slice(0, rows), slice(0, cols)
-        place = self._extent.origin.inverse() @ self._T_map_odom
-        edge, cos, sin = self._extent.resolution, math.cos(place.yaw), math.sin(place.yaw)
-        corners = (x0, y0), (x1, y0), (x0, y1), (x1, y1)
-        across = [(place.x + cos * x - sin * y) / edge for x, y in corners]
-        up = [(place.y + sin * x + cos * y) / edge for x, y in corners]
-        # Centres are looked up in the evidence, so cells up to half a cell's diagonal away may change.
-        (row, row_end), (col, col_end) = _cells_between(up, rows), _cells_between(across, cols)
-        return (slice(row, row_end), slice(col, col_end)) if row < row_end and col < col_end else None
-
-
-def _cells_between(places: Sequence[float], count: int) -> tuple[int, int]:
-    """The first of `count` cells that some places, in cells, lie around, with one cell more, and the one after them."""
-    return max(0, min(count, math.floor(min(places)) - 1)), max(0, min(count, math.ceil(max(places)) + 1))
-
-
-def _read_static(
-    static: OccupancyGrid | Costmap | None,
-    robot: Robot,
-    costmap: CostmapSettings | None,
-    keepout: KeepoutMask | None,
-    resolution: float,
-) -> tuple[Costmap | None, OccupancyGrid | None, CostmapStyle]:
-    """The static costmap and its occupancy, if there is a map, and how costmaps are made."""
-    settings = CostmapSettings() if costmap is None else costmap
-    check_kind(settings, CostmapSettings, "costmap", "give CostmapSettings(…)")
-    grid: OccupancyGrid | None = None
-    if isinstance(static, Costmap):
-        if costmap is not None or keepout is not None:
-            raise InputError(
-                "a Costmap has its settings and its keep-out mask: give the OccupancyGrid to choose others"
-            )
-        made = static
-        data = np.where(static.data == LETHAL, np.int8(OCCUPIED), np.int8(FREE))
-        if static.keepout is not None:
-            data[static.keepout == LETHAL] = FREE
-        data[static.unknown_cells] = UNKNOWN
-        grid = OccupancyGrid(data, static.resolution, static.origin)
-    elif static is not None:
-        check_kind(static, OccupancyGrid, "a layered costmap's map", "OccupancyGrid.load(path) reads one")
-        made, grid = settings.make_costmap(static, robot, keepout=keepout), static
-    else:
-        if "unknown" not in settings.model_fields_set:
-            settings = settings.model_copy(update={"unknown": "costly"})
-        made = settings.make_costmap(OccupancyGrid(np.zeros((1, 1), np.int8), resolution), robot)
-    style = CostmapStyle(made.planar, made.inflation_radius, made.cost_scaling_factor, made.unknown, made.unknown_cost)
-    return (None if grid is None else made), grid, style
-
 
 def _differences(one: npt.NDArray[np.int8], other: npt.NDArray[np.int8]) -> _Slices | None:
-    """The smallest rectangle outside of which two arrays are equal; None if they are."""
+    """Return the smallest rectangle outside of which two arrays are equal; None if they are equal."""
     differ = one != other
     cells = differ.tobytes()  # searched faster than an array
     first = cells.find(1)

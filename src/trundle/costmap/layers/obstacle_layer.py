@@ -1,17 +1,21 @@
-"""`ObstacleLayer`: obstacles that lidars see, marked and cleared by ray tracing."""
+"""`ObstacleLayer`: obstacles that lidars see, marked and cleared by ray tracing, with evidence per cell."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
+from typing import Annotated, Self
 
 import numpy as np
+import numpy.typing as npt
+from pydantic import Field, model_validator
 
 from trundle import _core
-from trundle.costmap.layers.evidence_grid import EvidenceGrid
 from trundle.costmap.layers.layer import EVERYWHERE, MapPart, OdomWindow
-from trundle.costmap.layers.scan_gate import ScanGate
-from trundle.costmap.layers.settings import ObstacleLayerSettings
+from trundle.costmap.layers.scan_filter import ScanFilter
+from trundle.files.config_fields import NotNegative, Positive
+from trundle.files.yaml_config import Config
 from trundle.geometry import FloatArray, Pose2D
 from trundle.observation import Estimate, Scan
 from trundle.robots import Robot
@@ -20,6 +24,166 @@ from trundle.values import check_kind, check_number
 _LARGEST_CELL_M = 10.0
 _MOST_SENSORS = 32  # whose place is remembered: some robots move theirs
 _BESIDE_M = 2.0  # room for the mount, and for what the robot drives while a scan is on its way
+_SPARE_M = 4.0  # by how much more than needed the grid grows, as each growth copies it
+_MOST_CELLS = 25_000_000  # 250 x 250 m at 5 cm
+
+MARKED = 128
+"""Bit of a cell that is marked."""
+
+
+class ObstacleLayerSettings(Config):
+    """How scans mark and clear cells.
+
+    A cell is hit by a scan in which at least one beam ends in it, and passed by one whose beams only go through it. One
+    hit alone marks nothing unless `hits_to_mark` is 1: a range that is a few centimetres short now and then does not
+    thicken a wall. What moved away disappears after `misses_to_clear` scans through its place. Between the two a cell
+    stays as it is.
+
+    Attributes:
+        obstacle_max_range: Farthest range at which a beam marks [m].
+        obstacle_min_range: Nearest range at which a beam marks [m].
+        raytrace_max_range: Farthest range at which a beam clears [m].
+        raytrace_min_range: Nearest range at which a beam clears [m].
+        observation_persistence: Time after which a mark that no scan has hit disappears [s]. If None, only beams clear.
+        source_timeout: Scans that are older than this are ignored [s].
+        hits_to_mark: Number of scans in which a cell must be hit before it is marked, 1 to 5.
+        misses_to_clear: How many scans must pass through a marked cell before it is cleared, 1 to 10.
+        clear_static: Whether beams also clear obstacles of the static map.
+        static_tolerance: Nothing is marked within this distance of an obstacle of the static map [m], between centres
+            of cells, as a robot that is not quite where it believes to be sees walls a little beside their place. If
+            None, this holds for the eight cells around it; 0 marks everything. Without effect with `clear_static`.
+        footprint_clearing_enabled: Whether what lies within the robot's footprint is cleared.
+
+    Raises:
+        InputError: If a value is out of range.
+    """
+
+    obstacle_max_range: Positive = 10.0
+    obstacle_min_range: NotNegative = 0.0
+    raytrace_max_range: Positive = 12.0
+    raytrace_min_range: NotNegative = 0.0
+    observation_persistence: NotNegative | None = None
+    source_timeout: Positive = 1.0
+    hits_to_mark: Annotated[int, Field(ge=1, le=5)] = 2
+    misses_to_clear: Annotated[int, Field(ge=1, le=10)] = 5
+    clear_static: bool = False
+    static_tolerance: NotNegative | None = None
+    footprint_clearing_enabled: bool = True
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        for name in ("obstacle", "raytrace"):
+            low, high = getattr(self, f"{name}_min_range"), getattr(self, f"{name}_max_range")
+            if not low < high <= 1000.0:
+                raise ValueError(
+                    f"{name}_max_range {high:g} m must be above {name}_min_range {low:g} m, and at most 1000 m"
+                )
+        return self
+
+
+class EvidenceGrid:
+    """A byte of evidence per cell, where in the cell the hit was that marked it, and if asked for when it was hit last.
+
+    The grid grows with what it must hold. One that would become too large, or is told to roll, keeps what lies around
+    the robot.
+
+    Args:
+        resolution: Edge of a cell [m].
+        timed: Whether times of hits are kept.
+        rolling: Whether it only keeps what it must hold.
+    """
+
+    def __init__(self, resolution: float, *, timed: bool, rolling: bool) -> None:
+        self.resolution = resolution
+        self._timed = timed
+        self._rolling = rolling
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self._allocate(0, 0, (0, 0))
+
+    def forget(self, x: float, y: float, half: float, *, outside: bool) -> None:
+        """Forget a square of ±`half` [m] around a point in odom, or all outside of it."""
+        low, high = self._cells_of(x - half, y - half), self._cells_of(x + half, y + half)
+        rows = slice(max(0, low[0] - self.row), max(0, high[0] + 1 - self.row))
+        cols = slice(max(0, low[1] - self.col), max(0, high[1] + 1 - self.col))
+        chosen = np.full(self.cells.shape, outside)
+        chosen[rows, cols] = not outside
+        self.cells[chosen] = 0
+        self.points[chosen] = 0
+        if self._timed:
+            self.times[chosen] = 0.0
+
+    def hold(self, x: float, y: float, half: float) -> bool:
+        """Make room for a square of ±`half` [m] around a point in odom; return whether something was forgotten."""
+        low, high = self._cells_of(x - half, y - half), self._cells_of(x + half, y + half)
+        rows, cols = self.cells.shape
+        if self.row <= low[0] and self.col <= low[1] and high[0] < self.row + rows and high[1] < self.col + cols:
+            return False
+        spare = math.ceil(_SPARE_M / self.resolution)
+        row, col, row_end, col_end = low[0] - spare, low[1] - spare, high[0] + spare + 1, high[1] + spare + 1
+        union = (
+            min(row, self.row),
+            min(col, self.col),
+            max(row_end, self.row + rows),
+            max(col_end, self.col + cols),
+        )
+        too_large = (union[2] - union[0]) * (union[3] - union[1]) > _MOST_CELLS
+        if rows and not self._rolling and not too_large:
+            row, col, row_end, col_end = union
+        old = self.row, self.col, self.cells, self.points, self.times
+        self._allocate(row, col, (row_end - row, col_end - col))
+        self._take(*old)
+        return bool(rows) and too_large
+
+    def window(self, box: tuple[int, int, int, int]) -> OdomWindow | None:
+        """Return where a rectangle of cells (row, row end, col, col end) lies in odom; None if it is empty."""
+        row, row_end, col, col_end = box
+        if row == row_end:
+            return None
+        edge = self.resolution
+        return OdomWindow(
+            (self.col + col) * edge, (self.row + row) * edge, (self.col + col_end) * edge, (self.row + row_end) * edge
+        )
+
+    def marks(self) -> FloatArray:
+        """Return where marked cells were hit [m], odom frame, shape (N, 2)."""
+        row, col = np.nonzero(self.cells & MARKED)
+        inside = (self.points[row, col].astype(np.float64) + 0.5) / 256.0
+        return (inside + np.column_stack([col + self.col, row + self.row])) * self.resolution
+
+    def _cells_of(self, x: float, y: float) -> tuple[int, int]:
+        return math.floor(y / self.resolution), math.floor(x / self.resolution)
+
+    def _allocate(self, row: int, col: int, shape: tuple[int, int]) -> None:
+        self.row, self.col = row, col
+        self.cells: npt.NDArray[np.uint8] = np.zeros(shape, np.uint8)
+        self.points: npt.NDArray[np.uint8] = np.zeros((*shape, 2), np.uint8)
+        self.times: FloatArray = np.zeros(shape if self._timed else (0, 0))
+
+    def _take(
+        self,
+        row: int,
+        col: int,
+        cells: npt.NDArray[np.uint8],
+        points: npt.NDArray[np.uint8],
+        times: FloatArray,
+    ) -> None:
+        """Copy what another grid holds of this one's cells."""
+        first = max(row, self.row), max(col, self.col)
+        end = (
+            min(row + cells.shape[0], self.row + self.cells.shape[0]),
+            min(col + cells.shape[1], self.col + self.cells.shape[1]),
+        )
+        if first[0] >= end[0] or first[1] >= end[1]:
+            return
+        source = slice(first[0] - row, end[0] - row), slice(first[1] - col, end[1] - col)
+        target = slice(first[0] - self.row, end[0] - self.row), slice(first[1] - self.col, end[1] - self.col)
+        self.cells[target] = cells[source]
+        self.points[target] = points[source]
+        if self._timed:
+            self.times[target] = times[source]
 
 
 class ObstacleLayer:
@@ -32,9 +196,9 @@ class ObstacleLayer:
 
     Args:
         robot: The robot, with its lidars, footprint and limits.
-        settings: None means the defaults.
+        settings: How scans mark and clear. If None, the defaults.
         resolution: Edge of its cells [m].
-        keep_within: Distance [m] from the robot, along each axis, from which on it forgets; none means that it keeps
+        keep_within: Distance [m] from the robot, along each axis, from which on it forgets. If None, it keeps
             everything within some 100 m.
 
     Raises:
@@ -56,7 +220,7 @@ class ObstacleLayer:
         reach = max(self.settings.raytrace_max_range, self.settings.obstacle_max_range) + _BESIDE_M
         self._half = reach if keep_within is None else check_number("keep_within", keep_within, 0.0, 2000.0, "m")
         self._robot = robot
-        self._gate = ScanGate(robot, self.settings.source_timeout)
+        self._filter = ScanFilter(robot, self.settings.source_timeout)
         timed = self.settings.observation_persistence is not None
         self._grid = EvidenceGrid(edge, timed=timed, rolling=keep_within is not None)
         self._rule = self.settings.misses_to_clear, self.settings.hits_to_mark
@@ -65,11 +229,11 @@ class ObstacleLayer:
     @property
     def warnings(self) -> Mapping[str, int]:
         """How often a scan was left out, by reason, and how often the pose jumped."""
-        return MappingProxyType(dict(self._gate.counts))
+        return MappingProxyType(dict(self._filter.counts))
 
     def reset(self) -> None:
         """Forget everything, for a new run."""
-        self._gate.reset()
+        self._filter.reset()
         self._grid.clear()
 
     def forget(self, pose: Pose2D, size: float, *, outside: bool) -> None:
@@ -80,7 +244,7 @@ class ObstacleLayer:
         """Mark and clear by new scans; see `Layer`.
 
         Returns:
-            What changed, in the odom frame; None if nothing did.
+            What changed, in the odom frame, or None if nothing changed.
 
         Raises:
             InputError: If the estimate's time is not after the last one, or these are no scans.
@@ -88,12 +252,12 @@ class ObstacleLayer:
         Warns:
             SensorWarning: Once for each kind of scan that is left out; and if the pose jumps, which clears the layer.
         """
-        jumped = self._gate.follow(estimate)
+        jumped = self._filter.follow(estimate)
         if jumped:
             self._grid.clear()
         pose = estimate.odom_pose
         forgot = self._grid.hold(pose.x, pose.y, self._half)
-        boxes = [self._mark(scan, poses) for scan, poses in self._gate.admit(scans)]
+        boxes = [self._mark(scan, poses) for scan, poses in self._filter.admit(scans)]
         grid, persistence = self._grid, self.settings.observation_persistence
         if persistence is not None:
             boxes.append(_core.unmark_before(grid.cells, grid.times, estimate.time - persistence, *self._rule))
@@ -121,7 +285,7 @@ class ObstacleLayer:
         )
 
     def obstacles(self) -> FloatArray:
-        """Where marked cells were hit [m], odom frame, shape (N, 2)."""
+        """Return where marked cells were hit [m], odom frame, shape (N, 2)."""
         return self._grid.marks()
 
     def _mark(self, scan: Scan, poses: FloatArray) -> tuple[int, int, int, int]:
@@ -145,7 +309,7 @@ class ObstacleLayer:
         )
 
     def _seen_from(self, scan: Scan) -> tuple[FloatArray, FloatArray]:
-        """The robot's outline in the frame of a scan's sensor, and the ranges that mark and clear; kept by sensor."""
+        """Return the robot's outline in the frame of a scan's sensor, and the ranges that mark and clear."""
         sensor = scan.mount, scan.range_min, scan.range_max
         if sensor not in self._sensors:
             if len(self._sensors) >= _MOST_SENSORS:

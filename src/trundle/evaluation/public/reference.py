@@ -16,7 +16,7 @@ from trundle.errors import InputError
 from trundle.files.opening import open_file
 from trundle.files.parser_errors import parser_reason
 from trundle.geometry import FloatArray, Goal, Pose2D, path_length
-from trundle.robots.limits import Limits
+from trundle.robots.drive import Limits
 
 _CELL = 0.15  # edge of a cell [m]
 _CORNER = (-4.575, 5.075)  # centre of cell (0, 0) [m]

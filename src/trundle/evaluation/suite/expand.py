@@ -11,7 +11,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, cast
 
-from trundle.costmap.settings import check_unknown_cost
+from trundle.costmap.costmap_settings import check_unknown_cost
 from trundle.errors import InputError
 from trundle.evaluation.suite.fields import SuiteFields
 from trundle.evaluation.suite.identity import digest, robot_content, short, world_content, world_of_seed

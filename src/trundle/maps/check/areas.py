@@ -63,25 +63,25 @@ class Areas:
         return np.maximum(self.table[:, 2] - self.table[:, 1], self.table[:, 4] - self.table[:, 3])
 
     def area(self, index: int) -> Area:
-        """The area at a row of the table; its label is one more."""
+        """Return the area at a row of the table; its label is one more."""
         return Area(index + 1, *self.table[index].tolist())
 
     def mask(self, area: Area) -> Mask:
-        """The area's cells within its bounding box."""
+        """Return the area's cells within its bounding box."""
         return self.labels[area.row : area.row_end, area.col : area.col_end] == area.label
 
     def select(self, chosen: Mask) -> Mask:
-        """The cells of some of the areas, `chosen` of shape (len,), as a mask of the map."""
+        """Return the cells of some of the areas, `chosen` of shape (len,), as a mask of the map."""
         return np.concatenate([[False], chosen])[self.labels]
 
     def on_edge(self) -> Mask:
-        """Which areas touch the edge of the map, shape (len,)."""
+        """Return which areas touch the edge of the map, shape (len,)."""
         rows, cols = self.labels.shape
         table = self.table
         return (table[:, 1] == 0) | (table[:, 2] == rows) | (table[:, 3] == 0) | (table[:, 4] == cols)
 
     def beside(self, other: Mask) -> npt.NDArray[np.int64]:
-        """How often a cell of each area has one of `other` above, below, left or right of it, shape (len,)."""
+        """Return how often a cell of each area has one of `other` above, below, left or right of it, shape (len,)."""
         counts = np.zeros(len(self) + 1, dtype=np.int64)
         for here, there in NEIGHBOURS:
             meets = other[there] & (self.labels[here] > 0)
@@ -89,7 +89,7 @@ class Areas:
         return counts[1:]
 
     def middle(self, area: Area) -> tuple[int, int]:
-        """The area's own cell (row, col) that is nearest to the mean of its cells."""
+        """Return the area's own cell (row, col) that is nearest to the mean of its cells."""
         rows, cols = np.nonzero(self.mask(area))
         nearest = int(np.argmin((rows - rows.mean()) ** 2 + (cols - cols.mean()) ** 2))
         return area.row + int(rows[nearest]), area.col + int(cols[nearest])
@@ -118,16 +118,16 @@ class Chart:
         """Unknown cells in the middle of free space, as the check of unknown space finds them."""
 
     def place(self, row: float, col: float) -> tuple[float, float]:
-        """Centre (x, y) [m] of a cell in the map frame."""
+        """Return the centre (x, y) [m] of a cell in the map frame."""
         x, y = self.grid.cell_to_world(row, col)
         return float(x), float(y)
 
     def area(self, cells: int) -> float:
-        """Area of a number of cells [m²]."""
+        """Return the area of a number of cells [m²]."""
         return round(cells * self.grid.resolution**2, 9)
 
     def square_metres(self, cells: int) -> str:
-        """An area as text."""
+        """Return an area as text."""
         area = self.area(cells)
         return f"{area:.0f} m²" if area >= 10.0 else f"{area:.2g} m²"
 
@@ -145,23 +145,29 @@ class Chart:
     def list_areas(
         self, areas: Areas, chosen: Mask, kind: Kind, severity: Severity, words: tuple[str, str], fix: str
     ) -> list[Finding]:
-        """One finding for each of the chosen areas, the largest first, and one for the rest if there are too many.
+        """List one finding for each of the chosen areas, the largest first, and one for the rest if there are too many.
 
-        `words` are the message for one area, with {area} and {cells} to fill in, and the plural for the rest.
+        `words` are the message for one area, with {area}, {cells} and {size} (along x and y) to fill in, and the
+        plural for the rest.
         """
         indices = np.flatnonzero(chosen)
         indices = indices[np.argsort(-areas.sizes[indices], kind="stable")]
         findings: list[Finding] = []
         for index in indices[: MOST_A_KIND + 1].tolist():
             area = areas.area(index)
-            message = words[0].format(area=self.square_metres(area.cells), cells=area.cells)
-            where, size = self.place(*areas.middle(area)), self.area(area.cells)
-            findings.append(Finding(kind, severity, message, where, fix, size))
+            width, height = (
+                count * self.grid.resolution for count in (area.col_end - area.col, area.row_end - area.row)
+            )
+            square_metres = self.square_metres(area.cells)
+            size = f"{width:.2g} x {height:.2g} m ({square_metres})"
+            message = words[0].format(area=square_metres, cells=area.cells, size=size)
+            where = self.place(*areas.middle(area))
+            findings.append(Finding(kind, severity, message, where, fix, self.area(area.cells)))
         return shorten(findings, len(indices), words[1])
 
 
 def grow(mask: Mask, radius: int) -> Mask:
-    """The cells of a mask and all within a distance [cells] of them."""
+    """Return the cells of a mask and all within a distance [cells] of them."""
     rows, cols = mask.shape
     wide = np.pad(mask, radius)
     grown = np.zeros_like(mask)

@@ -17,17 +17,13 @@ from trundle.files.yaml_nodes import read_text
 from trundle.geometry import Pose2D
 from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.maps.check.areas import Chart
-from trundle.maps.check.description import check_description
-from trundle.maps.check.doors import check_doors
 from trundle.maps.check.finding import PLACEMENT_KINDS, Finding, Kind, MapReport, by_severity
+from trundle.maps.check.map_file import check_description, read_map
 from trundle.maps.check.obstacles import compare_obstacles, list_obstacles
-from trundle.maps.check.openings import check_openings
 from trundle.maps.check.placement import PlacementCheck, check_placement
-from trundle.maps.check.reach import check_reach
-from trundle.maps.check.reading import read_map
-from trundle.maps.check.specks import check_islands, check_speckles
-from trundle.maps.check.unknown import check_unknown
-from trundle.maps.check.wording import apply_match
+from trundle.maps.check.placement_findings import apply_match
+from trundle.maps.check.reach import check_doors, check_reach
+from trundle.maps.check.space import check_islands, check_openings, check_speckles, check_unknown
 from trundle.maps.from_world import SolidWorld
 from trundle.maps.grid import OccupancyGrid
 from trundle.maps.occupancy import Compat
@@ -85,7 +81,10 @@ def check_map(
         except MapError as error:
             return _unreadable([Finding("yaml", "error", str(error), None, "correct the file")])
     else:
-        _check_text(source)
+        try:
+            read_text(source, MAX_YAML_BYTES)
+        except InputError as error:
+            raise MapError(f"{error}. Give the YAML file of a map, and not its image") from error
         described = check_description(source)
         findings += described.findings
         if described.description is None:
@@ -101,24 +100,12 @@ def check_map(
             exchanged = dataclasses.replace(described.description, rule=rule)
             negated = read(source, exchanged).grid
     report = _check(grid, negated, world=world, robot=robot, start=start, goals=goals, z_range=z_range)
-    kinds = tuple(sorted(corrected | set(report.corrected_kinds)))
-    return MapReport(
+    return dataclasses.replace(
+        report,
         findings=by_severity([*findings, *report.findings]),
-        unverified=report.unverified,
-        ambiguous=report.ambiguous,
-        remarks=report.remarks,
-        grid=report.grid,
         corrected=report.corrected if report.corrected is not None else (grid if corrected else None),
-        corrected_kinds=kinds,
+        corrected_kinds=tuple(sorted(corrected | set(report.corrected_kinds))),
     )
-
-
-def _check_text(source: Path) -> None:
-    """Refuse a YAML file that is not text."""
-    try:
-        read_text(source, MAX_YAML_BYTES)
-    except InputError as error:
-        raise MapError(f"{error}. Give the YAML file of a map, and not its image") from error
 
 
 def check_grid(
@@ -182,7 +169,7 @@ def _check(
 
 
 def _exchange(grid: OccupancyGrid) -> OccupancyGrid:
-    """A grid with free and occupied cells exchanged."""
+    """Return a grid with free and occupied cells exchanged."""
     cells = np.where(grid.data == UNKNOWN, UNKNOWN, OCCUPIED - grid.data).astype(np.int8)
     return OccupancyGrid(cells, grid.resolution, grid.origin)
 
@@ -244,7 +231,7 @@ def _correct(chart: Chart, placed: PlacementCheck) -> tuple[OccupancyGrid | None
 
 
 def _free_of_specks(grid: OccupancyGrid) -> OccupancyGrid:
-    """A rotated map without the specks of free cells that remain between thickened obstacles."""
+    """Return a rotated map without the specks of free cells that remain between thickened obstacles."""
     chart = Chart(grid)
     check_islands(chart)
     return OccupancyGrid(chart.cells, grid.resolution, grid.origin) if chart.corrected else grid

@@ -1,10 +1,10 @@
-"""Results of a map check: findings, each with its severity, its place and its fix."""
+"""Results of a map check: findings, each with its severity, its place and its fix, and their grouping for display."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal, TypeAlias, get_args
+from typing import Literal, NamedTuple, TypeAlias, get_args
 
 from trundle.maps.grid import OccupancyGrid
 
@@ -31,16 +31,21 @@ Kind: TypeAlias = Literal[
     "unseen",
 ]
 """What is wrong with a map; the table in docs/maps.md explains each."""
+
 Severity: TypeAlias = Literal["error", "warning", "info"]
 """How bad a finding is."""
 
 KINDS: tuple[Kind, ...] = get_args(Kind)
 """Every `Kind`."""
+
 PLACEMENT_KINDS: tuple[Kind, ...] = ("half_cell", "flipped", "rotated", "shifted")
 """The kinds that need a world to compare with."""
 
 MOST_A_KIND = 10_000
 """Findings of a kind that are listed, as a noisy map may have many; the rest are summed up in one."""
+
+LEAST_ROBOT_AREA = 0.024
+"""Floor [m²] that the smallest robot of the catalogue stands on, a TurtleBot3 Burger."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +98,7 @@ class MapReport:
         return any(finding.severity == "error" for finding in self.findings)
 
     def kinds(self) -> set[Kind]:
-        """The kinds that were found."""
+        """Return the kinds that were found."""
         return {finding.kind for finding in self.findings}
 
 
@@ -101,3 +106,48 @@ def by_severity(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """Sort findings: errors, warnings, remarks; in each the kinds in their order."""
     severities: tuple[Severity, ...] = get_args(Severity)
     return tuple(sorted(findings, key=lambda item: (severities.index(item.severity), KINDS.index(item.kind))))
+
+
+Group = list[Finding]
+
+
+class Groups(NamedTuple):
+    """Findings grouped for display.
+
+    Attributes:
+        noticed: Those of one severity, kind and fix, the worst first, each group the largest first.
+        small: Free areas where the robot could not stand, and so does not need.
+    """
+
+    noticed: list[Group]
+    small: Group
+
+
+def group_findings(findings: tuple[Finding, ...], robot_area: float | None = None) -> Groups:
+    """Group findings.
+
+    Args:
+        findings: The findings of a report.
+        robot_area: Area of the robot's footprint [m²]. If None, it is the smallest robot's.
+    """
+    least = LEAST_ROBOT_AREA if robot_area is None else robot_area
+    groups: dict[tuple[str, str, str], Group] = {}
+    small: Group = []
+    for finding in findings:
+        if _is_floor(finding) and finding.area_m2 is not None and finding.area_m2 < least:
+            small.append(finding)
+        else:
+            groups.setdefault((finding.severity, finding.kind, finding.fix), []).append(finding)
+    return Groups(list(groups.values()), small)
+
+
+def _is_floor(finding: Finding) -> bool:
+    """Return whether a finding is about a free area: specks of free cells are remarks, and of other cells warnings."""
+    return finding.kind == "island" or (finding.kind == "speckle" and finding.severity == "info")
+
+
+def tell_small(small: Group) -> str:
+    """Return one line for the areas that are too small for the robot to notice."""
+    largest = max(finding.area_m2 or 0.0 for finding in small)
+    what = "free area" if len(small) == 1 else "free areas"
+    return f"too small for the robot to notice: {len(small)} {what} that cannot be reached, of up to {largest:.2g} m²"

@@ -12,20 +12,20 @@ import numpy.typing as npt
 
 from trundle.geometry import FloatArray
 from trundle.maps.cells import OCCUPIED, UNKNOWN
-from trundle.maps.check.lattice import Lattice, Phase, WorldCells
-from trundle.maps.check.orientation import ORIENTATIONS, UPRIGHT, Orientation
+from trundle.maps.check.lattice import ORIENTATIONS, UPRIGHT, Lattice, Orientation, Phase, WorldCells
 
+# These trade the time of a check against places that are missed.
 _COARSE_SIDE = 512  # blocks of cells along the longest side where the search begins
 _PEAKS = 3  # places per orientation that are refined
 _KEEP = 0.6  # least share of the best coarse score for refining a place
-_FINE_SAMPLES = 15_000
+_FINE_SAMPLES = 15_000  # cells of each sign that are compared on a finer level
 _REACH = 2  # cells in each direction that a finer level searches
-_MOST_CANDIDATES = 12
+_MOST_CANDIDATES = 12  # places that are compared cell by cell
 _CENTRE_REACH = 2.0  # cells in each direction within which the middle is searched
 _APART = 3  # cells: nearer places are one
-_PERFECT = 0.999
+_PERFECT = 0.999  # a better agreement leaves nothing to search for
 _FALL_BEHIND = 0.25  # a place with less agreement than the best by this much is not refined between cells
-_QUARTER_STEPS_BELOW = 4_000_000  # cells of the world
+_QUARTER_STEPS_BELOW = 4_000_000  # cells of the world; larger ones are searched in half cells, with half as many tries
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,11 +33,11 @@ class Match:
     """A place of a map in its world.
 
     Attributes:
-        orientation: What is done to the map first.
-        row: Where its first row belongs then, on the map's lattice moved by the phase.
+        orientation: The flip and turns that are applied to the map first.
+        row: Row to which its first row then belongs, on the map's lattice moved by the phase.
         col: As `row`, for columns.
-        phase: Up and to the right, in cells.
-        agreement: 0 to 1, see `Lattice.agreement`.
+        phase: How far the lattice is moved up and to the right [cells].
+        agreement: Agreement with the world there, 0 to 1, see `Lattice.agreement`.
     """
 
     orientation: Orientation
@@ -73,7 +73,8 @@ class Matching:
 
 
 def as_good(agreement: float, best: float) -> bool:
-    """Whether an agreement is no clear loss against the best; a third of what disagrees is noise."""
+    """Return whether an agreement is no clear loss against the best."""
+    # 15 % more disagreement is noise, and so are 0.4 % of the cells of a map that fits well.
     return 1.0 - agreement <= 1.15 * (1.0 - best) + 0.004
 
 
@@ -161,7 +162,7 @@ def _centre(lattice: Lattice, match: Match, worlds: dict[Phase, WorldCells]) -> 
 
 
 def _at(lattice: Lattice, match: Match, offset: tuple[float, float], worlds: dict[Phase, WorldCells]) -> Match:
-    """The match moved to another offset."""
+    """Return the match moved to another offset."""
     col, row = (math.floor(number) for number in offset)
     phase = (offset[1] - row, offset[0] - col)
     if phase not in worlds:
@@ -174,7 +175,7 @@ def _at(lattice: Lattice, match: Match, offset: tuple[float, float], worlds: dic
 
 
 def _search(lattice: Lattice, world: WorldCells) -> list[tuple[Orientation, int, int]]:
-    """Places (orientation, row, col) to refine."""
+    """Find the places (orientation, row, col) that are worth refining."""
     longest = max(a + b for a, b in itertools.product(lattice.grid.shape, world.cells.shape))
     levels = max(0, math.ceil(math.log2(max(1.0, longest / (2 * _COARSE_SIDE)))))
     block = 2**levels
@@ -199,7 +200,7 @@ def _search(lattice: Lattice, world: WorldCells) -> list[tuple[Orientation, int,
 
 
 def _signal(lattice: Lattice, block: int) -> npt.NDArray[np.float32]:
-    """The map as numbers whose sum is 0: occupied above, free below, unknown and beyond 0."""
+    """Return the map as numbers whose sum is 0: occupied above, free below, unknown and beyond 0."""
     data = lattice.grid.data
     weight = max(1.0, lattice.free_count / lattice.occupied_count)
     signal = np.where(data == UNKNOWN, np.float32(0.0), np.float32(-1.0))
@@ -208,13 +209,13 @@ def _signal(lattice: Lattice, block: int) -> npt.NDArray[np.float32]:
 
 
 def pad(values: npt.NDArray[np.float32], block: int) -> npt.NDArray[np.float32]:
-    """The values, padded with zeros to whole blocks of a number of cells."""
+    """Return the values, padded with zeros to whole blocks of a number of cells."""
     rows, cols = (-side % block for side in values.shape)
     return np.pad(values, ((0, rows), (0, cols)), constant_values=0.0)
 
 
 def pyramid(values: npt.NDArray[np.float32], levels: int) -> Iterator[npt.NDArray[np.float32]]:
-    """The values, then their means over blocks of 2, 4, … cells."""
+    """Return the values, then their means over blocks of 2, 4, … cells."""
     yield values
     for _ in range(levels):
         values = (values[::2, ::2] + values[1::2, ::2] + values[::2, 1::2] + values[1::2, 1::2]) / np.float32(4.0)
@@ -224,7 +225,7 @@ def pyramid(values: npt.NDArray[np.float32], levels: int) -> Iterator[npt.NDArra
 def _correlate(
     signal: npt.NDArray[np.float32], walls: npt.NDArray[np.float32]
 ) -> list[tuple[float, Orientation, int, int]]:
-    """The highest peaks (score, orientation, row, col) of the correlation in each orientation."""
+    """Return the highest peaks (score, orientation, row, col) of the correlation in each orientation."""
     peaks: list[tuple[float, Orientation, int, int]] = []
     side = -(-(max(signal.shape) + max(walls.shape)) // 32) * 32
     spectrum = np.fft.rfft2(walls, (side, side))
@@ -271,7 +272,7 @@ def _sample(signal: npt.NDArray[np.float32]) -> _Points:
 def _climb(
     points: _Points, walls: npt.NDArray[np.float32], orientation: Orientation, row: int, col: int
 ) -> tuple[int, int]:
-    """The best place within `_REACH` cells of one; `walls` have a rim of so many cells."""
+    """Return the best place within `_REACH` cells of one; `walls` have a rim of so many cells."""
     rows, cols = orientation.move(points.rows, points.cols, points.shape)
     rows, cols = rows + (row + _REACH), cols + (col + _REACH)
     height, width = walls.shape

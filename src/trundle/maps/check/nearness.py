@@ -14,9 +14,8 @@ from trundle._core import inflate
 from trundle.geometry import FloatArray
 from trundle.maps.cells import OCCUPIED
 from trundle.maps.check.areas import Cells
-from trundle.maps.check.lattice import Lattice
-from trundle.maps.check.matching import pad, pyramid
-from trundle.maps.check.orientation import Orientation
+from trundle.maps.check.lattice import Lattice, Orientation
+from trundle.maps.check.matching import Match, pad, pyramid
 
 _COARSE_SIDE = 256  # blocks of cells along the side of the images that are correlated
 _BLUR_CELLS = 1.5  # standard deviation around walls: noise of a scan or of a rotated lattice
@@ -56,7 +55,7 @@ class Level:
 
 
 def choose_points(lattice: Lattice, middle: FloatArray, most: int, random: np.random.Generator) -> Points:
-    """Some of a map's occupied and of its free cells; the weights of each kind add up to 1 and −1."""
+    """Return some of a map's occupied and of its free cells; the weights of each kind add up to 1 and −1."""
     places: list[FloatArray] = []
     weights: list[FloatArray] = []
     for (rows, cols), sign in ((lattice.occupied, 1.0), (lattice.free, -1.0)):
@@ -70,7 +69,7 @@ def choose_points(lattice: Lattice, middle: FloatArray, most: int, random: np.ra
 
 
 def make_levels(cells: Cells, reach: float) -> list[Level]:
-    """The nearness of a world's walls, from single cells to blocks as coarse as a search begins with.
+    """Return the nearness of a world's walls, from single cells to blocks as coarse as a search begins with.
 
     Args:
         cells: The world's.
@@ -83,7 +82,7 @@ def make_levels(cells: Cells, reach: float) -> list[Level]:
 
 
 def look_up(level: Level, places: FloatArray) -> npt.NDArray[np.float32]:
-    """The field at places [cells] from the world's corner; 0 outside."""
+    """Return the field at places [cells] from the world's corner; 0 outside."""
     at = np.floor(places / level.block).astype(np.int64) + 1
     rows, cols = level.field.shape
     np.clip(at[:, 0], 0, cols - 1, out=at[:, 0])
@@ -92,19 +91,33 @@ def look_up(level: Level, places: FloatArray) -> npt.NDArray[np.float32]:
 
 
 def rotation(angle: float) -> Matrix:
-    """A turn counter-clockwise, shape (2, 2)."""
+    """Return a turn counter-clockwise, shape (2, 2)."""
     cos, sin = math.cos(angle), math.sin(angle)
     return np.array([[cos, -sin], [sin, cos]])
 
 
 def orient(orientation: Orientation) -> Matrix:
-    """What an orientation does to points, shape (2, 2)."""
+    """Return the matrix by which an orientation moves points, shape (2, 2)."""
     flip = np.diag([1.0, -1.0]) if orientation.flipped else np.eye(2)
     return np.rint(rotation(orientation.turns * math.pi / 2.0)) @ flip
 
 
+def start_of(match: Match, shape: tuple[int, int], middle: FloatArray) -> tuple[float, float]:
+    """Return how far (x, y) [cells] a match moves the middle of a map's occupied cells, for a search to start from.
+
+    Args:
+        match: Where the map fits, flipped or turned by quarters about its image's middle.
+        shape: (rows, cols) of the map.
+        middle: Middle (x, y) of its occupied cells [cells].
+    """
+    half = np.array(shape[::-1]) / 2.0
+    turned_half = half if match.orientation.turns % 2 == 0 else half[::-1]
+    x, y = match.offset + turned_half + orient(match.orientation) @ (middle - half) - middle
+    return float(x), float(y)
+
+
 def _blur(cells: Cells) -> npt.NDArray[np.float32]:
-    """Nearness of an occupied cell: 1 on it, falling with the distance as a normal distribution does."""
+    """Return the nearness of an occupied cell: 1 on it, falling with the distance as a normal distribution does."""
     squared = np.arange(math.ceil((3.0 * _BLUR_CELLS) ** 2) + 1)
     table = np.rint(252.0 * np.exp(-squared / (2.0 * _BLUR_CELLS**2))).astype(np.uint8)
     table[0] = 254
@@ -113,7 +126,7 @@ def _blur(cells: Cells) -> npt.NDArray[np.float32]:
 
 
 def climb(best: ScoredT, step: float, last: float, around: Callable[[ScoredT, float], Sequence[ScoredT]]) -> ScoredT:
-    """The best place near one: the best of those `around` it at a step [cells]; where none is better, half the step."""
+    """Climb from a place to the best one near it: of those `around` it at a step [cells], which is halved at a peak."""
     while step >= last:
         next_one = max(around(best, step), key=lambda one: one.score)
         if next_one.score > best.score + 1e-9:

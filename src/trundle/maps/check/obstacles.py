@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from trundle.maps.cells import FREE, OCCUPIED
-from trundle.maps.check.areas import Areas, Cells, Chart, Mask, grow, shorten
-from trundle.maps.check.finding import MOST_A_KIND, Finding, Kind
+from trundle.maps.check.areas import Areas, Cells, Chart, Mask, grow
+from trundle.maps.check.finding import Finding
 
 LEAST_AREA = 0.09
 """A smaller area [m²] is no finding: 0.1 m² less what rounding to cells takes off."""
@@ -32,7 +32,7 @@ class Contradictions:
     phantom: Areas
 
     def count(self, chart: Chart) -> int:
-        """How many cells of the map are in areas that are large enough for a finding."""
+        """Count the map's cells in areas that are large enough for a finding."""
         return sum(int(areas.sizes[_is_large(chart, areas)].sum()) for areas in (self.missing, self.phantom))
 
 
@@ -44,34 +44,37 @@ def compare_obstacles(chart: Chart, truth: Cells) -> Contradictions:
 
 
 def list_obstacles(chart: Chart, found: Contradictions) -> list[Finding]:
-    """The findings; missing obstacles are corrected from the world, phantom ones only the map's maker can judge."""
+    """List the findings. Missing obstacles are corrected from the world; phantom ones only the maker can judge."""
     missing, phantom = found.missing, found.phantom
     lacking = missing.select(_is_large(chart, missing))
     if lacking.any():
         chart.cells[lacking] = OCCUPIED
         chart.corrected.add("missing_obstacle")
     return [
-        *_list_areas(
-            chart,
+        *chart.list_areas(
             missing,
+            _is_large(chart, missing),
             "missing_obstacle",
-            "the world has an obstacle of {size} here, and the map is free",
-            "obstacles of the world that the map lacks",
+            "error",
+            (
+                "the world has an obstacle of {size} here, and the map is free",
+                "obstacles of the world that the map lacks",
+            ),
             "take it from the world's map",
         ),
-        *_list_areas(
-            chart,
+        *chart.list_areas(
             phantom,
+            _is_large(chart, phantom),
             "phantom_obstacle",
-            "the map has an obstacle of {size} here, and the world is free",
-            "obstacles that the world lacks",
+            "error",
+            ("the map has an obstacle of {size} here, and the world is free", "obstacles that the world lacks"),
             "take it out, or put it into the world if it does stand there",
         ),
     ]
 
 
 def _find_areas(differs: Mask, obstacles: Mask) -> Areas:
-    """Connected areas of cells that differ, each with a part beyond the tolerance from an obstacle of the other."""
+    """Find connected areas of cells that differ, each partly beyond the tolerance from an obstacle of the other map."""
     core = differs & ~grow(obstacles, TOLERANCE)
     # With what is within the tolerance, but not all of a wall that is a cell off.
     near = differs & grow(core, TOLERANCE + 1)
@@ -82,17 +85,3 @@ def _find_areas(differs: Mask, obstacles: Mask) -> Areas:
 
 def _is_large(chart: Chart, areas: Areas) -> Mask:
     return areas.sizes * chart.grid.resolution**2 >= LEAST_AREA
-
-
-def _list_areas(chart: Chart, areas: Areas, kind: Kind, words: str, several: str, fix: str) -> list[Finding]:
-    indices = np.flatnonzero(_is_large(chart, areas))
-    indices = indices[np.argsort(-areas.sizes[indices], kind="stable")]
-    findings: list[Finding] = []
-    for index in indices[: MOST_A_KIND + 1].tolist():
-        area = areas.area(index)
-        width, height = area.col_end - area.col, area.row_end - area.row
-        edge = chart.grid.resolution
-        size = f"{width * edge:.2g} x {height * edge:.2g} m ({chart.square_metres(area.cells)})"
-        where = chart.place(*areas.middle(area))
-        findings.append(Finding(kind, "error", words.format(size=size), where, fix, chart.area(area.cells)))
-    return shorten(findings, len(indices), several)

@@ -8,12 +8,17 @@ from trundle.errors import MapError
 from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.maps.check.areas import Cells
 from trundle.maps.check.finding import PLACEMENT_KINDS, Finding, Kind
-from trundle.maps.check.lattice import Lattice, WorldCells
+from trundle.maps.check.lattice import UPRIGHT, Lattice, WorldCells
 from trundle.maps.check.matching import Match, Matching, as_good, find_matches
-from trundle.maps.check.orientation import UPRIGHT
+from trundle.maps.check.placement_findings import (
+    LEAST_OFFSET,
+    Explanation,
+    describe_findings,
+    explain_placements,
+    list_hidden,
+)
 from trundle.maps.check.stretching import Stretch, find_stretch
 from trundle.maps.check.turning import Turning, find_turn
-from trundle.maps.check.wording import LEAST_OFFSET, Explanation, describe_findings, explain_placements, list_hidden
 from trundle.maps.from_world import SolidWorld
 from trundle.maps.grid import OccupancyGrid
 
@@ -24,6 +29,7 @@ _LEAST_OCCUPIED = 8  # cells
 _CLEAR = 0.97
 """A map that agrees at least this well is not tried with cells of another size."""
 
+# A noisy map agrees best up to a cell and a half beside its place; no fault is told for that.
 _NOISY = 0.9  # a map that agrees less than this is noisy, or thicker than its world
 _NOISE_CELLS = 1.5  # how far that may move the place of best agreement
 _NOISE_LOSS = 1.35  # if the disagreement grows by no more than this factor
@@ -45,13 +51,13 @@ class WorldSight:
     match: Match
 
     def cells(self, z_range: tuple[float, float]) -> Cells:
-        """The map's cells in the world at some heights [m]."""
+        """Return the map's cells in the world at some heights [m]."""
         seen = Lattice(self.grid, self.world, z_range).rasterise(self.match.phase)
         return crop_match(seen, self.match, self.grid.shape)
 
 
 def crop_match(cells: WorldCells, match: Match, shape: tuple[int, int]) -> Cells:
-    """The world's cells where a map of a shape belongs, as the map's image lies."""
+    """Return the world's cells where a map of a shape belongs, as the map's image lies."""
     rows, cols = shape
     turned = (rows, cols) if match.orientation.turns % 2 == 0 else (cols, rows)
     return match.orientation.undo(cells.crop(match.row, match.col, turned))
@@ -95,7 +101,7 @@ def check_placement(
 
     Args:
         grid: The map.
-        world: The world; None leaves all kinds unverified.
+        world: The world. If None, all kinds stay unverified.
         z_range: The heights that the map shows [m].
         negated: The map read with its greys exchanged, to be tried where it agrees nowhere as it is.
     """
@@ -140,18 +146,18 @@ def check_placement(
 
 
 def _is_drawn(grid: OccupancyGrid) -> bool:
-    """Whether a map has both occupied and free cells."""
+    """Return whether a map has both occupied and free cells."""
     return bool((grid.data == OCCUPIED).any() and ((grid.data != OCCUPIED) & (grid.data != UNKNOWN)).any())
 
 
 def _looks_like_a_map(grid: OccupancyGrid) -> bool:
-    """Whether less of a grid is occupied than free, as in a map that a robot can drive in."""
+    """Return whether less of a grid is occupied than free, as in a map that a robot can drive in."""
     occupied = int((grid.data == OCCUPIED).sum())
     return 0 < occupied < int((grid.data != UNKNOWN).sum()) - occupied
 
 
 def _is_noise(matching: Matching) -> bool:
-    """Whether an offset is so small that the noise of the map explains it: without it, the map is hardly worse."""
+    """Return whether an offset may come from the noise of the map: without it, the map agrees hardly worse."""
     best, stated = matching.best, matching.stated
     offset = max(map(abs, best.offset))
     if best.agreement < _NOISY and offset <= _NOISE_CELLS:
@@ -168,7 +174,7 @@ def _place(
     stated: OccupancyGrid,
     before: float,
 ) -> PlacementCheck:
-    """The result for a map that does not lie where its file puts it; `grid` is the turned one."""
+    """Return the result for a map that does not lie where its file puts it; `grid` is the turned one."""
     best = matching.best
     candidates = (best, *matching.rivals)
     upright = [match for match in candidates if match.orientation == UPRIGHT]
@@ -203,7 +209,7 @@ def _well_placed(matching: Matching, truth: Cells, sight: WorldSight) -> Placeme
 
 
 def _same_result(grid: OccupancyGrid, one: Match, other: Match) -> bool:
-    """Whether two explanations lead to the same map."""
+    """Return whether two explanations lead to the same map."""
     if one.phase != other.phase or (one.row, one.col) != (other.row, other.col):
         return False
     first, second = one.orientation.apply(grid.data), other.orientation.apply(grid.data)
@@ -211,7 +217,7 @@ def _same_result(grid: OccupancyGrid, one: Match, other: Match) -> bool:
 
 
 def _incomparable(why: str) -> PlacementCheck:
-    """A world was given but could not be compared; this does not mean that it agrees with the map."""
+    """Report that the world that was given could not be compared; it may still disagree with the map."""
     finding = Finding("mismatch", "warning", f"the map was not compared with the world: {why}", None, "see the reason")
     return replace(_unverified(why), findings=(finding,))
 
@@ -229,7 +235,7 @@ def _negated(before: float, after: float) -> PlacementCheck:
 
 
 def _stretched(grid: OccupancyGrid, stretch: Stretch, before: float) -> PlacementCheck:
-    """The result for a map that fits its world with cells of another size."""
+    """Return the result for a map that fits its world with cells of another size."""
     edge = grid.resolution
     agreement = f"(agreement {stretch.agreement:.0%} against {before:.0%})"
     if stretch.is_square:
@@ -253,7 +259,7 @@ def _stretched(grid: OccupancyGrid, stretch: Stretch, before: float) -> Placemen
 
 
 def _mismatch(best: float) -> PlacementCheck:
-    """The result for a map that agrees with its world nowhere, however it is turned, flipped, scaled or read."""
+    """Return the result for a map that agrees with its world nowhere, however it is turned, flipped, scaled or read."""
     why = f"the map agrees with the world nowhere (at best {best:.0%})"
     finding = Finding(
         "mismatch",

@@ -10,16 +10,25 @@ import numpy.typing as npt
 
 from trundle.errors import MapError
 from trundle.geometry import FloatArray
-from trundle.maps.check.lattice import Lattice, WorldCells
+from trundle.maps.check.lattice import ORIENTATIONS, UPRIGHT, Lattice, Orientation, WorldCells
 from trundle.maps.check.matching import Match, as_good, find_matches
-from trundle.maps.check.nearness import LAST_STEP, Level, Points, choose_points, climb, look_up, make_levels, orient
-from trundle.maps.check.orientation import ORIENTATIONS, UPRIGHT, Orientation
+from trundle.maps.check.nearness import (
+    LAST_STEP,
+    Level,
+    Points,
+    choose_points,
+    climb,
+    look_up,
+    make_levels,
+    orient,
+    start_of,
+)
 from trundle.maps.from_world import SolidWorld
 from trundle.maps.grid import OccupancyGrid
 
 _MOST = 0.12  # largest stretch of an axis; larger errors are the usual factors
 _USUAL_FACTORS = (0.1, 0.2, 0.25, 0.4, 0.5, 2.0, 2.5, 4.0, 5.0, 10.0)
-_SAMPLES = 5_000
+_SAMPLES = 5_000  # cells of each sign that a size is scored by
 _KEPT = 4  # sizes that are refined from level to level
 _LEAST_CELLS = 1.0  # at the map's ends: a robot does not notice a smaller stretch
 _SQUARE_CELLS = 1.0  # there: the search cannot distinguish less from an equal scale of both axes
@@ -109,7 +118,7 @@ class _Rescaled:
 
 
 def _rescale(grid: OccupancyGrid, size: _Size, extent: FloatArray) -> _Rescaled:
-    """The map with square cells of its new height, and the size of its old cells in the world."""
+    """Return the map with square cells of its new height, and the size of its old cells in the world."""
     width, height = size.across * grid.resolution, size.up * grid.resolution
     if abs(size.across / size.up - 1.0) * float(extent.max()) < _SQUARE_CELLS:
         width = height = _round(math.sqrt(width * height), float(extent.max()))
@@ -121,7 +130,7 @@ def _rescale(grid: OccupancyGrid, size: _Size, extent: FloatArray) -> _Rescaled:
 
 
 def _round(length: float, cells: float) -> float:
-    """The length with as few digits as make no difference at a map's ends."""
+    """Return the length with as few digits as make no difference at a map's ends."""
     for digits in range(1, 5):
         rounded = float(f"{length:.{digits}g}")
         if abs(rounded / length - 1.0) * cells < _SQUARE_CELLS:
@@ -130,7 +139,7 @@ def _round(length: float, cells: float) -> float:
 
 
 class _Search:
-    """Sizes of a map's cells, scored by how near its walls come to the world's.
+    """Searches sizes of a map's cells, scored by how near its walls come to the world's.
 
     Args:
         lattice: The map's lattice.
@@ -152,8 +161,8 @@ class _Search:
         self._spectra: dict[int, npt.NDArray[np.complex128]] = {}
 
     def find(self, match: Match, *, nowhere: bool) -> _Size | None:
-        """The best size, if it is clearly better than that of the match."""
-        base = self._settle(self._start(match))
+        """Return the best size, if it is clearly better than that of the match."""
+        base = self._settle_on(self._levels[0], self._start(match), LAST_STEP, scale=False)
         orientations = ORIENTATIONS if nowhere else tuple(dict.fromkeys((match.orientation, UPRIGHT)))
         coarse = [self._correlate(size) for one in orientations for size in self._list_sizes(one, nowhere=nowhere)]
         coarse.sort(key=lambda one: -one.score)
@@ -165,11 +174,11 @@ class _Search:
         return best
 
     def refine(self, match: Match) -> _Size:
-        """The best size near that of a match."""
+        """Return the best size near that of a match."""
         return self._settle_on(self._levels[0], self._start(match), LAST_STEP, scale=True)
 
     def _list_sizes(self, orientation: Orientation, *, nowhere: bool) -> list[_Size]:
-        """Sizes to try: of one axis, of both, and those that make the map as large as the world."""
+        """Return sizes to try: of one axis, of both, and those that make the map as large as the world."""
         step = self._levels[-1].block / float(self.extent.max())
         count = max(1, math.ceil(_MOST / step))
         sizes: list[_Size] = []
@@ -185,14 +194,11 @@ class _Search:
         return sizes
 
     def _start(self, match: Match) -> _Size:
-        """A match as a place of cells of the size that they have."""
-        half = np.array(self._shape[::-1]) / 2.0
-        turned_half = half if match.orientation.turns % 2 == 0 else half[::-1]
-        x, y = match.offset + turned_half + orient(match.orientation) @ (self._middle - half) - self._middle
-        return _Size(match.orientation, 1.0, 1.0, float(x), float(y))
+        """Return a match as a place for cells of the size that they have now."""
+        return _Size(match.orientation, 1.0, 1.0, *start_of(match, self._shape, self._middle))
 
     def _correlate(self, size: _Size) -> _Size:
-        """The best place of a size on the coarsest level."""
+        """Return the best place of a size on the coarsest level."""
         level = self._levels[-1]
         moved = self._points.places @ size.matrix().T / level.block
         reach = math.ceil(float(np.abs(moved).max())) + 1
@@ -211,15 +217,11 @@ class _Search:
         return replace(size, x=float(x), y=float(y), score=float(scores[row, col]))
 
     def _climb(self, size: _Size) -> _Size:
-        """The best size and place near one, from the coarsest level to single cells."""
+        """Return the best size and place near one, from the coarsest level to single cells."""
         for level in self._levels[::-1]:
             last = LAST_STEP if level.block == 1 else level.block / 4.0
             size = self._settle_on(level, size, last, scale=True)
         return size
-
-    def _settle(self, size: _Size) -> _Size:
-        """The best place near one, for a size that stays."""
-        return self._settle_on(self._levels[0], size, LAST_STEP, scale=False)
 
     def _settle_on(self, level: Level, size: _Size, last: float, *, scale: bool) -> _Size:
         def around(best: _Size, step: float) -> list[_Size]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from trundle.geometry import FloatArray, Pose2D
-from trundle.maps.check.lattice import Lattice, WorldCells
+from trundle.maps.check.lattice import ORIENTATIONS, Lattice, Orientation, WorldCells
 from trundle.maps.check.matching import Match, as_good
 from trundle.maps.check.nearness import (
     LAST_STEP,
@@ -22,14 +22,14 @@ from trundle.maps.check.nearness import (
     make_levels,
     orient,
     rotation,
+    start_of,
 )
-from trundle.maps.check.orientation import ORIENTATIONS, Orientation
 
 WELL_MATCHED = 0.75
 """A map that agrees at least this well with its world as it is stated is not tried at other angles."""
 
-_SEARCH_SAMPLES = 4_000
-_FINAL_SAMPLES = 16_000
+_SEARCH_SAMPLES = 4_000  # cells of each sign that the many places of the search are scored by
+_FINAL_SAMPLES = 16_000  # that the few places left are scored by
 _KEPT = (32, 16, 8, 4)  # places that are refined from level to level
 _APART = 3.0  # cells of a level: nearer places are one
 _PEAK_CELLS = 1.5  # distance from the best score within which scores fall as a parabola
@@ -58,7 +58,7 @@ class Turn:
     score: float
 
     def matrix(self) -> Matrix:
-        """What is done to points about the middle, shape (2, 2)."""
+        """Return the matrix that moves points about the middle, shape (2, 2)."""
         return rotation(self.angle) @ orient(self.orientation)
 
 
@@ -106,7 +106,7 @@ def find_turn(lattice: Lattice, world: WorldCells, match: Match) -> Turning | No
 
 
 class _Search:
-    """Places of a map in its world, scored at any angle.
+    """Searches places of a map in its world, scored at any angle.
 
     Args:
         lattice: The map's lattice.
@@ -129,14 +129,11 @@ class _Search:
         self._levels = make_levels(world.cells, self._reach)
 
     def start(self, match: Match) -> Turn:
-        """A match as a place without a turn."""
-        half = np.array(self._shape[::-1]) / 2.0
-        turned_half = half if match.orientation.turns % 2 == 0 else half[::-1]
-        x, y = match.offset + turned_half + orient(match.orientation) @ (self._middle - half) - self._middle
-        return Turn(match.orientation, 0.0, float(x), float(y), -math.inf)
+        """Return a match as a place without a turn."""
+        return Turn(match.orientation, 0.0, *start_of(match, self._shape, self._middle), -math.inf)
 
     def conclude(self, place: Turn, rivals: tuple[Turn, ...]) -> Turning:
-        """The map's origin at a place, its angle a whole quarter where that is as likely."""
+        """Return the map's origin at a place, its angle a whole quarter where that is as likely."""
         old = self._origin.yaw + place.angle
         quarter = round(old / (math.pi / 2.0)) * math.pi / 2.0
         yaw = quarter if abs(old - quarter) * self.radius < _SNAP_CELLS else old
@@ -147,7 +144,7 @@ class _Search:
         return Turning(Pose2D(moved.x, moved.y, math.remainder(yaw, 2.0 * math.pi)), angle, rivals)
 
     def settle(self, place: Turn, *, turn: bool) -> Turn:
-        """The best place near one, with or without turning."""
+        """Return the best place near one, with or without turning."""
         points, level = self._many, self._levels[0]
 
         def around(best: Turn, step: float) -> list[Turn]:
@@ -164,7 +161,7 @@ class _Search:
         return climb(replace(place, score=self._score(points, level, place)), 1.0, LAST_STEP, around)
 
     def polish(self, place: Turn) -> Turn:
-        """The top of a parabola through the scores around a place, in each direction."""
+        """Return the top of a parabola through the scores around a place, in each direction."""
         steps = np.linspace(-_PEAK_CELLS, _PEAK_CELLS, 13)
         for axis in ("angle", "x", "y") * 2:
             unit = 1.0 / self.radius if axis == "angle" else 1.0
@@ -180,11 +177,11 @@ class _Search:
         return float((points.weights * look_up(level, self._move(points, place))).sum())
 
     def _move(self, points: Points, place: Turn) -> FloatArray:
-        """Points [cells] from the world's corner when the map is put in a place."""
+        """Return points [cells] from the world's corner when the map is put in a place."""
         return points.places @ place.matrix().T + (self._middle - self._corner + np.array([place.x, place.y]))
 
     def look_everywhere(self) -> list[Turn]:
-        """The best few places at any angle."""
+        """Return the best few places at any angle."""
         places = self._correlate()
         step = self._angle_step() / 2.0
         for depth, level in enumerate(self._levels[-2::-1], start=1):
@@ -195,7 +192,7 @@ class _Search:
         return places[: _KEPT[-1]]
 
     def _climb(self, level: Level, place: Turn, step: float) -> Turn:
-        """The best of the places a block and a step of the angle away."""
+        """Climb to the best of the places that are a block and a step of the angle away."""
         best = replace(place, score=-math.inf)
         for part in (-1.0, -0.5, 0.0, 0.5, 1.0):
             turned = replace(place, angle=place.angle + part * step)
@@ -226,7 +223,7 @@ class _Search:
         return self._levels[-1].block / self._reach
 
     def _correlate(self) -> list[Turn]:
-        """Places on the coarsest level: the best for each angle and orientation, of these the best few."""
+        """Return places on the coarsest level: the best for each angle and orientation, of these the best few."""
         level = self._levels[-1]
         walls = level.field
         reach = math.ceil(self._reach / level.block) + 1
@@ -255,7 +252,7 @@ class _Search:
     def _place(
         self, orientation: Orientation, angle: float, middle: FloatArray, shape: tuple[int, ...], score: float
     ) -> Turn:
-        """A place from that of the turned map's middle, in blocks, on the world that was turned back."""
+        """Return the place whose middle, on the world turned back, is at a block of the coarsest level."""
         level = self._levels[-1]
         back = np.array([shape[1], shape[0]]) / 2.0
         forth = np.array([level.field.shape[1], level.field.shape[0]]) / 2.0

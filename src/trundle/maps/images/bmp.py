@@ -27,8 +27,8 @@ class BmpHeader:
     """The headers of a BMP file.
 
     Attributes:
-        width: In pixels.
-        height: In pixels, whichever row is the first in the file.
+        width: Width [pixels].
+        height: Height [pixels], whichever row is the first in the file.
         depth: Bits a pixel.
         compression: 0 for plain rows, 1 and 2 for run-length encoding, 3 for plain rows with bit masks.
         offset: Where the pixels start.

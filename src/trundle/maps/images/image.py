@@ -7,11 +7,11 @@ from pathlib import Path
 from trundle.errors import MapError
 from trundle.files.opening import open_file, read_up_to
 from trundle.maps.cells import cell_limit
-from trundle.maps.images import bmp, png_chunks, pnm
+from trundle.maps.images import bmp, png, pnm
 from trundle.maps.images.pixels import Pixels
 
-_HEAD_BYTES = 1 << 16
-_PNG_EXTRA_BYTES = 16_000_000
+_HEAD_BYTES = 1 << 16  # headers are in them, also after long comments
+_PNG_EXTRA_BYTES = 16_000_000  # of colour profiles and texts beside the pixels
 _TRAILING_BYTES = 1 << 16  # padding and colour profiles after the pixels
 _DECODED_BYTES = 4  # for each cell of the limit: 8-bit colour with alpha; 16-bit images may have fewer pixels
 _TEXT_BYTES = 6  # the same for images as text, of which there are several copies
@@ -22,7 +22,7 @@ def read_image(path: Path, *, max_cells: int | None = None) -> Pixels:
 
     Args:
         path: The file; its suffix does not matter.
-        max_cells: The most pixels to accept; fewer of 16-bit colour and of text. None means 20 million.
+        max_cells: The most pixels to accept; fewer of 16-bit colour and of text. If None, 20 million.
 
     Raises:
         MapError: If the file cannot be read, is not a PNG, PNM or BMP image, is too large, truncated or damaged.
@@ -43,8 +43,6 @@ def read_image(path: Path, *, max_cells: int | None = None) -> Pixels:
         return pnm.decode_pnm(content, str(path))
     if head.startswith(bmp.SIGNATURE):
         return bmp.decode_bmp(content, str(path))
-    from trundle.maps.images import png
-
     return png.decode_png(content, str(path))
 
 
@@ -63,9 +61,9 @@ def _check_size(head: bytes, name: str, max_cells: int) -> int:
     else:
         if not head:
             raise MapError(f"{name}: the image file is empty")
-        if not head.startswith(png_chunks.SIGNATURE):
+        if not head.startswith(png.SIGNATURE):
             raise MapError(f"{name}: not a PNG, PNM (PGM) or BMP image; convert it to PNG")
-        header = png_chunks.parse_header(head, name)
+        header = png.parse_header(head, name)
         limit = header.decoded_bytes + header.decoded_bytes // 100 + _PNG_EXTRA_BYTES
     cells = header.width * header.height
     if cells > max_cells or header.decoded_bytes > _DECODED_BYTES * max_cells:

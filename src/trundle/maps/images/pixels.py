@@ -16,7 +16,7 @@ SampleArray: TypeAlias = npt.NDArray[np.uint8 | np.uint16]
 FULL_SCALE = 65535
 """A fully bright 16-bit sample. An 8-bit sample v is the 16-bit sample 257·v."""
 
-_BLOCK_CELLS = 1 << 20
+_BLOCK_CELLS = 1 << 20  # pixels worked on at once, whose floats take 8 MB
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ class Pixels:
         return self.colour.shape[0], self.colour.shape[1]
 
     def row_blocks(self) -> Iterator[slice]:
-        """Slices of rows of about a million pixels, so that wide intermediates stay small."""
+        """Return slices of rows of about a million pixels, so that wide intermediates stay small."""
         rows, cols = self.shape
         step = max(1, _BLOCK_CELLS // cols)
         for first in range(0, rows, step):
@@ -45,9 +45,10 @@ class Pixels:
 
 
 def compute_greys(pixels: Pixels) -> npt.NDArray[np.uint8]:
-    """Greys 0..255, shape (rows, cols), as Nav2's image library makes them.
+    """Return greys 0..255, shape (rows, cols), as Nav2's image library makes them.
 
-    A grey is ⌊round(0.299 R + 0.587 G + 0.114 B at 16 bit) / 257⌋; a grey image keeps ⌊v / 257⌋.
+    A grey is ⌊round(0.299 R + 0.587 G + 0.114 B at 16 bit) / 257⌋, the luma of ITU-R BT.601; a grey image keeps
+    ⌊v / 257⌋.
     """
     if pixels.colour.ndim == 2:
         wide = pixels.colour.dtype != np.uint8
@@ -62,7 +63,7 @@ def compute_greys(pixels: Pixels) -> npt.NDArray[np.uint8]:
 
 
 def compute_transparent(pixels: Pixels) -> npt.NDArray[np.bool_] | None:
-    """Which pixels are not fully opaque, shape (rows, cols); None where all are."""
+    """Return which pixels are not fully opaque, shape (rows, cols); None where all are."""
     if pixels.alpha is None:
         return None
     mask = pixels.alpha < np.iinfo(pixels.alpha.dtype).max
@@ -70,7 +71,7 @@ def compute_transparent(pixels: Pixels) -> npt.NDArray[np.bool_] | None:
 
 
 def compute_channel_means(pixels: Pixels, rows: slice, *, with_alpha: bool) -> FloatArray:
-    """Mean of red, green, blue (and alpha) of a slice of rows, 0..1: the shade that Nav2 Humble used."""
+    """Return the mean of red, green, blue (and alpha) of a slice of rows, 0..1: the shade that Nav2 Humble used."""
     colour = _at_16_bit(pixels.colour[rows])
     channels = 3
     total = colour.sum(axis=-1) if colour.ndim == 3 else colour * 3.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from trundle.costmap import LayersSettings
-from trundle.costmap.inflation import DEFAULT_MARGIN_M
+from trundle.costmap.costs import DEFAULT_MARGIN_M
 from trundle.costmap.layers import ObstacleLayerSettings
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.messages.topic_names import scan_topic

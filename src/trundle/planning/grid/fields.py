@@ -42,7 +42,7 @@ def cost_field(
             used as they are; bool arrays (True is a wall, free cells cost 1) and others are converted once.
         goals: (row, col), or several of them in shape (N, 2).
         connectivity: 8, or 4 for straight steps alone.
-        threads: How many to use; none means TRUNDLE_THREADS, or as many as there are processors, up to 8.
+        threads: How many to use. If None, TRUNDLE_THREADS, or as many as there are processors, up to 8.
         deadline_s: Give up after this time [s].
         cancel: Give up once this is cancelled.
 
@@ -73,7 +73,7 @@ def cost_field(
 
 
 def _as_costs(costs: npt.ArrayLike) -> CostArray:
-    """The costs as an array that the kernel takes, checked."""
+    """Check the costs, and return them as an array that the kernel takes."""
     array = as_array(costs, "costs")
     if array.ndim != 2 or array.size == 0:
         raise InputError(f"costs need shape (rows, cols) with at least one cell, got {array.shape}")

@@ -27,7 +27,7 @@ class CellPath:
     Attributes:
         status: "found"; "unreachable", when no path connects the cells; "timeout" or "cancelled", when it was stopped;
             "partial", when it leads to the reachable cell nearest to the goal, as it was asked to.
-        length: In cells; infinite where the goal is unreachable, NaN where the search was stopped.
+        length: Length in cells; infinite where the goal is unreachable, NaN where the search was stopped.
         corners: The bytes of `waypoints`.
         start_snapped: How far the start was moved to a free cell, in cells.
         goal_snapped: How far the goal was moved to a free cell, in cells.
@@ -91,13 +91,13 @@ class CellPaths(Sequence[_PathT], Generic[_PathT]):
     """The results of many queries: a sequence of paths, and their numbers as arrays.
 
     Attributes:
-        status: As of one path, shape (N,).
-        length: In cells, as of one path, shape (N,).
+        status: Status of each path, shape (N,).
+        length: Length of each path in cells, shape (N,).
         corners: The corners of all, one after the other, shape (M, 2).
         ends: Where the corners of each end in `corners`, shape (N,).
-        start_snapped: As of one path, in cells, shape (N,).
-        goal_snapped: As of one path, in cells, shape (N,).
-        remaining: As of one path, in cells, shape (N,).
+        start_snapped: How far each start was moved to a free cell, in cells, shape (N,).
+        goal_snapped: How far each goal was moved to a free cell, in cells, shape (N,).
+        remaining: Straight distance from the end of each partial path to its goal, in cells, shape (N,).
     """
 
     _kind: ClassVar[type[CellPath]] = CellPath

@@ -1,4 +1,4 @@
-"""`GridSearch`: shortest paths on a grid whose cells are blocked or free."""
+"""`GridSearch`: shortest paths on a grid whose cells are blocked or free; `any_angle_path` for one query."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from trundle import _core
 from trundle.errors import InputError
 from trundle.geometry import FloatArray
 from trundle.planning.cancellation import Cancellation, check_limits
-from trundle.planning.grid.cells import CellLike, Span, as_bytes, as_span, check_threads
-from trundle.planning.grid.grid_ends import GridEnds, Moved
+from trundle.planning.grid.cells import CellLike, GridEnds, Moved, Span, as_bytes, as_span, check_threads
 from trundle.planning.grid.grid_paths import (
     PARTIAL,
     STATUSES,
@@ -24,11 +23,9 @@ from trundle.planning.grid.grid_paths import (
     PointPaths,
     Status,
 )
-from trundle.planning.grid.removed import refuse_removed
 
 METHODS = ("auto", "jps", "astar")
 
-_ONLY_EXACT = "leave it out: paths in any direction are always the shortest ones"
 _LONGEST_POINT_SIDE = 2**29
 _STATUS_NAMES = np.array(STATUSES)
 _ROOT_2 = math.sqrt(2.0)
@@ -60,7 +57,6 @@ class GridSearch:
         InputError: If an argument is invalid.
     """
 
-    @refuse_removed(landmarks="leave it out: paths have the same lengths without")
     def __init__(self, blocked: npt.ArrayLike, connectivity: int = 8, *, method: str = "auto") -> None:
         values = as_bytes(blocked, "blocked")
         if values.ndim != 2 or values.size == 0:
@@ -144,7 +140,6 @@ class GridSearch:
             raise self._ends.refusal(code, start, goal)
         return GridPath(*_outcome(code, straight + _ROOT_2 * diagonal, moved), corners, *moved)
 
-    @refuse_removed(method=_ONLY_EXACT)
     def any_angle_path(
         self,
         start: CellLike,
@@ -161,9 +156,9 @@ class GridSearch:
         Args:
             start: (row, col).
             goal: (row, col).
-            start_tolerance: As of `shortest_path`.
-            goal_tolerance: As of `shortest_path`.
-            partial: As of `shortest_path`.
+            start_tolerance: As in `shortest_path`.
+            goal_tolerance: As in `shortest_path`.
+            partial: As in `shortest_path`.
             deadline_s: Give up after this time [s]; `status` is "timeout" then.
             cancel: Give up once this is cancelled; `status` is "cancelled" then.
 
@@ -196,11 +191,11 @@ class GridSearch:
 
         Args:
             starts: (row, col) of each, integers, shape (N, 2).
-            goals: The same.
-            start_tolerance: As of `shortest_path`.
-            goal_tolerance: As of `shortest_path`.
-            partial: As of `shortest_path`.
-            threads: How many to use; none means TRUNDLE_THREADS, or as many as there are processors, up to 8.
+            goals: (row, col) of each, likewise.
+            start_tolerance: As in `shortest_path`.
+            goal_tolerance: As in `shortest_path`.
+            partial: As in `shortest_path`.
+            threads: How many to use. If None, TRUNDLE_THREADS, or as many as there are processors, up to 8.
             deadline_s: Give up after this time for all [s]; those not found have the status "timeout".
             cancel: Give up once this is cancelled; those not found have the status "cancelled".
 
@@ -217,7 +212,6 @@ class GridSearch:
         codes, steps, ends, corners = found
         return _paths_of(GridPaths, codes, steps[:, 0] + _ROOT_2 * steps[:, 1], corners, ends, moved)
 
-    @refuse_removed(method=_ONLY_EXACT)
     def any_angle_paths(
         self,
         starts: npt.ArrayLike,
@@ -244,7 +238,7 @@ class GridSearch:
         return _paths_of(PointPaths, codes, length, corners, ends, moved)
 
     def nearest_reachable(self, start: CellLike, goal: CellLike) -> tuple[int, int]:
-        """The (row, col) nearest to `goal`, blocked or free, of the cells that can be reached from `start`.
+        """Return the (row, col) nearest to `goal`, blocked or free, of the cells that can be reached from `start`.
 
         It is where `shortest_path(start, goal, partial=True)` ends. It is found from the labels, without a search.
 
@@ -286,21 +280,42 @@ class GridSearch:
         self._grid.update(row, col, values)
 
 
-def check_method(method: str) -> str:
-    """A `method` of `GridSearch`.
+def any_angle_path(blocked: npt.ArrayLike | GridSearch, start: CellLike, goal: CellLike) -> PointPath:
+    """Find the shortest path of a point between the centres of two cells, in any direction.
+
+    The point may touch blocked cells, and never passes between two that meet at a corner alone. What is reachable is
+    what paths from cell to cell that cut no corner reach, and the length is never above theirs. It is the Euclidean
+    optimum, found by Anya (D. Harabor, A. Grastien, D. Öz, V. Aksakalli, "Optimal Any-Angle Pathfinding In Practice",
+    2016): no decision at a corner is rounded, and lengths are right to some 1e-15 of themselves for each turn.
+
+    Args:
+        blocked: Blocked cells: bool, or uint8 with 0 for free; shape (rows, cols). Packing and labelling them is
+            most of the work for one query: for more than one give a `GridSearch`, or call its `any_angle_path`.
+        start: (row, col).
+        goal: (row, col).
 
     Raises:
-        InputError: If there is none of that name.
+        OutsideMapError: If an end lies outside the map; `error.cell` is that end, as for:
+        BlockedPoseError: If an end is blocked.
+        InputError: If an argument is invalid.
     """
-    if method == "jps_plus":
-        raise InputError("method 'jps_plus' was removed; use 'jps'")
+    search = blocked if isinstance(blocked, GridSearch) else GridSearch(blocked, method="jps")
+    return search.any_angle_path(start, goal)
+
+
+def check_method(method: str) -> str:
+    """Return a `method` of `GridSearch`, checked.
+
+    Raises:
+        InputError: If there is no method of that name.
+    """
     if method not in METHODS:
         raise InputError(f"method is one of {', '.join(METHODS)}; got {method!r}")
     return method
 
 
 def _outcome(code: int, length: float, moved: Moved[float]) -> tuple[Status, float]:
-    """Status and length of one path."""
+    """Return status and length of one path."""
     if code == 0:
         return ("partial" if moved[2] > 0.0 else "found"), length
     return STATUSES[code], math.inf if code == 1 else math.nan

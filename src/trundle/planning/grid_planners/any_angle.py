@@ -55,5 +55,5 @@ class AnyAnglePlanner(BinaryPlanner):
         return vertices, path_length(vertices)
 
     def _is_free(self, costs: npt.NDArray[np.uint8], a: FloatArray, b: FloatArray) -> bool:
-        """Whether the line between two points in grid units is clear of blocked cells, but for its ends."""
+        """Return whether the line between two points in grid units is clear of blocked cells, but for its ends."""
         return bool(np.isfinite(_core.line_costs(costs, self._line_weights, a.reshape(1, 2), b.reshape(1, 2))[0]))

@@ -61,7 +61,7 @@ class AStarPlanner(BinaryPlanner):
 
 
 def _turning_points(cells: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:
-    """Which cells of a grid path may become vertices."""
+    """Return which cells of a grid path may become vertices."""
     keep = np.zeros(len(cells), dtype=np.bool_)
     keep[::_SHORTCUT_STEP_CELLS] = True
     keep[-1] = True

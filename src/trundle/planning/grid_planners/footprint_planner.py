@@ -31,20 +31,18 @@ from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import InputError, PlanningError
 from trundle.geometry import FloatArray, Pose2D, path_length
 from trundle.path import Path
-from trundle.planning.cancellation import Patience
-from trundle.planning.effort import nominal_expansions
+from trundle.planning.cancellation import Patience, nominal_expansions
 from trundle.planning.grid.grid_search import GridSearch
-from trundle.planning.grid_planners.detours import Detours
-from trundle.planning.grid_planners.tight_places import TightPlaces
+from trundle.planning.grid_planners.detours import Detours, TightPlaces
 from trundle.planning.motions import Motion, fit_motions, motions_before, poses_of
 from trundle.planning.queries.ends import End, place_to_turn, place_with_room
-from trundle.planning.queries.pose_planner import PosePlanner
 from trundle.planning.queries.query import Query, no_path, none_found
+from trundle.planning.queries.query_planner import PosePlanner
 from trundle.values import check_count, check_number
 
 
 def cell_weights(neutral_cost: float, cost_weight: float) -> FloatArray:
-    """Weights per length of the costs 0 to 255: `neutral_cost + cost_weight · cost`, and 0 (blocked) from 253 on.
+    """Return the weights per length of the costs 0 to 255: `neutral_cost + cost_weight · cost`, and 0 from 253 on.
 
     Raises:
         InputError: If they do not lie between 1 and 10,000.
@@ -128,7 +126,7 @@ class FootprintPlanner(PosePlanner):
         allow_partial: Where the goal cannot be reached, or the robot does not fit there, plan to near it: to the place
             nearest to it that the inscribed circle can reach, or as far towards that as the footprint fits. Such a path
             ends with the yaw of arrival. `Path.status` is "partial" then.
-        deadline_s: Give up after this time [s]; none means as long as it takes.
+        deadline_s: Give up after this time [s]. If None, plan as long as it takes.
 
     Raises:
         InputError: If an option is out of range.
@@ -180,17 +178,17 @@ class FootprintPlanner(PosePlanner):
             raise error
         return self._plan_near(query.costmap, query.start, goal, patience, replans)
 
-    # The attempts. Each gives the query to search, or none where that would be one that was searched before.
+    # The attempts. Each returns the query to search, or None where that would be one that was searched before.
 
     def _as_asked(self, plan: _Plan) -> Query | None:
         return plan.query
 
     def _straight_ends(self, plan: _Plan) -> Query | None:
-        """Straight out of a start and into a goal where the robot cannot turn."""
+        """Return a query that leads straight out of a start and into a goal where the robot cannot turn."""
         return plan.query.with_straight_ends()
 
     def _roomier_goal(self, plan: _Plan) -> Query | None:
-        """With the goal moved, within its tolerance, from where the footprint cannot arrive to where there is room."""
+        """Return a query whose goal is moved, within its tolerance, from where the footprint cannot arrive."""
         query, costmap = plan.query, plan.query.costmap
         if self._goal_tolerance == 0.0:
             return None
@@ -202,7 +200,7 @@ class FootprintPlanner(PosePlanner):
         return plan.roomier
 
     def _roomier_goal_and_straight_ends(self, plan: _Plan) -> Query | None:
-        """With the goal of attempt 3 and the straight ends of attempt 2."""
+        """Return a query with the goal of attempt 3 and the straight ends of attempt 2."""
         return None if plan.roomier is None else plan.roomier.with_straight_ends()
 
     def _search_and_fit(self, query: Query, replans: int, patience: Patience) -> Path | _Failure:
@@ -231,7 +229,7 @@ class FootprintPlanner(PosePlanner):
             replans += 1
 
     def _fit(self, query: Query, detours: Detours, vertices: FloatArray, cost: float, patience: Patience) -> _Fit:
-        """The motions along a path for a point, rerouted where the footprint collides and there is more room nearby."""
+        """Return the motions along a path for a point, rerouted where the footprint collides and has room nearby."""
         places = self._tight_places if detours.wide and self._max_replans > 0 else None
         reroutes = 0
         while True:
@@ -252,14 +250,14 @@ class FootprintPlanner(PosePlanner):
         return near
 
     def is_near_enough(self, path: Path, costmap: Costmap, start: End, goal: Pose2D) -> bool:
-        """Whether a partial path ends about as near to a goal as the inscribed circle can."""
+        """Return whether a partial path ends about as near to a goal as the inscribed circle can."""
         least = self._place_near(costmap, costmap.data, start, goal).pose.distance_to(goal)
         return path.remaining_m <= least + _overhang(costmap)
 
     def _approach(
         self, costmap: Costmap, start: End, leave: End, goal: Pose2D, replans: int, patience: Patience
     ) -> Path:
-        """The path that ends nearest to a goal; `replans` is how many there were in earlier attempts.
+        """Return the path that ends nearest to a goal; `replans` is how many there were in earlier attempts.
 
         Each path is cut off where the footprint collides. The next one avoids that place, and is only searched if it
         may end nearer by more than the footprint reaches past its inscribed circle.
@@ -287,7 +285,7 @@ class FootprintPlanner(PosePlanner):
             replans += 1
 
     def _place_near(self, costmap: Costmap, costs: npt.NDArray[np.uint8], leave: End, goal: Pose2D) -> End:
-        """The place nearest to a goal that the inscribed circle can reach."""
+        """Return the place nearest to a goal that the inscribed circle can reach."""
         row, col = (int(index) for index in costmap.world_to_cell(goal.x, goal.y))
         cell = self._nearest_reachable(costmap, costs, leave.cell, (row, col))
         x, y = (goal.x, goal.y) if cell == (row, col) else costmap.cell_to_world(*cell)
@@ -302,7 +300,7 @@ class FootprintPlanner(PosePlanner):
     def _find_counted(
         self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End, patience: Patience
     ) -> tuple[FloatArray, float] | None:
-        """`_find_path`, counted."""
+        """Find a path as `_find_path` does, and count the expansions."""
         found = self._find_path(costmap, costs, start, goal, patience)
         points = None if found is None else to_grid(costmap, found[0])
         patience.count(nominal_expansions(costmap.shape, points))
@@ -312,7 +310,7 @@ class FootprintPlanner(PosePlanner):
     def _find_path(
         self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End, patience: Patience
     ) -> tuple[FloatArray, float] | None:
-        """Vertices (x, y) [m] of the best path for a point, and its cost; none where there is no path.
+        """Return the vertices (x, y) [m] of the best path for a point, and its cost; None if there is no path.
 
         `costs` are the costmap's own at first, and after a collision a copy of them with more cells blocked.
         """
@@ -356,15 +354,15 @@ class FootprintPlanner(PosePlanner):
 
 
 def _overhang(costmap: Costmap) -> float:
-    """How far [m] the footprint reaches past its inscribed circle, and a cell."""
+    """Return how far the footprint reaches past its inscribed circle, and a cell [m]."""
     return costmap.circumscribed_radius - costmap.inscribed_radius + costmap.resolution
 
 
 def to_grid(costmap: Costmap, points: FloatArray) -> FloatArray:
-    """Points [m] of the map frame in grid units."""
+    """Return points [m] of the map frame in grid units."""
     return costmap.origin.inverse().transform_points(points) / costmap.resolution
 
 
 def to_map(costmap: Costmap, points: FloatArray) -> FloatArray:
-    """Points in grid units in the map frame [m]."""
+    """Return points in grid units in the map frame [m]."""
     return costmap.origin.transform_points(points * costmap.resolution)

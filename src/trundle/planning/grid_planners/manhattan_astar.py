@@ -14,8 +14,7 @@ from trundle.path import Path
 from trundle.planning.cancellation import Patience
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.planning.motions import motions_along, poses_of
-from trundle.planning.queries.blocked_end import REACH_CELLS
-from trundle.planning.queries.places import cells_near
+from trundle.planning.queries.ends import REACH_CELLS, cells_near
 from trundle.planning.queries.query_planner import QueryPlanner
 from trundle.values import check_flag
 
@@ -30,7 +29,7 @@ class ManhattanAstarPlanner(QueryPlanner):
 
     Args:
         allow_partial: Where the goal cannot be reached, or is blocked, plan to the reachable cell nearest to it.
-        deadline_s: Give up after this time [s]; none means as long as it takes.
+        deadline_s: Give up after this time [s]. If None, plan as long as it takes.
 
     Raises:
         InputError: If an option is out of range.
@@ -62,7 +61,9 @@ class ManhattanAstarPlanner(QueryPlanner):
             end = start if target == first else Pose2D(float(x), float(y), end.yaw)
         centres = np.column_stack(costmap.cell_to_world(cells[:, 0], cells[:, 1]))
         vertices: FloatArray = np.concatenate([[[start.x, start.y]], centres[1:-1], [[end.x, end.y]]])
-        motions = motions_along(vertices, start.yaw, end.yaw)
+        motions = motions_along(vertices, start.yaw, None if goal.yaw_free else end.yaw)
+        if goal.yaw_free:  # it ends as it arrives
+            end = Pose2D(end.x, end.y, motions[-1].yaw if motions else start.yaw)
         poses = poses_of(motions, np.array(start.as_tuple()), np.array(end.as_tuple()), 2.0 * costmap.resolution)
         return Path(
             poses,

@@ -37,7 +37,7 @@ class Query:
     yaw_free: bool
 
     def motions(self, vertices: FloatArray) -> list[Motion]:
-        """Motions from the start along the vertices from `leave` to `enter`, and on to the goal."""
+        """Return motions from the start along the vertices from `leave` to `enter`, and on to the goal."""
         start, goal = self.start.pose, self.goal.pose
         corners = np.concatenate([[[start.x, start.y]], vertices, [[goal.x, goal.y]]])
         return motions_along(corners, start.yaw, None if self.yaw_free else goal.yaw)
@@ -49,7 +49,7 @@ class Query:
         return f"from ({start.x:.2f}, {start.y:.2f}) to ({goal.x:.2f}, {goal.y:.2f})"
 
     def with_straight_ends(self) -> Query | None:
-        """The same, straight out of a start and into a goal where the robot cannot turn; none where it can."""
+        """Return the query straight out of a start and into a goal where the robot cannot turn; None where it can."""
         leave = place_to_turn(self.costmap, self.start, 1.0)
         enter = self.goal if self.yaw_free else place_to_turn(self.costmap, self.goal, -1.0)
         straight = replace(self, leave=leave, enter=enter)
@@ -57,15 +57,15 @@ class Query:
 
 
 def cell_at(costmap: Costmap, x: float, y: float) -> tuple[int, int]:
-    """The (row, col) that holds a point [m] of the map frame."""
+    """Return the (row, col) that holds a point [m] of the map frame."""
     row, col = costmap.world_to_cell(x, y)
     return int(row), int(col)
 
 
 def none_found(query: Query, hit: FloatArray, replans: int) -> PlanningStoppedError:
-    """The error for a footprint that collides on every path tried, on the last one at a pose (x, y, yaw).
+    """Make the error for a footprint that collides on every path tried, on the last one at a pose (x, y, yaw).
 
-    There may be another path: only some were tried, and none that is driven backwards.
+    There may be another path: only some were tried, all of them driven forwards.
     """
     x, y, yaw = hit.tolist()
     return PlanningStoppedError(
@@ -79,7 +79,7 @@ def none_found(query: Query, hit: FloatArray, replans: int) -> PlanningStoppedEr
 
 
 def no_path(query: Query, patience: Patience) -> NoPathError:
-    """The error for ends that no path of the inscribed circle connects.
+    """Make the error for ends that no path of the inscribed circle connects.
 
     Raises:
         PlanningStoppedError: If patience ends before the reason is known.

@@ -12,7 +12,7 @@ from pxr import PhysicsSchemaTools, Sdf, Usd, UsdPhysics
 from trundle.sim.cells import CellNames
 from trundle.sim.simulator import Contact
 from trundle.worlds import World
-from trundle.worlds.usd.words import NAME
+from trundle.worlds.usd.options import NAME
 
 FLOOR_BAND = 0.02
 """Contacts up to this far above the lowest one [m] are with the floor, which cannot be identified by name."""

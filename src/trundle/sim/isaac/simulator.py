@@ -22,7 +22,7 @@ from trundle.sim.isaac.stage import check_joints, check_units
 from trundle.sim.lidar import LidarChoice
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.simulator import Contact, RobotState
-from trundle.usd.isaac_physics import GROUND_OFFSET, TIMESTEP
+from trundle.usd import GROUND_OFFSET, TIMESTEP
 from trundle.usd.write import write_world
 from trundle.values import check_seed
 from trundle.worlds import World

@@ -14,26 +14,34 @@ from trundle.files.xml_elements import XmlElement, read_xml
 from trundle.geometry import Pose3D
 from trundle.geometry.solids import Color, Solid
 from trundle.values import first_names
-from trundle.worlds.gazebo.actors import read_actor
-from trundle.worlds.gazebo.frames import WORLD_FRAME, Scope
-from trundle.worlds.gazebo.models import find_model_file, is_plain_floor, is_sun, read_plain_floor
-from trundle.worlds.gazebo.shapes import Files, MissingFileError, read_color, read_geometry
-from trundle.worlds.gazebo.values import (
+from trundle.worlds.gazebo.elements import (
+    WORLD_FRAME,
     Place,
     PoseIn,
+    Scope,
     child,
     children,
     read_attribute_flag,
     read_flag,
     read_name,
+    read_numbers,
     read_pose,
     read_text,
     read_version,
     refuse_macros,
 )
+from trundle.worlds.gazebo.files import (
+    Files,
+    MissingFileError,
+    find_model_file,
+    is_plain_floor,
+    is_sun,
+    read_plain_floor,
+)
+from trundle.worlds.gazebo.shapes import read_color, read_geometry
 from trundle.worlds.ground import ENDLESS, LevelPlanes
 from trundle.worlds.leave_out import Filter, warn_of_unmet
-from trundle.worlds.movers import Mover
+from trundle.worlds.movers import Mover, Waypoints, person_body
 from trundle.worlds.options import check_choice
 from trundle.worlds.shapes import Names, Part, make_solids
 from trundle.worlds.world import World
@@ -64,8 +72,7 @@ def load_sdf(
     materials. A level plane that faces up is the ground at its height (`worlds.ground.find_ground` chooses among
     several), any other a rectangle of its size. <state>, lights and plugins are ignored. Actors with a trajectory
     become movers, people in shape; others are left out with a warning. Nested models, includes by path, merged includes
-    and poses in named frames are resolved; Gazebo's
-    `Ground Plane` and `Sun` need no files.
+    and poses in named frames are resolved; Gazebo's `Ground Plane` and `Sun` need no files.
 
     Args:
         path: The file.
@@ -74,7 +81,7 @@ def load_sdf(
         missing: What to do about a missing mesh or included model: "error", or "skip" with a warning.
         paths: Folders to search for model:// and package:// names and other paths, after the file's own folder
             and before those in Gazebo's and ROS's environment variables; see `trundle.files.uris.find_uri`.
-        world: Name of the <world>, if a file has several; None means the first.
+        world: Name of the <world>, if a file has several. If None, the first is read.
         exclude: What to leave out, see `World.load`. Errors in a shape that is left out by its name
             are ignored, and a missing model can be left out by the name that it would have.
 
@@ -169,7 +176,7 @@ class _Reader:
         return tuple(movers)
 
     def remarks(self) -> list[str]:
-        """Messages about what was left out."""
+        """Return messages about what was left out."""
         texts: list[str] = []
         if self.moving:
             texts.append(
@@ -223,7 +230,9 @@ class _Reader:
             _add_frame(place, frame, scope)
         for joint in children(element, "joint"):
             pose = read_pose(place, joint)
-            scope.add(read_name(place, joint), pose if pose.frame else replace(pose, frame=_child_of(joint)), joint)
+            # Where a joint's pose names no frame, it is in that of the joint's child.
+            link = (joint.findtext("child") or "").strip()
+            scope.add(read_name(place, joint), pose if pose.frame else replace(pose, frame=link), joint)
         return model
 
     def _include(
@@ -312,7 +321,7 @@ class _Reader:
             self.skipped.append(f"{found} of {name!r}")
             return []
         given = read_pose(scope.place, shape)
-        placed = pose @ scope.locate(given) if given.frame else at @ given.pose
+        placed = pose @ scope.find(given.frame, given.element) @ given.pose if given.frame else at @ given.pose
         color = _color(link, shape)
         if child(element, "plane") is not None and self._keep_plane(name, found, placed, color):
             return []
@@ -328,7 +337,7 @@ class _Reader:
 
 
 def _color(link: XmlElement, shape: XmlElement) -> Color | None:
-    """The colour of a visual, or of a collision's visual: the one of the same name, else the link's first."""
+    """Return the colour of a visual, or of a collision's visual: the one of the same name, else the link's first."""
     if shape.tag == "visual":
         return read_color(shape)
     visuals = children(link, "visual")
@@ -342,6 +351,36 @@ def _add_frame(place: Place, element: XmlElement, scope: Scope) -> None:
     scope.add(read_name(place, element), pose if pose.frame else replace(pose, frame=attached), element)
 
 
-def _child_of(joint: XmlElement) -> str:
-    element = child(joint, "child")
-    return "" if element is None else (element.text or "").strip()
+def read_actor(place: Place, element: XmlElement) -> Mover | None:
+    """Read an <actor> as a person who passes the waypoints of its trajectories, or None if it has none.
+
+    As in Gazebo they are points of a Catmull-Rom spline with their times, and poses in the world; the actor's own pose
+    is where it is without a script. Heights, roll and pitch are ignored, as are skins and animations.
+
+    Raises:
+        WorldError: If a waypoint lacks its time, or the times do not increase.
+    """
+    name = read_name(place, element)
+    script = child(element, "script")
+    waypoints = [
+        waypoint
+        for trajectory in (children(script, "trajectory") if script is not None else [])
+        for waypoint in children(trajectory, "waypoint")
+    ]
+    if script is None or not waypoints:
+        return None
+    delay_element = child(script, "delay_start")
+    delay = read_numbers(place, delay_element, 1)[0] if delay_element is not None else 0.0
+    points: list[tuple[float, ...]] = []
+    for waypoint in waypoints:
+        time = child(waypoint, "time")
+        if time is None:
+            place.fail(waypoint, "a <waypoint> needs a <time>")
+        pose = read_pose(place, waypoint).pose
+        seconds = read_numbers(place, time, 1)[0]
+        points.append((delay + seconds, pose.position[0], pose.position[1], pose.yaw()))
+    repeat = "loop" if read_flag(place, script, "loop", default=True) else "once"
+    try:
+        return Mover(name, person_body(), Waypoints(tuple(points), "catmull_rom", repeat), "person")
+    except WorldError as error:
+        place.fail(script, f"the actor {name!r}: {error}")

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass, field
-from pathlib import Path
 
 from trundle.errors import WorldError
-from trundle.files.mesh import MeshPart, read_mesh
+from trundle.files.mesh import MeshPart
 from trundle.files.opening import is_file
-from trundle.files.uris import describe_search, find_uri
 from trundle.files.xml_elements import XmlElement
 from trundle.geometry import Pose3D
-from trundle.geometry.solids import Box, Color, Cylinder, Shape, Sphere
-from trundle.worlds.gazebo.values import Place, child, children, read_flag, read_numbers, read_sizes, read_text
+from trundle.geometry.solids import Box, Color, Cylinder, Sphere
+from trundle.worlds.gazebo.elements import Place, child, children, read_flag, read_numbers, read_sizes, read_text
+from trundle.worlds.gazebo.files import Files, MissingFileError
 from trundle.worlds.shapes import Part, capsule_parts, ellipsoid_mesh
 from trundle.worlds.tessellate import cone_mesh, rectangle_mesh
 
+_READ = ("box", "cylinder", "sphere", "capsule", "ellipsoid", "cone", "plane", "mesh")
 _NOT_READ = ("heightmap", "image", "polyline")
 
 # Gazebo's media/materials/scripts/gazebo.material: plain colours of the material scripts that worlds refer to.
@@ -38,42 +36,8 @@ _SCRIPT_COLORS: dict[str, tuple[float, float, float]] = {
 }
 
 
-class MissingFileError(WorldError):
-    """A mesh or a model that a world refers to is missing."""
-
-
-@dataclass(slots=True)
-class Files:
-    """Resolves URIs, and caches the meshes that were read.
-
-    Attributes:
-        folders: Folders to search for models and packages.
-    """
-
-    folders: tuple[Path, ...]
-    _meshes: dict[Path, list[MeshPart]] = field(default_factory=dict[Path, list[MeshPart]])
-
-    def find(self, uri: str, base: Path) -> Path | None:
-        """The file or folder that a URI refers to, relative to the folder `base`; see `find_uri`."""
-        return find_uri(uri, base, self.folders)
-
-    def mesh(self, path: Path) -> list[MeshPart]:
-        """The meshes of a file."""
-        key = path.resolve()
-        if key not in self._meshes:
-            self._meshes[key] = read_mesh(path)
-        return self._meshes[key]
-
-    def advise(self) -> str:
-        """The searched folders and what to do about a missing file, for messages."""
-        return (
-            f"searched: {describe_search(self.folders)}. Give its folder with --paths FOLDER (paths=…), or skip "
-            "missing files with --set missing=skip"
-        )
-
-
 def read_geometry(place: Place, element: XmlElement, files: Files) -> list[Part] | str:
-    """Shapes of a <geometry>; or a text that names the geometry that is left out.
+    """Return shapes of a <geometry>; or a text that names the geometry that is left out.
 
     A plane is a rectangle, even if it is the floor.
 
@@ -81,20 +45,53 @@ def read_geometry(place: Place, element: XmlElement, files: Files) -> list[Part]
         WorldError: If it cannot be used.
         MissingFileError: If its mesh is missing.
     """
-    kinds = children(element, *_READERS, "empty", *_NOT_READ)
+    kinds = children(element, *_READ, "empty", *_NOT_READ)
     if len(kinds) != 1:
         there = ", ".join(f"<{item.tag}>" for item in element) or "nothing"
-        place.fail(element, f"<geometry> needs one shape of {', '.join((*_READERS, 'empty'))}; it has {there}")
+        place.fail(element, f"<geometry> needs one shape of {', '.join((*_READ, 'empty'))}; it has {there}")
     shape = kinds[0]
-    if shape.tag == "empty":
-        return []
-    if shape.tag in _NOT_READ:
-        return f"<{shape.tag}>"
-    return _READERS[shape.tag](place, shape, files)
+    match shape.tag:
+        case "box":
+            x, y, z = read_sizes(place, shape, "size", 3)
+            return [Part(Box((x, y, z)))]
+        case "cylinder":
+            return [Part(Cylinder(*_radius_and_length(place, shape)))]
+        case "sphere":
+            return [Part(Sphere(*read_sizes(place, shape, "radius", 1)))]
+        case "capsule":
+            return capsule_parts(*_radius_and_length(place, shape))
+        case "ellipsoid":
+            x, y, z = read_sizes(place, shape, "radii", 3)
+            return [Part(ellipsoid_mesh((x, y, z)))]
+        case "cone":
+            return [Part(cone_mesh(*_radius_and_length(place, shape)))]
+        case "plane":
+            return [_read_plane(place, shape)]
+        case "mesh":
+            return _read_mesh(place, shape, files)
+        case "empty":
+            return []
+        case _:
+            return f"<{shape.tag}>"
+
+
+def _radius_and_length(place: Place, element: XmlElement) -> tuple[float, float]:
+    (radius,), (length,) = (read_sizes(place, element, tag, 1) for tag in ("radius", "length"))
+    return radius, length
+
+
+def _read_plane(place: Place, element: XmlElement) -> Part:
+    normal, size = child(element, "normal"), child(element, "size")
+    x, y, z = (0.0, 0.0, 1.0) if normal is None else read_numbers(place, normal, 3)
+    width, length = (1.0, 1.0) if size is None else read_numbers(place, size, 2, positive=True)
+    if x == y == z == 0.0:
+        place.fail(normal, "<normal> must not be 0 0 0")
+    turn = Pose3D.from_rpy((0.0, 0.0, 0.0), (0.0, math.atan2(math.hypot(x, y), z), 0.0))
+    return Part(rectangle_mesh(width, length), pose=Pose3D.planar(0.0, 0.0, 0.0, math.atan2(y, x)) @ turn)
 
 
 def read_color(visual: XmlElement) -> Color | None:
-    """The colour of a visual's material: diffuse, else ambient, else that of a Gazebo script, else None."""
+    """Return the colour of a visual's material: diffuse, else ambient, else that of a Gazebo script, else None."""
     material = child(visual, "material")
     if material is None:
         return None
@@ -111,52 +108,7 @@ def read_color(visual: XmlElement) -> Color | None:
     return None if script is None else (*script, 1.0)
 
 
-def _one(shape: Shape) -> list[Part]:
-    return [Part(shape)]
-
-
-def _box(place: Place, element: XmlElement, _files: Files) -> list[Part]:
-    x, y, z = read_sizes(place, element, "size", 3)
-    return _one(Box((x, y, z)))
-
-
-def _cylinder(place: Place, element: XmlElement, _files: Files) -> list[Part]:
-    return _one(Cylinder(*_radius_and_length(place, element)))
-
-
-def _cone(place: Place, element: XmlElement, _files: Files) -> list[Part]:
-    return _one(cone_mesh(*_radius_and_length(place, element)))
-
-
-def _capsule(place: Place, element: XmlElement, _files: Files) -> list[Part]:
-    return capsule_parts(*_radius_and_length(place, element))
-
-
-def _radius_and_length(place: Place, element: XmlElement) -> tuple[float, float]:
-    (radius,), (length,) = (read_sizes(place, element, tag, 1) for tag in ("radius", "length"))
-    return radius, length
-
-
-def _sphere(place: Place, element: XmlElement, _files: Files) -> list[Part]:
-    return _one(Sphere(*read_sizes(place, element, "radius", 1)))
-
-
-def _ellipsoid(place: Place, element: XmlElement, _files: Files) -> list[Part]:
-    x, y, z = read_sizes(place, element, "radii", 3)
-    return _one(ellipsoid_mesh((x, y, z)))
-
-
-def _plane(place: Place, element: XmlElement, _files: Files) -> list[Part]:
-    normal, size = child(element, "normal"), child(element, "size")
-    x, y, z = (0.0, 0.0, 1.0) if normal is None else read_numbers(place, normal, 3)
-    width, length = (1.0, 1.0) if size is None else read_numbers(place, size, 2, positive=True)
-    if x == y == z == 0.0:
-        place.fail(normal, "<normal> must not be 0 0 0")
-    turn = Pose3D.from_rpy((0.0, 0.0, 0.0), (0.0, math.atan2(math.hypot(x, y), z), 0.0))
-    return [Part(rectangle_mesh(width, length), pose=Pose3D.planar(0.0, 0.0, 0.0, math.atan2(y, x)) @ turn)]
-
-
-def _mesh(place: Place, element: XmlElement, files: Files) -> list[Part]:
+def _read_mesh(place: Place, element: XmlElement, files: Files) -> list[Part]:
     uri = read_text(place, element, "uri")
     path = files.find(uri, place.file.parent)
     if path is None or not is_file(path):
@@ -184,23 +136,7 @@ def _pick_submesh(place: Place, element: XmlElement, parts: list[MeshPart]) -> l
     name = read_text(place, submesh, "name")
     picked = [part for part in parts if name in (part.name, part.geometry)]
     if not picked:
-        raise WorldError(f"there is no submesh {name!r}; there are: {_listed(part.name for part in parts)}")
+        raise WorldError(f"there is no submesh {name!r}; there are: {', '.join(sorted({part.name for part in parts}))}")
     if not read_flag(place, submesh, "center", default=False):
         return picked
     return [part.centred() for part in picked]
-
-
-def _listed(names: Iterable[str]) -> str:
-    return ", ".join(sorted(set(names)))
-
-
-_READERS = {
-    "box": _box,
-    "cylinder": _cylinder,
-    "sphere": _sphere,
-    "capsule": _capsule,
-    "ellipsoid": _ellipsoid,
-    "cone": _cone,
-    "plane": _plane,
-    "mesh": _mesh,
-}

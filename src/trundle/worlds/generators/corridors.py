@@ -8,8 +8,8 @@ import numpy as np
 
 from trundle.errors import WorldError
 from trundle.geometry.solids import Color, Solid
-from trundle.worlds.generators.checks import check_number, check_numbers, check_seed
 from trundle.worlds.generators.props import Part, box, place
+from trundle.worlds.options import check_number, check_numbers, check_seed
 from trundle.worlds.world import World
 
 DOOR_WIDTHS = (2.0, 1.6, 1.4, 1.2, 1.1, 1.0, 0.9, 0.8)
@@ -43,9 +43,9 @@ def generate_corridors(
         door_widths: Clear widths [m] in order along x, 1 to 40 of them.
         door_depth: Length of the passage through a door [m], 0.05 to 10.
         spacing: Length of a hall between two doors [m], 1 to 30.
-        hall_width: [m], 1 to 30.
+        hall_width: Width of the halls [m], 1 to 30.
         stagger: How far doors are off the middle: 0 not at all, 1 as far as the hall allows.
-        wall_height: [m], 0.3 to 10.
+        wall_height: Height of the walls [m], 0.3 to 10.
 
     Raises:
         WorldError: If a value is out of range, or a door is too wide for the hall.
@@ -90,7 +90,7 @@ def _outer_walls(doors: int, depth: float, spacing: float, hall: float, height: 
 def _door(
     number: int, x: float, y: float, width: float, depth: float, hall: float, height: float, color: Color
 ) -> list[Solid]:
-    """The wall beside a door, and its two posts: they bound the opening."""
+    """Return the wall beside a door, and its two posts: they bound the opening."""
     parts: list[Part] = []
     for side, sign in (("left", 1.0), ("right", -1.0)):
         edge = y + sign * width / 2.0

@@ -1,9 +1,9 @@
 """The `cylinders` generator: a walled lane full of thin posts, similar to the BARN worlds.
 
-Posts are on a square grid. Its cells are filled at random and then smoothed by a cellular
-automaton, which makes clusters with gaps between them: the method of Perille, Truong, Xiao and Stone, "Benchmarking
-Metric Ground Navigation" (2020), with the posts of the BARN challenge (radius 0.075 m on a pitch of
-0.15 m). These worlds resemble BARN's but are not among its 300.
+Posts are on a square grid. Its cells are filled at random and then smoothed by a cellular automaton, which makes
+clusters with gaps between them: the method of Perille, Truong, Xiao and Stone, "Benchmarking Metric Ground Navigation"
+(2020), with the posts of the BARN challenge (radius 0.075 m on a pitch of 0.15 m). These worlds resemble BARN's but are
+not among its 300.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ import numpy.typing as npt
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose3D
 from trundle.geometry.solids import Color, Cylinder, Solid
-from trundle.worlds.generators.checks import check_number, check_seed, check_whole
 from trundle.worlds.generators.props import Part, box, place
+from trundle.worlds.options import check_number, check_seed, check_whole
 from trundle.worlds.world import World
 
 RADIUS = 0.075  # of a post, as in the BARN worlds [m]
@@ -54,11 +54,11 @@ def generate_cylinders(
         seed: The same seed and options make the same world.
         density: Share of cells that are filled before smoothing, 0 to 0.4.
         smoothing: Steps of the automaton, 0 (posts scattered evenly) to 10.
-        length: Of the field [m], 2 to 100.
+        length: Length of the field [m], 2 to 100.
         width: Between the side walls [m], 1 to 50.
         passable_radius: A disc of this radius [m] can pass from the west end to the east end: if it could not, posts
             are removed, as few as the search finds. 0 gives no guarantee: the lane may be blocked.
-        height: Of the posts [m], 0.2 to 5.
+        height: Height of the posts [m], 0.2 to 5.
 
     Raises:
         WorldError: If a value is out of range, or the lane is too narrow for the passable radius.
@@ -98,7 +98,7 @@ def _smooth(filled: BoolArray, steps: int) -> BoolArray:
 
 
 def _centres(row: npt.NDArray[np.int64], col: npt.NDArray[np.int64], rows: int) -> FloatArray:
-    """Centres of cells [m], shape (N, 2)."""
+    """Return centres of cells [m], shape (N, 2)."""
     return np.column_stack([(col + 0.5) * PITCH, (row + 0.5 - rows / 2.0) * PITCH]).astype(np.float64)
 
 
@@ -122,7 +122,7 @@ def _open_passage(filled: BoolArray, radius: float, width: float) -> BoolArray:
 
 
 def _disc(reach: float) -> list[tuple[int, int]]:
-    """Offsets (rows, columns) of the cells whose centres are nearer than `reach` [m]."""
+    """Return offsets (rows, columns) of the cells whose centres are nearer than `reach` [m]."""
     most = int(reach / PITCH)
     steps = range(-most, most + 1)
     return [(i, j) for i in steps for j in steps if math.hypot(i, j) * PITCH < reach]
@@ -139,7 +139,10 @@ def _count_near(cells: BoolArray, disc: list[tuple[int, int]]) -> npt.NDArray[np
 
 
 def _cheapest_path(costs: FloatArray) -> list[tuple[int, int]]:
-    """Cells (row, column) from the first column to the last, 8-connected; a step costs its length times its cell."""
+    """Find the cheapest path from the first column to the last, as cells (row, column).
+
+    It is 8-connected; a step costs its length times the cost of its cell.
+    """
     rows, columns = costs.shape
     best = np.full(costs.shape, np.inf)
     best[:, 0] = costs[:, 0]
@@ -184,7 +187,7 @@ def _walls(length: float, width: float, height: float) -> list[Solid]:
 
 
 def _color(along: float) -> Color:
-    """From ochre in the west to blue in the east, so that pictures show how far the robot got."""
+    """Return a colour from ochre in the west to blue in the east: pictures show how far the robot got."""
     stops = np.array([(0.85, 0.52, 0.20), (0.72, 0.36, 0.40), (0.22, 0.38, 0.62)])
     red, green, blue = (float(np.interp(along, (0.0, 0.5, 1.0), channel)) for channel in stops.T)
     return (red, green, blue, 1.0)

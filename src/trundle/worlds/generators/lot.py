@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from trundle.geometry.solids import Color, Solid
 from trundle.worlds.generators import yard
-from trundle.worlds.generators.checks import check_flag, check_number, check_seed, check_size, check_whole
 from trundle.worlds.generators.props import SEEN_TO, Part, box, place
+from trundle.worlds.options import check_flag, check_number, check_seed, check_size, check_whole
 from trundle.worlds.world import World
 
 DRIVE = 5.0
@@ -53,7 +54,7 @@ def generate_lot(
 
     Args:
         seed: The same seed and options make the same lot.
-        size: Of the ground between the kerbs, along x and y [m], 12 to 150 each.
+        size: Size of the ground between the kerbs, along x and y [m], 12 to 150 each.
         fill: Share of parking bays that are occupied, 0 to 1.
         containers: Share of container places that are occupied, 0 to 1.
         cones: Maximum number of traffic cones, 0 to 500; fewer are placed if they do not fit.
@@ -84,7 +85,7 @@ def generate_lot(
 
 
 def _edge(rng: np.random.Generator, length: float, width: float, kerb: float, *, hedges: bool) -> list[Solid]:
-    """Kerbs round the ground, grass behind them, and hedges and a few trees on the grass."""
+    """Return kerbs round the ground, grass behind them, and hedges and a few trees on the grass."""
     parts: list[Part] = []
     across, green = 2.0 * _KERB, 2.0 * (_KERB + _VERGE)
     for name, along_x, sign in (
@@ -117,7 +118,7 @@ def _edge(rng: np.random.Generator, length: float, width: float, kerb: float, *,
 def _hedge(
     rng: np.random.Generator, name: str, span: float, sign: float, size: tuple[float, float], *, along_x: bool
 ) -> list[Part]:
-    """A straight hedge of pieces of unequal height, with a gap for the lamp posts at its ends."""
+    """Return a straight hedge of pieces of unequal height, with a gap for the lamp posts at its ends."""
     parts: list[Part] = []
     count = max(1, round((span - 2.4) / 2.2))
     piece = (span - 2.4) / count
@@ -133,7 +134,7 @@ def _hedge(
 
 
 def _containers(rng: np.random.Generator, length: float, width: float, share: float) -> tuple[list[Solid], list[Rect]]:
-    """Containers with their backs to the north kerb, some stacked two high."""
+    """Return containers with their backs to the north kerb, some stacked two high."""
     long, wide, tall = yard.CONTAINER_SIZE
     solids: list[Solid] = []
     taken: list[Rect] = []
@@ -147,19 +148,14 @@ def _containers(rng: np.random.Generator, length: float, width: float, share: fl
         solids += place(yard.container(rng), f"container_{index + 1}", x, y, turn)
         if rng.random() < 0.3:
             for solid in place(yard.container(rng), f"container_{index + 1}_upper", x, y, turn):
-                solids.append(_lifted(solid, tall))
+                at_x, at_y, at_z = solid.pose.position
+                solids.append(replace(solid, pose=replace(solid.pose, position=(at_x, at_y, at_z + tall))))
         taken.append((x - long / 2.0, y - wide / 2.0, x + long / 2.0, y + wide / 2.0))
     return solids, taken
 
 
-def _lifted(solid: Solid, height: float) -> Solid:
-    x, y, z = solid.pose.position
-    pose = type(solid.pose)((x, y, z + height), solid.pose.quaternion)
-    return Solid(solid.name, solid.shape, pose, solid.color, solid.kind)
-
-
 def _island_rows(width: float) -> list[float]:
-    """Middles of the islands along y: as many double rows of bays as fit, with drives between and around them."""
+    """Return the middles of the islands along y: as many double rows of bays as fit, with drives round each."""
     depth = 2.0 * BAY_LENGTH + _ISLAND
     south = -width / 2.0 + DRIVE
     north = width / 2.0 - DRIVE - yard.CONTAINER_SIZE[1]
@@ -172,7 +168,7 @@ def _island_rows(width: float) -> list[float]:
 def _row(
     rng: np.random.Generator, name: str, y: float, length: float, fill: float, *, low_objects: bool
 ) -> tuple[list[Solid], list[Rect]]:
-    """An island with lamp posts and trees on it, and vehicles in the bays on both sides."""
+    """Return an island with lamp posts and trees on it, and vehicles in the bays on both sides."""
     bays = int((length - 2.0 * DRIVE) / BAY_WIDTH)
     if bays < 1:
         return [], []
@@ -210,7 +206,7 @@ def _row(
 def _cones(
     rng: np.random.Generator, length: float, width: float, count: int, taken: Sequence[Rect], *, low_objects: bool
 ) -> list[Solid]:
-    """Cones in short lines, each with room on every side; the seed point stays free."""
+    """Return cones in short lines, each with room on every side; the seed point stays free."""
     solids: list[Solid] = []
     spots: list[tuple[float, float]] = []
     start = (0.0, -width / 2.0 + DRIVE / 2.0)

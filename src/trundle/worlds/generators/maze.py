@@ -9,8 +9,8 @@ import numpy.typing as npt
 
 from trundle.errors import WorldError
 from trundle.geometry.solids import Color, Solid
-from trundle.worlds.generators.checks import check_number, check_seed, check_whole
 from trundle.worlds.generators.props import Part, box, place
+from trundle.worlds.options import check_number, check_seed, check_whole
 from trundle.worlds.world import World
 
 NARROWEST = 0.3
@@ -45,8 +45,8 @@ def generate_maze(
         columns: Cells along x, 1 to 80; at least two cells in all.
         cell: Distance between wall centres [m], up to 20; passages are narrower by the wall thickness.
         loops: Share of inner walls that are removed, 0 (a perfect maze) to 1 (an empty hall).
-        wall_thickness: [m], 0.02 to 2.
-        wall_height: [m], 0.2 to 10.
+        wall_thickness: Thickness of the walls [m], 0.02 to 2.
+        wall_height: Height of the walls [m], 0.2 to 10.
 
     Raises:
         WorldError: If a value is out of range, or the passages would be narrower than 0.3 m.
@@ -71,7 +71,7 @@ def generate_maze(
 
 
 def _carve(rng: np.random.Generator, rows: int, columns: int, loops: float) -> tuple[BoolArray, BoolArray]:
-    """Remaining walls: along x, shape (rows + 1, columns), and along y, shape (rows, columns + 1)."""
+    """Return the walls that remain: along x, shape (rows + 1, columns), and along y, shape (rows, columns + 1)."""
     along_x = np.ones((rows + 1, columns), dtype=np.bool_)
     along_y = np.ones((rows, columns + 1), dtype=np.bool_)
     seen = np.zeros((rows, columns), dtype=np.bool_)
@@ -100,7 +100,7 @@ def _carve(rng: np.random.Generator, rows: int, columns: int, loops: float) -> t
 
 
 def _walls(along_x: BoolArray, along_y: BoolArray, cell: float, thick: float, height: float) -> list[Solid]:
-    """Straight runs of wall as one box each. Runs along x own the corners, so that no two boxes overlap."""
+    """Return straight runs of wall as one box each. Runs along x own the corners, so that no two boxes overlap."""
     rows, columns = along_y.shape[0], along_x.shape[1]
     corners = np.zeros((rows + 1, columns + 1), dtype=np.bool_)
     parts: list[Part] = []

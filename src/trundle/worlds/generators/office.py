@@ -16,8 +16,8 @@ import numpy as np
 from trundle.errors import WorldError
 from trundle.geometry.solids import Color, Solid
 from trundle.worlds.generators import furniture
-from trundle.worlds.generators.checks import check_flag, check_number, check_seed, check_size
 from trundle.worlds.generators.props import SEEN_TO, Part, box, place
+from trundle.worlds.options import check_flag, check_number, check_seed, check_size
 from trundle.worlds.world import World
 
 ROOM_DEPTH = (3.4, 4.6)
@@ -32,9 +32,9 @@ FREE_LANE = 1.4
 MAX_SIZE = 100.0  # [m]
 
 _WALL = 0.12  # thickness of inner walls [m]
-_OUTER = 0.25
+_OUTER = 0.25  # thickness of the outer walls [m]
 _POST = 0.06  # of a door frame [m]
-_BASE_HEIGHT = 0.12
+_BASE_HEIGHT = 0.12  # of the skirting [m]
 _WALL_COLOR: Color = (0.91, 0.90, 0.87, 1.0)
 _GLASS_COLOR: Color = (0.62, 0.74, 0.80, 1.0)
 _OUTER_COLOR: Color = (0.74, 0.76, 0.77, 1.0)
@@ -79,12 +79,12 @@ def generate_office(
 
     Args:
         seed: The same seed and options make the same office.
-        size: Of the floor between the outer walls, along x and y [m], up to 100 each.
-        corridor_width: [m], 1 to 6.
+        size: Size of the floor between the outer walls, along x and y [m], up to 100 each.
+        corridor_width: Width of the corridors [m], 1 to 6.
         door_width: Clear width of every door [m], 0.6 to 2.
         furnishing: Share of furniture places that are filled, 0 (bare rooms) to 1.
         open_doors: Whether doors have leaves that stand open into the room, or are plain openings.
-        wall_height: [m], 1.3 to 10; low by default, so that pictures from above show the rooms.
+        wall_height: Height of the walls [m], 1.3 to 10; low by default, so that pictures from above show the rooms.
         low_objects: Whether there is furniture that a planar lidar does not see as wide as it is, such as swivel
             chairs and low tables. Without it its beams meet every object at any height from 0.2 to 0.42 m.
 
@@ -117,7 +117,7 @@ def generate_office(
 
 
 def _stack_corridors(length: float, width: float, corridor: float) -> tuple[list[float], float]:
-    """Middles of the corridors along y, from south to north, and the depth of the rooms [m]."""
+    """Return middles of the corridors along y, from south to north, and the depth of the rooms [m]."""
     least_length = 2.0 * corridor + 2.0 * _WALL + ROOM_WIDTH[0]
     least_width = corridor + 2.0 * (_WALL + ROOM_DEPTH[0])
     if length < least_length or width < least_width:
@@ -136,7 +136,7 @@ def _stack_corridors(length: float, width: float, corridor: float) -> tuple[list
 def _divide(
     rng: np.random.Generator, half: float, span: tuple[float, float], side: int, number: int, door: float
 ) -> list[_Room]:
-    """Rooms side by side from −half to half along x, of unequal widths, each with a place for its door."""
+    """Return rooms side by side from −half to half along x, of unequal widths, each with a place for its door."""
     least, most = max(ROOM_WIDTH[0], door + 1.2), ROOM_WIDTH[1]
     inner = 2.0 * half - _WALL
     count = max(1, min(round(inner / ((least + most) / 2.0 + _WALL)), int(inner / (least + _WALL))))
@@ -178,7 +178,7 @@ def _wall(name: str, size: tuple[float, float], centre: tuple[float, float], hei
 def _row_walls(
     rooms: Sequence[_Room], half: float, door: float, height: float, *, behind: bool, leaves: bool
 ) -> list[Solid]:
-    """The walls of a row of rooms: to the corridor, between the rooms, at both ends, and optionally behind."""
+    """Return the walls of a row of rooms: to the corridor, between the rooms, at both ends, and optionally behind."""
     first = rooms[0]
     side = first.side
     front = (first.y1 if side > 0 else first.y0) + side * _WALL / 2.0
@@ -205,7 +205,7 @@ def _row_walls(
 
 
 def _door(room: _Room, width: float, front: float, height: float, *, leaf: bool) -> list[Part]:
-    """Two posts, and a leaf that stands open at a right angle beside the nearer side wall."""
+    """Return two posts, and a leaf that stands open at a right angle beside the nearer side wall."""
     parts: list[Part] = []
     for name, sign in (("west", -1.0), ("east", 1.0)):
         x = room.door_x + sign * (width + _POST) / 2.0
@@ -223,7 +223,7 @@ def _door(room: _Room, width: float, front: float, height: float, *, leaf: bool)
 def _furnish(
     rng: np.random.Generator, room: _Room, door: float, furnishing: float, *, low_objects: bool
 ) -> list[Solid]:
-    """Furniture for one room: desks, a meeting table or a lounge, and cabinets and plants in the remaining space."""
+    """Furnish a room: with desks, a meeting table or a lounge, and with cabinets and plants where there is space."""
     fit = _Furnisher(room, door, rng, furnishing, low_objects=low_objects)
     use = float(rng.random())
     if use < 0.22 and room.width >= 4.2 and room.depth >= 4.0:
@@ -255,7 +255,7 @@ class _Furnisher:
         self.solids: list[Solid] = []
 
     def desks(self) -> None:
-        """Desks along the back wall, each with a chair in front of it."""
+        """Put desks along the back wall, each with a chair in front of it."""
         length, depth = furniture.DESK_SIZE
         count = int((self._room.width - 0.2) / (length + 0.15))
         pitch = self._room.width / max(1, count)
@@ -270,7 +270,7 @@ class _Furnisher:
             self._put("chair", chair, x - 0.1 + aside, y + 0.72, math.pi + turn, 0.6, 0.6)
 
     def meeting(self) -> None:
-        """A table with six chairs, nearer to the back wall than to the door, and a board on the back wall."""
+        """Put a table with six chairs nearer to the back wall than to the door, and a board on the back wall."""
         room, (length, depth) = self._room, furniture.TABLE_SIZE
         x, y = -math.copysign(min(0.4, (room.width - length) / 2.0 - 0.7), self._door_x), 1.55
         self._put("board", furniture.whiteboard(), x, 0.04, 0.0, 1.6, 0.1)
@@ -284,7 +284,7 @@ class _Furnisher:
                     self._put("chair", chair, *at, turn + sway, 0.5, 0.3, overlap=True)
 
     def lounge(self) -> None:
-        """A sofa at the back wall, and a low table in front of it if there is room."""
+        """Put a sofa at the back wall, and a low table in front of it if there is room."""
         if self._rng.random() >= max(self._furnishing, 0.3):
             return
         length, depth = furniture.SOFA_SIZE
@@ -294,7 +294,7 @@ class _Furnisher:
         self._put("table", table, 0.0, depth + 0.55, 0.0, 0.8, 0.45)
 
     def storage(self) -> None:
-        """Cabinets along the side walls and plants in the corners, if they leave the lane free."""
+        """Put cabinets along the side walls and plants in the corners, where they leave the lane free."""
         room, rng = self._room, self._rng
         long, deep = furniture.CABINET_SIZE
         half = room.width / 2.0

@@ -9,30 +9,17 @@ forklifts drive, all of that is at least `FORKLIFT_ROOM` wide.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from trundle.errors import WorldError
-from trundle.geometry import FloatArray
 from trundle.geometry.solids import Color, Solid
-from trundle.worlds.generators.checks import check_flag, check_number, check_seed, check_size, check_whole
-from trundle.worlds.generators.props import (
-    CARTONS,
-    SAFETY_YELLOW,
-    SEEN_TO,
-    TOTES,
-    Part,
-    barrels,
-    box,
-    boxes,
-    forklift,
-    pallet,
-    place,
-)
+from trundle.worlds.generators.clutter import CARTONS, SAFETY_YELLOW, TOTES, Clutter, Rect
+from trundle.worlds.generators.props import SEEN_TO, Part, box, place
 from trundle.worlds.movers import Crowd, forklift_body
+from trundle.worlds.options import check_flag, check_number, check_seed, check_size, check_whole
 from trundle.worlds.world import World
 
 CROSS_AISLE = 2.4  # [m]: room to turn for Nova Carter, whose tail swings on a radius of 0.656 m
@@ -61,16 +48,6 @@ _DOOR: Color = (0.70, 0.73, 0.76, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
-class _Rect:
-    """An axis-aligned rectangle on the floor [m]."""
-
-    x0: float
-    y0: float
-    x1: float
-    y1: float
-
-
-@dataclass(frozen=True, slots=True)
 class _Layout:
     """Positions of the rows of racks.
 
@@ -83,8 +60,8 @@ class _Layout:
     """
 
     room: float
-    floor: _Rect
-    field: _Rect
+    floor: Rect
+    field: Rect
     rows: tuple[tuple[float, int], ...]
     runs: tuple[tuple[float, int], ...]
 
@@ -118,12 +95,12 @@ def generate_warehouse(
 
     Args:
         seed: The same seed and options make the same warehouse.
-        size: Of the floor between the walls, along x and y [m], up to 100 each.
-        aisle_width: Between the faces of two rows of racks [m], 1 to 10; none means 1.6, or 2.8 where forklifts drive.
+        size: Size of the floor between the walls, along x and y [m], up to 100 each.
+        aisle_width: Between the faces of two rows of racks [m], 1 to 10. If None, 1.6, or 2.8 with forklifts.
         levels: Shelf levels per rack, 1 to 6.
         fill: Share of rack places that hold goods, 0 to 1.
         clutter: Number of loose objects, relative to the default; 0 (none) to 3.
-        wall_height: [m].
+        wall_height: Height of the walls [m].
         low_objects: Whether there are objects that a planar lidar does not see, such as empty pallets, forks, low
             boxes and empty shelves. Without them its beams meet every object at any height from 0.2 to 0.42 m, and
             forklifts that drive carry crates.
@@ -169,7 +146,8 @@ def generate_warehouse(
                 rack = _rack(rng, bays, levels, fill, low_objects=low_objects)
                 solids += place(rack, f"rack_{number}", west + _GUARD, y, 0.0)
             solids += _guards(f"row_{number}", west, bays, south, depth, low_objects=low_objects)
-    solids += _Clutter(layout, rng, low_objects=low_objects).scatter(clutter)
+    loose = Clutter(rng, layout.floor, layout.field, layout.cross_aisle, layout.beside, low_objects)
+    solids += loose.scatter(clutter)
     seeds = (((layout.field.x1 + layout.floor.x1) / 2.0, 0.0),)
     return World("warehouse", tuple(solids), seeds, movers=movers)
 
@@ -191,7 +169,7 @@ def _lay_out(size: tuple[float, float], aisle: float, room: float) -> _Layout:
             f"warehouse: size {length:g} x {width:g} m has no room for two rows of racks with an aisle of {aisle:g} m "
             f"and room to turn at their ends; make it at least {least[0]:.1f} x {least[1]:.1f} m"
         )
-    floor = _Rect(-length / 2.0, -width / 2.0, length / 2.0, width / 2.0)
+    floor = Rect(-length / 2.0, -width / 2.0, length / 2.0, width / 2.0)
     loading = min(8.0, max(cross, 0.22 * length, min(0.4 * length, 6.0)))
     loading = min(loading, length - cross - _run_length(1))
     left = length - loading - cross
@@ -210,11 +188,11 @@ def _lay_out(size: tuple[float, float], aisle: float, room: float) -> _Layout:
         rows.append((south, count))
         south += _row_depth(count) + aisle
     east = runs[-1][0] + _run_length(runs[-1][1])
-    return _Layout(room, floor, _Rect(west, -depth / 2.0, east, depth / 2.0), tuple(rows), tuple(runs))
+    return _Layout(room, floor, Rect(west, -depth / 2.0, east, depth / 2.0), tuple(rows), tuple(runs))
 
 
 def _racks_in_rows(room: float, aisle: float) -> list[int]:
-    """Racks back to back in each row: as many pairs as fit, then a single one; at least two rows."""
+    """Return racks back to back in each row: as many pairs as fit, then a single one; at least two rows."""
     pairs = int((room + aisle) / (_row_depth(2) + aisle))
     left = room + aisle - pairs * (_row_depth(2) + aisle)
     singles = int(left / (RACK_DEPTH + aisle))
@@ -223,8 +201,8 @@ def _racks_in_rows(room: float, aisle: float) -> list[int]:
     return [2] * pairs + [1] * singles
 
 
-def _walls(floor: _Rect, height: float) -> list[Solid]:
-    """Four walls of 0.2 m around the floor, each with a darker lower part, and doors in the west wall."""
+def _walls(floor: Rect, height: float) -> list[Solid]:
+    """Return four walls of 0.2 m around the floor, each with a darker lower part, and doors in the west wall."""
     thick, base = 0.2, min(0.9, 0.3 * height)
     length, width = floor.x1 - floor.x0, floor.y1 - floor.y0
     parts: list[Part] = []
@@ -250,7 +228,7 @@ def _walls(floor: _Rect, height: float) -> list[Solid]:
 
 
 def _rack(rng: np.random.Generator, bays: int, levels: int, fill: float, *, low_objects: bool) -> list[Part]:
-    """One rack: x from 0 along its bays, y across it about 0; its faces, at ±RACK_DEPTH / 2, are the uprights'.
+    """Return one rack: x from 0 along its bays, y across it about 0; its faces, at ±RACK_DEPTH / 2, are the uprights'.
 
     Without low objects, panels in place of the lowest beams hide the lowest shelf, which may be empty.
     """
@@ -284,7 +262,7 @@ def _rack(rng: np.random.Generator, bays: int, levels: int, fill: float, *, low_
 
 
 def _goods(rng: np.random.Generator, bays: int, level: int, top: float, fill: float) -> list[Part]:
-    """Goods on one shelf: two places in each bay, each empty, with a carton (or two, stacked) or with totes."""
+    """Return goods on one shelf: two places in each bay, each empty, with a carton (or two, stacked) or with totes."""
     parts: list[Part] = []
     pitch = (BAY - _POST) / 2.0
     room = _SHELF_PITCH - _BEAM - 0.06
@@ -315,94 +293,10 @@ def _goods(rng: np.random.Generator, bays: int, level: int, top: float, fill: fl
 
 
 def _guards(name: str, west: float, bays: int, south: float, racks: int, *, low_objects: bool) -> list[Solid]:
-    """Yellow barriers that close both ends of a row."""
+    """Return yellow barriers that close both ends of a row."""
     depth, height = _row_depth(racks), 0.42 if low_objects else SEEN_TO
     parts = []
     for end, x in (("west", west + _GUARD / 2.0), ("east", west + _run_length(bays) - _GUARD / 2.0)):
         y = south + depth / 2.0
         parts.append(box(f"guard_{end}", (_GUARD, depth, height), (x, y, height / 2.0), SAFETY_YELLOW, "rack"))
     return place(parts, name, 0.0, 0.0, 0.0)
-
-
-class _Clutter:
-    """Scatters loose objects over the loading area and the lanes, never in an aisle or a cross aisle."""
-
-    def __init__(self, layout: _Layout, rng: np.random.Generator, *, low_objects: bool) -> None:
-        self._layout = layout
-        self._low_objects = low_objects
-        self._rng = rng
-        self._taken: list[_Rect] = []
-
-    def scatter(self, amount: float) -> list[Solid]:
-        """Place forklifts first, then smaller objects in proportion to the floor area."""
-        if amount == 0.0:
-            return []
-        floor = self._layout.floor
-        area = (floor.x1 - floor.x0) * (floor.y1 - floor.y0)
-        solids: list[Solid] = []
-        low = self._low_objects
-        kinds: tuple[tuple[str, Callable[[], list[Part]], int], ...] = (
-            ("forklift", lambda: forklift(low_objects=low), 2),
-            ("pallet", lambda: pallet(self._rng, low_objects=low), round(amount * area / 60.0)),
-            ("barrels", lambda: barrels(self._rng), round(amount * area / 150.0)),
-            ("boxes", lambda: boxes(self._rng, low_objects=low), round(amount * area / 120.0)),
-        )
-        for kind, make, count in kinds:
-            placed = 0
-            for _ in range(count):
-                things = self._try_place(make(), f"{kind}_{placed + 1}", tries=60)
-                placed += bool(things)
-                solids += things
-        return solids
-
-    def _try_place(self, parts: list[Part], prefix: str, *, tries: int) -> list[Solid]:
-        """Place an object at a random spot where it fits; empty if all tries failed."""
-        for _ in range(tries):
-            turn = float(self._rng.integers(4)) * math.pi / 2.0 + float(self._rng.uniform(-0.06, 0.06))
-            extent = _floor_bounds(place(parts, prefix, 0.0, 0.0, turn))
-            x, y = self._draw(extent)
-            rect = _Rect(extent.x0 + x, extent.y0 + y, extent.x1 + x, extent.y1 + y)
-            if self._fits(rect):
-                self._taken.append(rect)
-                return place(parts, prefix, x, y, turn)
-        return []
-
-    def _draw(self, extent: _Rect) -> tuple[float, float]:
-        """Draw a spot, two times of three against a wall."""
-        floor, field, rng = self._layout.floor, self._layout.field, self._rng
-        east = field.x0 if rng.random() < 0.6 else floor.x1
-        x = float(rng.uniform(floor.x0 - extent.x0, east - extent.x1))
-        y = float(rng.uniform(floor.y0 - extent.y0, floor.y1 - extent.y1))
-        wall, gap = int(rng.integers(6)), 0.08
-        if wall == 0:
-            x = floor.x0 + gap - extent.x0
-        elif wall in (1, 2):
-            y = floor.y0 + gap - extent.y0
-        elif wall in (3, 4):
-            y = floor.y1 - gap - extent.y1
-        return x, y
-
-    def _fits(self, rect: _Rect) -> bool:
-        floor, field, beside = self._layout.floor, self._layout.field, self._layout.beside
-        gaps = (rect.x0 - floor.x0, rect.y0 - floor.y0, floor.x1 - rect.x1, floor.y1 - rect.y1)
-        if any(gap < 0.05 or 0.1 < gap < beside for gap in gaps):
-            return False
-        along, across = _gap(rect.x0, rect.x1, field.x0, field.x1), _gap(rect.y0, rect.y1, field.y0, field.y1)
-        if along < self._layout.cross_aisle and across < beside:
-            return False
-        return all(
-            math.hypot(_gap(rect.x0, rect.x1, other.x0, other.x1), _gap(rect.y0, rect.y1, other.y0, other.y1)) >= beside
-            for other in self._taken
-        )
-
-
-def _gap(low: float, high: float, other_low: float, other_high: float) -> float:
-    """Distance between two intervals; 0 where they overlap."""
-    return max(0.0, other_low - high, low - other_high)
-
-
-def _floor_bounds(solids: Sequence[Solid]) -> _Rect:
-    bounds: list[tuple[FloatArray, FloatArray]] = [solid.bounds() for solid in solids]
-    low = np.min([low for low, _ in bounds], axis=0)
-    high = np.max([high for _, high in bounds], axis=0)
-    return _Rect(float(low[0]), float(low[1]), float(high[0]), float(high[1]))

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from trundle.errors import WorldError
 from trundle.geometry.solids import Solid
 from trundle.values import is_finite_number, show_value
-from trundle.worlds.movers.bodies import body_named
-from trundle.worlds.movers.mover import Mover, check_parts
+from trundle.worlds.movers.mover import Mover, body_named, check_parts
 
 MODELS = ("social_force",)
 """Models that a crowd can follow."""
@@ -18,7 +17,7 @@ MODELS = ("social_force",)
 STEERED = ("forklift",)
 """Kinds that steer: they drive where they face. Others may step aside."""
 
-MOST_MEMBERS = 1000
+MOST_MEMBERS = 1000  # a step takes time and memory in proportion to the square of this
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,16 +30,16 @@ class Crowd:
     places are drawn by the seed of the run, which also gives the places at the start, 2 m or more from the robot.
 
     Attributes:
-        name: Of the crowd, unique in its world; its members are `name_1`, `name_2`, ….
-        count: How many they are.
-        kind: Their body, "person" or "forklift"; of any other kind, give `parts`. Forklifts steer: they drive where
+        name: Name of the crowd, unique in its world; its members are `name_1`, `name_2`, ….
+        count: Number of its members.
+        kind: Their body, "person" or "forklift"; another kind needs `parts`. Forklifts steer: they drive where
             they face, and need room to turn everywhere.
-        speed: The fastest that one goes [m/s]; each has a preferred speed of 0.7 to 1 times it.
-        sees_robot: Whether they stop for the robot and go around it; else it is not there for them.
-        area: (x0, y0, x1, y1) [m]: where they stay; None means anywhere in the bounds of the world's solids.
+        speed: Highest speed of a member [m/s]; each has a preferred speed of 0.7 to 1 times it.
+        sees_robot: Whether they stop for the robot and go around it; else they ignore it.
+        area: (x0, y0, x1, y1) [m], where they stay. If None, they stay in the bounds of the world's solids.
         model: Name of the model.
-        seed: For their random places; None means the run's.
-        parts: Their solids, in the frame of one; None means those of `kind`.
+        seed: Seed of their random places. If None, it is the run's.
+        parts: Their solids, in the frame of one. If None, they are those of `kind`.
 
     Raises:
         WorldError: If a value is out of range.
@@ -86,7 +85,7 @@ class Crowd:
 
     @property
     def body(self) -> tuple[Solid, ...]:
-        """The solids of one, in its own frame."""
+        """The solids of one member, in its own frame."""
         return self.parts or body_named(self.kind)
 
     @property
@@ -96,7 +95,7 @@ class Crowd:
 
 
 def each_body(movers: Sequence[Mover | Crowd]) -> list[tuple[str, tuple[Solid, ...]]]:
-    """The name and the solids of everyone: first of the movers, then of the members of crowds."""
+    """Return the name and the solids of everyone: first of the movers, then of the members of crowds."""
     bodies = [(mover.name, mover.parts) for mover in movers if isinstance(mover, Mover)]
     for crowd in movers:
         if isinstance(crowd, Crowd):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bisect
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -12,7 +13,6 @@ import numpy as np
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose2D, arc_lengths, wrap_angle
 from trundle.values import as_array, as_number
-from trundle.worlds.movers.curves import Curve, Interpolation
 
 Repeat: TypeAlias = Literal["once", "loop", "back_and_forth"]
 
@@ -22,6 +22,72 @@ _HEADING_S = 0.25
 _TURN_S = 1e-3  # the difference in time that its speed of rotation is taken from
 _STEPS = 16  # straight pieces from one point of a curved path to the next
 _STILL = 1e-9  # [m]
+
+Interpolation: TypeAlias = Literal["linear", "catmull_rom"]
+
+
+class Curve:
+    """A curve through points at times; before the first it stays there, and after the last, too.
+
+    A Catmull-Rom spline (Catmull and Rom, A Class of Local Interpolating Splines, 1974) as cubic Hermite pieces: the
+    velocity at a point is that from the one before to the one after. At the ends of an open curve it is that of the
+    only piece there; a closed one goes on as it began.
+
+    Args:
+        times: Times of the points [s], ascending.
+        points: Shape (N, D).
+        interpolation: Between the points.
+        closed: Whether the last point is the first again, and the spline is smooth there.
+    """
+
+    def __init__(
+        self, times: Sequence[float], points: FloatArray, interpolation: Interpolation, *, closed: bool
+    ) -> None:
+        self._times = [float(time) for time in times]
+        self._points: list[list[float]] = points.tolist()
+        self._slopes: list[list[float]] | None = None
+        if interpolation == "catmull_rom" and len(points) > 2:
+            self._slopes = _slopes(np.asarray(times, dtype=np.float64), points, closed=closed).tolist()
+
+    def at(self, time: float) -> tuple[list[float], list[float]]:
+        """Return the position and velocity at a time [s]."""
+        times, points = self._times, self._points
+        if time < times[0] or len(times) == 1:
+            return points[0], [0.0] * len(points[0])
+        if time >= times[-1]:
+            return points[-1], [0.0] * len(points[0])
+        index = bisect.bisect_right(times, time) - 1
+        span = times[index + 1] - times[index]
+        s = (time - times[index]) / span
+        first, last = points[index], points[index + 1]
+        if self._slopes is None:
+            place = [a + s * (b - a) for a, b in zip(first, last, strict=True)]
+            return place, [(b - a) / span for a, b in zip(first, last, strict=True)]
+        starting, ending = self._slopes[index], self._slopes[index + 1]
+        s2, s3 = s * s, s * s * s
+        place, velocity = [], []
+        for a, b, m, n in zip(first, last, starting, ending, strict=True):
+            place.append(
+                (2.0 * s3 - 3.0 * s2 + 1.0) * a
+                + (s3 - 2.0 * s2 + s) * span * m
+                + (3.0 * s2 - 2.0 * s3) * b
+                + (s3 - s2) * span * n
+            )
+            velocity.append(6.0 * (s2 - s) * (a - b) / span + (3.0 * s2 - 4.0 * s + 1.0) * m + (3.0 * s2 - 2.0 * s) * n)
+        return place, velocity
+
+
+def _slopes(times: FloatArray, points: FloatArray, *, closed: bool) -> FloatArray:
+    """Return velocities of a Catmull-Rom spline at its points, shape (N, D)."""
+    slopes = np.empty_like(points)
+    slopes[1:-1] = (points[2:] - points[:-2]) / (times[2:] - times[:-2])[:, None]
+    if closed:
+        span = (times[1] - times[0]) + (times[-1] - times[-2])
+        slopes[0] = slopes[-1] = (points[1] - points[-2]) / span
+    else:
+        slopes[0] = (points[1] - points[0]) / (times[1] - times[0])
+        slopes[-1] = (points[-1] - points[-2]) / (times[-1] - times[-2])
+    return slopes
 
 
 class PlanarState(NamedTuple):
@@ -47,15 +113,15 @@ class PlanarState(NamedTuple):
 
 @runtime_checkable
 class Motion(Protocol):
-    """Where something is at a time. The same time gives the same answer."""
+    """A place for every time; the same time gives the same place."""
 
     @property
     def duration(self) -> float:
-        """Time [s] after which it repeats itself, or stands for good."""
+        """Time [s] after which the motion repeats, or has ended."""
         ...
 
     def at(self, time: float) -> PlanarState:
-        """Pose and velocity at a time since the start of the run [s]."""
+        """Return the pose and velocity at a time since the start of the run [s]."""
         ...
 
 
@@ -104,11 +170,11 @@ class Waypoints:
 
     @property
     def duration(self) -> float:
-        """Time [s] after which it repeats itself, or stands for good."""
+        """Time [s] after which the motion repeats, or has ended."""
         return self._track.duration
 
     def at(self, time: float) -> PlanarState:
-        """Pose and velocity at a time since the start of the run [s]."""
+        """Return the pose and velocity at a time since the start of the run [s]."""
         return self._track.at(time + self.phase_s)
 
 
@@ -118,7 +184,7 @@ class AlongPath:
 
     Attributes:
         points: (x, y) each [m], map frame, two or more.
-        speed: [m/s].
+        speed: Speed along the path [m/s].
         interpolation: "linear", or "catmull_rom": a smooth curve through the points.
         repeat: "once" stays at the last point; "loop" continues to the first one; "back_and_forth" returns in reverse.
         start_s: When it starts [s].
@@ -155,16 +221,16 @@ class AlongPath:
 
     @property
     def duration(self) -> float:
-        """Time [s] after which it repeats itself, or stands for good."""
+        """Time [s] after which the motion repeats, or has ended."""
         return self._track.duration
 
     def at(self, time: float) -> PlanarState:
-        """Pose and velocity at a time since the start of the run [s]."""
+        """Return the pose and velocity at a time since the start of the run [s]."""
         return self._track.at(time)
 
 
 class _Track:
-    """A curve in time, repeated."""
+    """A curve in time, which ends, starts again or turns back."""
 
     def __init__(self, times: list[float], points: FloatArray, interpolation: Interpolation, repeat: Repeat) -> None:
         closed = repeat == "loop" and bool(np.array_equal(points[0, :2], points[-1, :2]))
@@ -191,7 +257,7 @@ class _Track:
         return PlanarState(x, y, yaw, sign * vx, sign * vy, sign * w)
 
     def _along(self, time: float) -> tuple[float, float]:
-        """The time on the curve, and whether it is followed forwards (1) or backwards (−1)."""
+        """Return the time on the curve, and whether it is followed forwards (1) or backwards (−1)."""
         since = time - self._begin
         if since <= 0.0 or self._length <= 0.0 or self._repeat == "once":
             return time, 1.0
@@ -203,7 +269,7 @@ class _Track:
         return self._begin + 2.0 * self._length - since, -1.0
 
     def _heading(self, along: float) -> float:
-        """The direction of the curve at a time, smoothed at corners."""
+        """Return the direction of the curve at a time, smoothed at corners."""
         before, after = along - _HEADING_S, along + _HEADING_S
         if self._closed:
             end = self._begin + self._length
@@ -219,7 +285,7 @@ class _Track:
 
 
 def _facings(points: FloatArray) -> list[float]:
-    """Where something faces on each piece of a curve: along it, or as before where it stands; at first as later."""
+    """Return the heading on each piece of a curve: along it; where it stands, as before, and at first as later."""
     steps = np.diff(points[:, :2], axis=0)
     moved = np.flatnonzero(np.hypot(steps[:, 0], steps[:, 1]) > _STILL)
     if len(moved) == 0:
@@ -230,7 +296,7 @@ def _facings(points: FloatArray) -> list[float]:
 
 
 def _refine(points: FloatArray) -> FloatArray:
-    """Points close to one another on the smooth curve through points, shape (N, 2)."""
+    """Return points close to one another on the smooth curve through points, shape (N, 2)."""
     times = arc_lengths(points)
     closed = bool(np.array_equal(points[0], points[-1]))
     curve = Curve(times.tolist(), points, "catmull_rom", closed=closed)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import zlib
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -14,47 +13,42 @@ from trundle.errors import WorldError
 from trundle.geometry import FloatArray, wrap_angles
 from trundle.geometry.solids import Solid, solids_bounds
 from trundle.worlds.movers.crowd import Crowd
+from trundle.worlds.movers.interaction import (
+    RobotMotion,
+    border_force,
+    driving,
+    enters_way,
+    give_way,
+    keep_apart,
+    repulsion,
+    swings_into,
+)
 from trundle.worlds.movers.mover import Mover, outline_of, radius_of, top_of
-from trundle.worlds.movers.social_force import border_force, driving, repulsion
 from trundle.worlds.movers.walkable import IndexArray, WalkableFloor
-from trundle.worlds.movers.yielding import enters_way, give_way, keep_apart, swings_into
 
 PERIOD_S = 0.05
 """Crowds are stepped at this period; between two steps they move straight at constant speed."""
 
-_CLEAR_OF_ROBOT = 2.0  # at the start [m], beside both radii
+# Members start at least this far from the robot [m], beside both radii, so that nobody touches it before it can brake.
+_CLEAR_OF_ROBOT = 2.0
+# Random places that are tried for one member, and placings of a whole crowd that are tried: the first members may leave
+# no room for the last. A placing that ends below 80 % of them, less 5, is not repeated: others would fail as well.
 _TRIES = 400
-_PLACINGS = 20  # of a whole crowd, where the first to be placed leave no room for the last
-_NEARLY_ALL, _A_FEW = 0.8, 5  # a placing of fewer than this share, less a few, shows that others would fail, too
+_PLACINGS = 20
+_NEARLY_ALL, _A_FEW = 0.8, 5
 _LEAST_WALK_M = 4.0  # to the next place, where there is one so far away
 _LEAST_RETREAT_M = 1.5  # the same for one who is stuck
 _RETREATS = 12  # places that one who is stuck looks at
 _BLOCKING_M = 0.5  # those who are nearer than this block it
-_THERE_M = 0.4
+_THERE_M = 0.4  # a member this near to its goal has reached it, or nearer than its radius if that is larger
 _STUCK_S = 2.0  # one that gets nowhere for so long goes elsewhere
-_SLOW = 0.1  # [m/s]
+_SLOW = 0.1  # a member that is slower than this [m/s] waits
 _SWING_M = 0.2  # bodies that are farther from the robot's circle do not swing into it [m]
 _TURN, _STEER = 4.0, 1.2  # how fast those who step aside, and those who steer, turn [rad/s]
 
 
-class RobotMotion(NamedTuple):
-    """Where the robot is, for those who see it.
-
-    Attributes:
-        x, y: [m], map frame.
-        vx, vy: [m/s], map frame.
-        radius: Of its circumscribed circle [m].
-    """
-
-    x: float
-    y: float
-    vx: float
-    vy: float
-    radius: float
-
-
 class CrowdWalk:
-    """Steps crowds from a seed.
+    """Steps crowds through a run; the same seed and robot give the same steps.
 
     Args:
         crowds: The crowds.
@@ -101,11 +95,11 @@ class CrowdWalk:
         self._to = self._next(robot)
 
     def is_due(self, time: float) -> bool:
-        """Whether `at` needs the robot for this time [s]."""
+        """Return whether `at` needs the robot for this time [s]."""
         return math.floor(time / PERIOD_S + 1e-9) > self._step_index
 
     def at(self, time: float, robot: RobotMotion | None = None) -> FloatArray:
-        """(x, y, yaw, vx, vy, w) of everyone at a time [s] that is not before the last one, shape (N, 6).
+        """Return (x, y, yaw, vx, vy, w) of all members at a time [s] not before the last one, shape (N, 6).
 
         Args:
             time: Since the start of the run [s].
@@ -195,7 +189,7 @@ class CrowdWalk:
 
     @staticmethod
     def _far_cell(floor: WalkableFloor, rng: np.random.Generator, here: FloatArray, walk: float) -> IndexArray:
-        """A free cell at least as far away as `walk` [m], if one is found soon."""
+        """Return a free cell at least as far away as `walk` [m], if one is found soon."""
         cell = floor.free[int(rng.integers(len(floor.free)))]
         for _ in range(8):
             if math.hypot(*(floor.middles_of(cell) - here)) >= walk:
@@ -204,7 +198,7 @@ class CrowdWalk:
         return cell
 
     def _next(self, robot: RobotMotion | None) -> FloatArray:
-        """The state a period later; its velocities are those of the period between."""
+        """Return the state a period later; its velocities are those of the period between."""
         points, yaws = self._from[:, :2], self._from[:, 2]
         velocities = np.zeros_like(points) if self._step_index == 0 else self._from[:, 3:5]
         self._choose_goals(points, velocities)
@@ -251,7 +245,7 @@ class CrowdWalk:
                 self._waits[number] = -float(self._rngs[index].uniform(0.0, _STUCK_S)) - turning
 
     def _wishes(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Where everyone wants to go, and the forces from solids."""
+        """Return the directions in which the members want to go, and the forces [m/s²] that solids exert on them."""
         directions, forces = np.zeros_like(points), np.zeros_like(points)
         for floor, field, part in zip(self._floors, self._fields, self._slices, strict=True):
             directions[part] = floor.ahead(points[part], field) - points[part]
@@ -263,7 +257,7 @@ class CrowdWalk:
     def _steer(
         self, wanted: FloatArray, points: FloatArray, yaws: FloatArray, robot: RobotMotion | None
     ) -> tuple[FloatArray, FloatArray]:
-        """Velocities of those who drive where they face, and the new yaws of all (not wrapped).
+        """Return velocities of those who drive where they face, and the new yaws of all (not wrapped).
 
         Those who see the robot do not turn their body into it.
         """
@@ -283,7 +277,7 @@ class CrowdWalk:
         return np.where(self._steers[:, None], steered, wanted), turned
 
     def _off_solids(self, points: FloatArray, reached: FloatArray) -> FloatArray:
-        """Where they get without entering a solid: along one axis where not along both, or nowhere."""
+        """Return where the members get without entering a solid: along one axis where not along both, or nowhere."""
         for floor, part in zip(self._floors, self._slices, strict=True):
             for number in np.flatnonzero(~floor.is_free(reached[part])) + part.start:
                 (x, y), (to_x, to_y) = points[number], reached[number]

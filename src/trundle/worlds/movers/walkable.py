@@ -15,10 +15,11 @@ from trundle.maps.rasterise import HeightBand, SolidRaster
 
 IndexArray = npt.NDArray[np.int64]
 
-_RESOLUTION = 0.05  # [m]
+# Edge of a cell [m], as in the usual maps; it grows in larger worlds, which bounds the number of cells.
+_RESOLUTION = 0.05
 _MOST_CELLS = 1_000_000
 _FLOOR_TOP = 0.05  # what is not higher is driven over [m]
-_WALL = 255
+_WALL = 255  # the cost that `cost_field` takes for impassable
 _BASE, _EXTRA, _DECAY_M = 10.0, 60.0, 0.4  # what a cell costs: paths keep off solids where there is room
 _NEAR_M = 1.2  # solids that are farther than this from the disc are not felt [m]
 _AHEAD_M = 0.3  # how far along its path somebody looks [m]
@@ -31,7 +32,7 @@ class WalkableFloor:
     Args:
         solids: The world's solids.
         bounds: (x0, y0, x1, y1) [m], which the disc does not leave.
-        radius: Of the disc [m].
+        radius: Radius of the disc [m].
         top: Solids that start above this height do not matter [m].
     """
 
@@ -77,21 +78,21 @@ class WalkableFloor:
         return rows, cols
 
     def cells_of(self, points: FloatArray) -> IndexArray:
-        """Cells (row, col) of points [m] within the bounds, shape (N, 2), never those of the rim."""
+        """Return cells (row, col) of points [m] within the bounds, shape (N, 2), never those of the rim."""
         cells = np.floor((points - self._corner) / self.resolution).astype(np.int64)[:, ::-1]
         return np.minimum(np.maximum(cells, 1), self._last)
 
     def middles_of(self, cells: IndexArray) -> FloatArray:
-        """Middles (x, y) [m] of cells, shape (…, 2)."""
+        """Return middles (x, y) [m] of cells, shape (…, 2)."""
         return (cells[..., ::-1].astype(np.float64) + 0.5) * self.resolution + self._corner
 
     def is_free(self, points: FloatArray) -> npt.NDArray[np.bool_]:
-        """Whether the disc is clear of everything with its centre at points [m], shape (N, 2) → (N,)."""
+        """Return whether the disc is clear of everything with its centre at points [m], shape (N, 2) → (N,)."""
         cells = self.cells_of(points)
         return self._costs[cells[:, 0], cells[:, 1]] != _WALL
 
     def field_to(self, cell: IndexArray, discs: FloatArray | None = None) -> npt.NDArray[np.float32]:
-        """Cost of the cheapest path from every cell to one, infinity where there is none.
+        """Return the cost of the cheapest path from every cell to one, infinity where there is none.
 
         Args:
             cell: (row, col).
@@ -102,7 +103,7 @@ class WalkableFloor:
         return field if field is not None else np.full(self._costs.shape, np.inf, dtype=np.float32)
 
     def _without(self, discs: FloatArray) -> npt.NDArray[np.uint8]:
-        """What the cells cost without those in discs."""
+        """Return the costs of the cells, with those in discs blocked."""
         costs = self._costs.copy()
         cells = self.cells_of(discs[:, :2]).tolist()
         for (x, y, radius), (row, col) in zip(discs.tolist(), cells, strict=True):
@@ -116,7 +117,7 @@ class WalkableFloor:
         return costs
 
     def ahead(self, points: FloatArray, fields: npt.NDArray[np.float32]) -> FloatArray:
-        """Points [m] a little ahead on the path down each one's field, shape (N, 2); fields (N, rows, cols)."""
+        """Return points [m] a little ahead on the path down each one's field, shape (N, 2); fields (N, rows, cols)."""
         cols = self._costs.shape[1]
         cells = self.cells_of(points)
         flat = cells[:, 0] * cols + cells[:, 1]
@@ -128,7 +129,7 @@ class WalkableFloor:
         return self.middles_of(np.column_stack(np.divmod(flat, cols)))
 
     def push(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Distance [m] from points to the nearest solid, if it is near, and the direction away from it."""
+        """Return the distance [m] from points to the nearest solid, if it is near, and the direction away from it."""
         cells = self.cells_of(points)
         rows, cols = cells[:, 0], cells[:, 1]
         near = self._nearness

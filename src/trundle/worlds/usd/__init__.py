@@ -5,15 +5,40 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import os
-from collections.abc import Sequence
+import signal
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from types import FrameType
 
 from trundle.errors import MissingExtraError
-from trundle.worlds.usd.interrupts import interrupts_deferred
-from trundle.worlds.usd.words import Geometry, Missing, Purpose, UpAxis
+from trundle.worlds.leave_out import split_words
+from trundle.worlds.usd.options import Geometry, Missing, Options, Purpose, UpAxis
 from trundle.worlds.world import World
 
 _MODULES = ("Usd", "Gf", "Sdf", "Tf", "UsdGeom", "UsdPhysics", "UsdShade", "UsdUtils", "Vt")
-"""The USD modules used here and in the exporter."""
+"""The USD modules that the readers and the exporters use."""
+
+
+@contextmanager
+def interrupts_deferred() -> Iterator[None]:
+    """Defer Ctrl-C until the block has ended.
+
+    While they are imported, USD's modules run Python from C++ and discard its exceptions, KeyboardInterrupt included:
+    the program would continue with a partly loaded module.
+    """
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(before):
+        yield  # handlers run only in the main thread
+        return
+    pending: list[tuple[int, FrameType | None]] = []
+    signal.signal(signal.SIGINT, lambda number, frame: pending.append((number, frame)))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+        if pending:
+            before(*pending[0])
 
 
 def need_usd(purpose: str) -> None:
@@ -75,14 +100,14 @@ def load_usd(
         WorldWarning: About parts that are left out, and about probable mistakes.
     """
     need_usd("reading USD")
-    from trundle.worlds.usd.load import Options, load
+    from trundle.worlds.usd.load import load
 
-    options = Options.of(
+    options = Options(
         geometry=geometry,
-        exclude=exclude,
+        exclude=split_words(exclude),
         missing=missing,
-        purposes=purposes,
-        variants=variants,
+        purposes=split_words(purposes),
+        variants=split_words(variants),
         meters_per_unit=meters_per_unit,
         up_axis=up_axis,
     )

@@ -1,75 +1,35 @@
-"""From a USD stage to a `World`."""
+"""From a USD stage to a `World`: which prims are read, and warnings about those that are not."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self, get_args
+from typing import Any
 
-from pxr import UsdPhysics
+import numpy as np
+from pxr import Tf, UsdGeom, UsdPhysics
 
-from trundle.errors import InputError, WorldError
-from trundle.geometry.solids import Solid
+from trundle.errors import WorldError
+from trundle.geometry import FloatArray
+from trundle.geometry.solids import Solid, solids_bounds
 from trundle.worlds.affine import FlattenedError
 from trundle.worlds.ground import find_ground, is_ground
-from trundle.worlds.leave_out import Filter, split_words, warn_of_unmet
-from trundle.worlds.usd.colors import Colors
-from trundle.worlds.usd.shapes import Shapes, level_plane
+from trundle.worlds.leave_out import Filter, warn_of_unmet
+from trundle.worlds.usd.options import NAME, SEEDS, Options
+from trundle.worlds.usd.shapes import Colors, Shapes, level_plane
 from trundle.worlds.usd.stage import opened, report_missing, select_variants, to_metres, warn
-from trundle.worlds.usd.unmatched import seen_without_collider
-from trundle.worlds.usd.walk import SHAPES, Place, walk
-from trundle.worlds.usd.words import NAME, SEEDS, Geometry, Missing, Purpose, UpAxis
+from trundle.worlds.usd.walk import SHAPES, TIME, Place, walk
 from trundle.worlds.world import World
 
 MAX_SOLIDS = 1_000_000
+"""A stage with more shapes than this is refused, before memory runs out."""
 
+LOW, HIGH = 0.01, 2.0
+"""Shapes that end below or start above these heights over the ground [m] are floor or ceiling, and ignored."""
 
-@dataclass(frozen=True, slots=True)
-class Options:
-    """The options of `load_usd`, checked."""
-
-    geometry: str
-    exclude: tuple[str, ...]
-    refuse_missing: bool
-    purposes: frozenset[str]
-    variants: tuple[str, ...]
-    meters_per_unit: float | None
-    up_axis: str | None
-
-    @classmethod
-    def of(
-        cls,
-        *,
-        geometry: str,
-        exclude: str | Sequence[str],
-        missing: str,
-        purposes: str | Sequence[str],
-        variants: str | Sequence[str],
-        meters_per_unit: float | None,
-        up_axis: str | None,
-    ) -> Self:
-        """Check the options as given.
-
-        Raises:
-            InputError: If a value is not an allowed choice.
-        """
-        _check("geometry", geometry, get_args(Geometry))
-        _check("missing", missing, get_args(Missing))
-        if up_axis is not None:
-            _check("up_axis", up_axis, get_args(UpAxis))
-        for purpose in split_words(purposes):
-            _check("a purpose", purpose, get_args(Purpose))
-        return cls(
-            geometry=geometry,
-            exclude=split_words(exclude),
-            refuse_missing=missing == "error",
-            purposes=frozenset(split_words(purposes)),
-            variants=split_words(variants),
-            meters_per_unit=meters_per_unit,
-            up_axis=up_axis,
-        )
+_NEAR = 0.01  # a collider whose bounds are this close [m] belongs to the shape
+_AT_ONCE = 1 << 22  # pairs of bounds compared at once, which bounds the memory
 
 
 def load(path: str, options: Options) -> World:
@@ -77,7 +37,7 @@ def load(path: str, options: Options) -> World:
     leave_out = Filter.of(options.exclude)
     with opened(path) as stage:
         select_variants(path, stage, options.variants)
-        report_missing(path, stage, refuse=options.refuse_missing, is_excluded=leave_out.takes_name)
+        report_missing(path, stage, refuse=options.missing == "error", is_excluded=leave_out.takes_name)
         root = to_metres(path, stage, options.meters_per_unit, options.up_axis)
         places = []
         for place in walk(path, stage, root, leave_out):
@@ -101,11 +61,6 @@ def load(path: str, options: Options) -> World:
     return world
 
 
-def _check(what: str, word: str, choices: Sequence[str]) -> None:
-    if word not in choices:
-        raise InputError(f"{what} is {word!r}; it must be one of: {', '.join(choices)}")
-
-
 def _takes_colliders(places: Sequence[Place], geometry: str) -> bool:
     if geometry != "auto":
         return geometry == "collision"
@@ -113,7 +68,7 @@ def _takes_colliders(places: Sequence[Place], geometry: str) -> bool:
 
 
 def _choose(path: str, places: Sequence[Place], options: Options, colliders: bool) -> list[Place]:
-    """The places to load, without prims of types that have no solid shape."""
+    """Return the places to load, without prims of types that have no solid shape."""
     if colliders:
         chosen = [place for place in places if place.approximation is not None]
     else:
@@ -145,7 +100,7 @@ def _solids(path: str, places: Sequence[Place], leave_out: Filter, colliders: bo
 
 
 def _seeds(stage: Any) -> tuple[tuple[float, float], ...]:
-    """The seeds [m] that trundle's exporter stores."""
+    """Return the seeds [m] that trundle's exporter stores."""
     prim = stage.GetDefaultPrim()
     values = prim.GetAttribute(SEEDS).Get() if prim else None
     return tuple((float(x), float(y)) for x, y in values or ())
@@ -183,6 +138,48 @@ def _warn_of_emptiness(path: str, places: Sequence[Place], chosen: Sequence[Plac
     if options.geometry == "collision":
         reason = f'none of its {len(places)} shapes except the floor is a collider; use geometry="visual"'
     else:
-        purposes = ", ".join(sorted(options.purposes))
+        purposes = ", ".join(sorted(set(options.purposes)))
         reason = f"none of its {len(places)} shapes except the floor is visible and has one of the purposes {purposes}"
     warn(f"{path}: the world is empty: {reason}")
+
+
+def seen_without_collider(places: Sequence[Place], solids: Sequence[Solid], ground: float) -> list[Place]:
+    """Return the shapes between floor and ceiling whose bounds overlap no solid above the floor.
+
+    Args:
+        places: Visible shapes that do not collide.
+        solids: Solids made from colliders.
+        ground: Height of the ground [m].
+    """
+    bounds = [(place, _bounds(place)) for place in places]
+    found = [
+        (place, box)
+        for place, box in bounds
+        if box is not None and box[1][2] - ground > LOW and box[0][2] - ground < HIGH
+    ]
+    if not found:
+        return []
+    lows, highs = solids_bounds(solids)
+    standing = highs[:, 2] - ground > LOW
+    lows, highs = lows[standing] - _NEAR, highs[standing] + _NEAR
+    step = max(1, _AT_ONCE // max(1, len(lows)))
+    alone: list[Place] = []
+    for start in range(0, len(found), step):
+        boxes = np.array([box for _, box in found[start : start + step]])
+        meets = ((boxes[:, None, 0] <= highs) & (boxes[:, None, 1] >= lows)).all(axis=-1).any(axis=-1)
+        alone += [found[start + int(index)][0] for index in np.flatnonzero(~meets)]
+    return alone
+
+
+def _bounds(place: Place) -> FloatArray | None:
+    """Return the lowest and highest corner [m] of a prim in the map frame, shape (2, 3); None if it has no extent."""
+    try:
+        extent = UsdGeom.Boundable(place.prim).ComputeExtent(TIME)
+    except Tf.ErrorException:
+        return None
+    box = np.array(extent or (), dtype=np.float64)
+    if box.shape != (2, 3) or not np.isfinite(box).all() or (box[0] > box[1]).any():
+        return None
+    corners = np.array(np.meshgrid(*box.T)).reshape(3, -1)
+    placed = (place.matrix[:3, :3] @ corners).T + place.matrix[:3, 3]
+    return np.array([placed.min(axis=0), placed.max(axis=0)])

@@ -1,4 +1,4 @@
-"""USD's geometric prims as shapes, each in its prim's own frame or already scaled to the map frame."""
+"""Shapes and colours of USD's geometric prims. A shape is in its prim's own frame, or scaled to the map frame."""
 
 from __future__ import annotations
 
@@ -7,16 +7,15 @@ from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-from pxr import UsdGeom
+from pxr import UsdGeom, UsdShade
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose3D
-from trundle.geometry.solids import Box, Cylinder, Mesh, Sphere
+from trundle.geometry.solids import Box, Color, Cylinder, Mesh, Sphere
 from trundle.worlds import tessellate
 from trundle.worlds.affine import FlattenedError, place, pose_of, scale_mesh, split
 from trundle.worlds.ground import ENDLESS, LevelPlane, is_level
-from trundle.worlds.hull import convex_hull
-from trundle.worlds.polygons import triangulate
+from trundle.worlds.tessellate import convex_hull, triangulate
 from trundle.worlds.usd.walk import TIME, Place
 
 Placeable: TypeAlias = Box | Cylinder | Sphere | Mesh
@@ -27,6 +26,11 @@ _TO_AXIS = {
     "Z": np.eye(4),
 }
 """Rotations from a shape along z to the same shape along one of USD's axes; act on columns."""
+
+GREY: Color = (0.6, 0.6, 0.62, 1.0)
+
+# Of UsdPreviewSurface and of Omniverse's materials.
+_INPUTS = ("diffuseColor", "diffuse_color_constant", "diffuse_tint", "base_color", "baseColor")
 
 
 @dataclass(slots=True)
@@ -44,7 +48,7 @@ class Shapes:
     _scaled: dict[tuple[str, str, tuple[float, ...]], Mesh] = field(default_factory=dict)
 
     def shape(self, item: Place) -> tuple[Placeable, Pose3D]:
-        """A prim's shape and its pose in the map frame.
+        """Return a prim's shape and its pose in the map frame.
 
         Raises:
             FlattenedError: If it is empty: no faces, or a size or scale of 0.
@@ -63,7 +67,9 @@ class Shapes:
 
     def _mesh(self, item: Place) -> tuple[Placeable, Pose3D]:
         kind = item.approximation if self.colliders and item.approximation else "none"
-        key = (_key(item.prim), "convexHull" if kind == "convexHull" else "none")
+        # Instances share their prototype's prim, and so its mesh.
+        shared = item.prim.GetPrimInPrototype() if item.prim.IsInstanceProxy() else item.prim
+        key = (str(shared.GetPath()), "convexHull" if kind == "convexHull" else "none")
         if key not in self._meshes:
             mesh = _read_mesh(item.prim)
             if key[1] == "convexHull":
@@ -71,9 +77,12 @@ class Shapes:
             self._meshes[key] = mesh
         mesh = self._meshes[key]
         if kind == "boundingCube":
-            low, high = _extent(mesh)
+            corners = mesh.vertices[np.unique(mesh.faces)]
+            low, high = corners.min(axis=0), corners.max(axis=0)
             edges = np.maximum(high - low, 1e-6 * (high - low).max())
-            return place(Box((edges[0], edges[1], edges[2])), item.matrix @ _shift((low + high) / 2.0))
+            centred = np.eye(4)
+            centred[:3, 3] = (low + high) / 2.0
+            return place(Box((edges[0], edges[1], edges[2])), item.matrix @ centred)
         if kind == "boundingSphere":
             return _bounding_sphere(mesh, item.matrix)
         parts = split(item.matrix[:3, :3])
@@ -87,7 +96,7 @@ class Shapes:
 
 
 def level_plane(item: Place) -> LevelPlane | None:
-    """A prim as a level plane that faces up; None if it is not one. A plane that collides is infinite."""
+    """Return a prim as a level plane that faces up; None if it is not one. A plane that collides is infinite."""
     if item.prim.GetTypeName() != "Plane":
         return None
     turned = item.matrix[:3, :3] @ _TO_AXIS[_axis(item.prim)][:3, :3]
@@ -107,7 +116,7 @@ def level_plane(item: Place) -> LevelPlane | None:
 
 
 def _primitive(prim: Any) -> tuple[Placeable, str]:
-    """A prim's shape along z, and its actual axis."""
+    """Return a prim's shape along z, and its actual axis."""
     kind = str(prim.GetTypeName())
     if kind == "Cube":
         edge = _number(UsdGeom.Cube(prim).GetSizeAttr())
@@ -211,16 +220,41 @@ def _bounding_sphere(mesh: Mesh, matrix: FloatArray) -> tuple[Placeable, Pose3D]
     return Sphere(radius), pose_of(centre, np.eye(3))
 
 
-def _extent(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
-    corners = mesh.vertices[np.unique(mesh.faces)]
-    return corners.min(axis=0), corners.max(axis=0)
+@dataclass(slots=True)
+class Colors:
+    """Finds colours; caches those of materials."""
+
+    _materials: dict[str, Color | None] = field(default_factory=dict)
+
+    def of(self, prim: Any) -> Color:
+        """Return a prim's colour; the mean if it has one per vertex."""
+        primvars = UsdGeom.PrimvarsAPI(prim)
+        values = primvars.FindPrimvarWithInheritance("displayColor").ComputeFlattened(TIME)
+        if values and np.ndim(values) == 2:
+            opacities = primvars.FindPrimvarWithInheritance("displayOpacity").ComputeFlattened(TIME)
+            return _color(np.mean(values, axis=0), float(np.mean(opacities)) if np.ndim(opacities) == 1 else 1.0)
+        material = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+        if not material:
+            return GREY
+        path = str(material.GetPath())
+        if path not in self._materials:
+            self._materials[path] = _material_color(material)
+        return self._materials[path] or GREY
 
 
-def _shift(offset: FloatArray) -> FloatArray:
-    matrix = np.eye(4)
-    matrix[:3, 3] = offset
-    return matrix
+def _material_color(material: Any) -> Color | None:
+    for context in (UsdShade.Tokens.universalRenderContext, "mdl"):
+        shader = material.ComputeSurfaceSource(context)[0]
+        for name in _INPUTS if shader else ():
+            entry = shader.GetInput(name)
+            value = entry.Get(TIME) if entry else None
+            if value is not None and np.shape(value) == (3,):
+                return _color(np.array(value), 1.0)
+    return None
 
 
-def _key(prim: Any) -> str:
-    return str((prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim).GetPath())
+def _color(rgb: Any, opacity: float) -> Color:
+    if not (np.isfinite(rgb).all() and np.isfinite(opacity)):
+        return GREY
+    red, green, blue, alpha = (float(value) for value in np.clip([*rgb, opacity], 0.0, 1.0))
+    return red, green, blue, alpha

@@ -22,7 +22,7 @@ log = logging.getLogger(__name__)
 
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 
-_SHOWN = 20
+_SHOWN = 20  # missing references that are told one by one; a stage that was copied alone may miss thousands
 _VARIANT = re.compile(r"(?P<prim>/[^{}]*)\{(?P<set>[^={}]+)=(?P<name>[^={}]*)\}")
 
 
@@ -106,7 +106,7 @@ def report_missing(path: str, stage: Any, *, refuse: bool, is_excluded: Callable
 
 
 def to_metres(path: str, stage: Any, meters_per_unit: float | None, up_axis: str | None) -> FloatArray:
-    """Matrix, shape (4, 4), from the stage's units and axes to metres with z up; acts on columns.
+    """Return the matrix, shape (4, 4), from the stage's units and axes to metres with z up; it acts on columns.
 
     Raises:
         WorldError: If the unit is not a positive number, or the axis neither Y nor Z.
@@ -135,7 +135,7 @@ def warn(message: str) -> None:
 
 
 def _reason(error: Exception) -> str:
-    """USD's error message, without source code locations."""
+    """Return USD's error message, without source code locations."""
     try:
         text = str(error)
     except UnicodeDecodeError:  # its message quotes the file's bytes

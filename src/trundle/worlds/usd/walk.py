@@ -78,7 +78,7 @@ def walk(path: str, stage: Any, root: FloatArray, leave_out: Filter) -> Iterator
 
 
 def _children(prim: Any, predicate: Any) -> list[Any]:
-    """Children in reverse order, for a stack."""
+    """Return children in reverse order, for a stack."""
     return list(reversed(prim.GetFilteredChildren(predicate)))
 
 
@@ -114,7 +114,7 @@ def _arrive(path: str, place: Place, root: FloatArray, leave_out: Filter) -> Pla
 
 
 def _approximation(prim: Any, above: str | None) -> str | None:
-    """A collider's approximation; a collider on a group applies to its members."""
+    """Return a collider's approximation; a collider on a group applies to its members."""
     if not prim.HasAPI(UsdPhysics.CollisionAPI):
         return above
     if UsdPhysics.CollisionAPI(prim).GetCollisionEnabledAttr().Get(TIME) is False:
@@ -125,7 +125,7 @@ def _approximation(prim: Any, above: str | None) -> str | None:
 
 
 def semantic_labels(prim: Any) -> list[str]:
-    """The semantic labels of a prim itself: of UsdSemantics, or in the older form of Isaac Sim."""
+    """Return the semantic labels of a prim itself: of UsdSemantics, or in the older form of Isaac Sim."""
     found: list[str] = []
     # Not prim.GetAppliedSchemas(), which omits schemas unknown to this build of USD.
     for schema in prim.GetPrimTypeInfo().GetAppliedAPISchemas():
@@ -139,7 +139,7 @@ def semantic_labels(prim: Any) -> list[str]:
 
 
 def _instances(path: str, stage: Any, place: Place, leave_out: Filter) -> list[Place]:
-    """The prototypes of a point instancer, once for every instance, each to be placed like a child of the instancer."""
+    """Return a point instancer's prototypes, once for every instance, to be placed like children of the instancer."""
     name, prim = place.name, place.prim
     within = (*place.within, str(prim.GetPath()))
     if len(set(within)) < len(within):

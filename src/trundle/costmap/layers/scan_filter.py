@@ -1,0 +1,138 @@
+"""`ScanFilter`: which scans a layer may use, and where their sensor was."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections import Counter
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from trundle.errors import SensorWarning
+from trundle.geometry import FloatArray, Pose2D, wrap_angle
+from trundle.observation import Estimate, PoseBuffer, Scan, check_scans
+from trundle.robots import Robot
+from trundle.values import check_kind
+
+_AHEAD_S = 0.1  # as far as PoseBuffer continues a motion
+_JUMP_M, _JUMP_RAD = 1.0, 1.0  # beyond what the robot can move in the time: no slip of wheels, but another frame
+
+
+class ScanFilter:
+    """Places scans in the odom frame at their own times, and leaves out those that cannot be used.
+
+    Scans that are stale, out of order, from the future, or from a lidar that the robot lacks are counted, with one
+    `SensorWarning` for each kind. Scans from before the first pose, which were on their way when the run began, are
+    only counted.
+
+    Args:
+        robot: The robot, with its lidars and limits.
+        source_timeout: Age from which on a scan is stale [s].
+        warn: Whether to warn; else events are only counted.
+    """
+
+    def __init__(self, robot: Robot, source_timeout: float, *, warn: bool = True) -> None:
+        self._robot = robot
+        self._warns = warn
+        self._source_timeout = source_timeout
+        self._poses = PoseBuffer()
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget poses and counts."""
+        self.counts: Counter[str] = Counter()
+        self._poses.clear()
+        self._last: Estimate | None = None
+        self._newest: dict[str, float] = {}
+
+    def follow(self, estimate: Estimate) -> bool:
+        """Take the next estimate; return whether the pose in the odom frame jumped, and poses before it are useless.
+
+        Raises:
+            InputError: If its time is not after the last one.
+        """
+        check_kind(estimate, Estimate, "an estimate", "a localizer's update returns one")
+        pose, last = estimate.odom_pose, self._last
+        self._poses.add(estimate.time, pose)
+        self._last = estimate
+        if last is None:
+            return False
+        before, seconds = last.odom_pose, estimate.time - last.time
+        limits = self._robot.limits
+        moved, turned = pose.distance_to(before), abs(wrap_angle(pose.yaw - before.yaw))
+        if moved <= _JUMP_M + limits.linear_speed * seconds and turned <= _JUMP_RAD + limits.angular_speed * seconds:
+            return False
+        self._poses.clear()
+        self._poses.add(estimate.time, pose)
+        self.warn(
+            "jump",
+            f"the pose jumped by {moved:.1f} m and {math.degrees(turned):.0f} degrees at {estimate.time:g} s: the "
+            "obstacles sensed before are forgotten",
+        )
+        return True
+
+    def admit(self, scans: Sequence[Scan]) -> Iterator[tuple[Scan, FloatArray]]:
+        """Yield the scans that can be used, each with its sensor's poses in the odom frame.
+
+        The poses have shape (1, 3), or (beams, 3) where the beams are measured one after the other.
+
+        Raises:
+            InputError: If these are no scans.
+        """
+        for scan in check_scans(scans):
+            poses = self._place(scan)
+            if poses is not None:
+                yield scan, poses
+
+    def warn(self, kind: str, message: str, *, stacklevel: int = 4) -> None:
+        """Count an event, and warn of the first of its kind."""
+        self.counts[kind] += 1
+        if self.counts[kind] == 1 and self._warns:
+            warnings.warn(f"{message} (more of this kind are counted only)", SensorWarning, stacklevel=stacklevel)
+
+    def _place(self, scan: Scan) -> FloatArray | None:
+        now = -math.inf if self._last is None else self._last.time
+        end = self._end(scan)
+        if scan.lidar not in self._robot.lidars:
+            known = ", ".join(self._robot.lidars) or "none"
+            self._leave_out(scan, "unknown lidar", f"{self._robot.name} has no such lidar; it has: {known}")
+        elif end > now + _AHEAD_S:
+            self._leave_out(scan, "future", f"it lies {end - now:.2g} s after the estimate of {now:g} s")
+        elif scan.time <= self._newest.get(scan.lidar, -math.inf):
+            self._leave_out(scan, "out of order", f"one of {self._newest[scan.lidar]:g} s has already been used")
+        elif scan.time < now - self._source_timeout:
+            self._leave_out(
+                scan,
+                "stale",
+                f"it is {now - scan.time:.2g} s old, and source_timeout is {self._source_timeout:g} s",
+            )
+        else:
+            first = self._poses.at(scan.time)
+            last = first if end == scan.time else self._poses.at(end)
+            if first is None or last is None:
+                self.counts["before the first pose"] += 1
+                return None
+            self._newest[scan.lidar] = scan.time
+            return _sensor_poses(first, last, scan)
+        return None
+
+    def _leave_out(self, scan: Scan, kind: str, reason: str) -> None:
+        self.warn(kind, f"scan of lidar {scan.lidar!r} of {scan.time:g} s is left out: {reason}", stacklevel=5)
+
+    @staticmethod
+    def _end(scan: Scan) -> float:
+        return scan.time + max(0, len(scan.angles) - 1) * scan.time_increment
+
+
+def _sensor_poses(first: Pose2D, last: Pose2D, scan: Scan) -> FloatArray:
+    """Return poses of the sensor while the robot moves evenly from the first to the last pose."""
+    start = first @ scan.mount
+    if scan.time_increment == 0.0:
+        return np.array([start.as_tuple()])
+    share = np.linspace(0.0, 1.0, len(scan.angles))
+    yaw = first.yaw + share * wrap_angle(last.yaw - first.yaw)
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    x = first.x + share * (last.x - first.x) + cos * scan.mount.x - sin * scan.mount.y
+    y = first.y + share * (last.y - first.y) + sin * scan.mount.x + cos * scan.mount.y
+    return np.column_stack([x, y, yaw + scan.mount.yaw])
