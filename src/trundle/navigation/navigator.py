@@ -212,6 +212,7 @@ class Navigator(NavigatorRequests):
         """
         now = self._sense(read_update(pose, twist, time, scans, observation, estimate))
         soon = self._when_taking_effect(now)
+        # The first stage that has a command for this control period ends it.
         command = self._run_tasks(soon)
         if command is None:
             command = self._arrive(now, soon)
