@@ -20,7 +20,7 @@ from trundle.errors import (
     TrundleError,
     UnknownNameError,
 )
-from trundle.ros2.inputs.checks import BadInputError
+from trundle.ros2.bad_input import BadInputError
 
 PLACE = {"pose": (1.0, 2.0, 0.5), "cell": (3, 4)}
 MADE = {

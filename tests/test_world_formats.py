@@ -15,7 +15,7 @@ from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
 from trundle.sim import simulate
-from trundle.viewer.offscreen import render
+from trundle.viewer.scene import render
 from trundle.worlds import World
 
 # A bay of 3 x 3 m with walls of 0.2 m, open towards -x, and a pillar behind it. Its hull is a block.

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal
 
-from trundle.messages.distros import Distro
+from trundle.messages.codec import Distro
 from trundle.ros2.transport.domain import read_settings
 from trundle.ros2.transport.opening import open_transport
 from trundle.ros2.transport.transport import Transport

@@ -13,9 +13,9 @@ from PIL import Image, ImageDraw
 import trundle
 from trundle.geometry import Pose3D
 from trundle.geometry.solids import Box, Cylinder, Mesh, Solid
-from trundle.pictures.text import font
+from trundle.pictures.figure import font
 from trundle.viewer.cameras import Camera
-from trundle.viewer.offscreen import render
+from trundle.viewer.scene import render
 
 DOCK = 0.6  # Height of the dock [m].
 GENTLE, STEEP = 6.0, 1.5  # Lengths of the ramps [m], 6 and 22 degrees.

@@ -14,9 +14,9 @@ from PIL import Image, ImageDraw
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, Vt
 
 import trundle
-from trundle.pictures.text import font
+from trundle.pictures.figure import font
 from trundle.viewer.cameras import Camera
-from trundle.viewer.offscreen import render
+from trundle.viewer.scene import render
 
 CM = 100.0
 """The hall is laid out in metres with z up below; only what goes into the stage is in centimetres with y up."""

@@ -88,7 +88,7 @@ class Path:
     def _repr_png_(self) -> bytes:
         """Show a picture in notebooks, with north up; legs driven in reverse are orange."""
         from trundle.pictures.figure import to_png
-        from trundle.pictures.paths import draw_path
+        from trundle.pictures.plan import draw_path
 
         title = f"Path by {self.planner}" if self.planner else "Path"
         lines = [f"{self.length:.2f} m, {len(self)} poses"]

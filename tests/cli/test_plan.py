@@ -10,7 +10,7 @@ from trundle.maps import OccupancyGrid, SpeedMask
 from trundle.pictures.colors import BAD, KEPT_OUT, PLANNED
 from trundle.planning import planner_names
 from trundle.planning.planner import PLANNERS
-from trundle.record.zones import SpeedZones
+from trundle.record.map_view import SpeedZones
 from trundle.robots import Robot
 
 

@@ -10,7 +10,7 @@ from trundle.mission import Step
 from trundle.navigation import NavigationStatus
 from trundle.robots import WheelSpeeds
 from trundle.sim import RobotState
-from trundle.viewer.watcher import Watcher
+from trundle.viewer.native import Watcher
 
 
 class FakeWindow:
@@ -47,7 +47,7 @@ class FakeWindow:
 
 
 def use(window: FakeWindow, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("trundle.viewer.watcher.open_window", lambda world, robot, pose: window)
+    monkeypatch.setattr("trundle.viewer.native.open_window", lambda world, robot, pose: window)
 
 
 def test_the_arrow_keys_of_a_window_drive(trundle: Trundle, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,7 +8,7 @@ import pytest
 from trundle.errors import OutputError
 from trundle.evaluation import Evaluation, Suite
 from trundle.evaluation.engine import run_suite
-from trundle.evaluation.interim import FIRST_S, InterimReports, start_writer
+from trundle.evaluation.report.write import FIRST_S, InterimReports, start_writer
 
 
 class Clock:
@@ -112,7 +112,7 @@ def test_an_evaluation_goes_on_where_no_interim_report_can_be_written(room, tmp_
     room.save(tmp_path / "room.yaml")
     suite = Suite.make(worlds=[str(tmp_path / "room.yaml")], backends="kinematic", seeds=3)
     out = tmp_path / "out"
-    monkeypatch.setattr("trundle.evaluation.interim.FIRST_S", 0.0)
+    monkeypatch.setattr("trundle.evaluation.report.write.FIRST_S", 0.0)
     run_suite(suite, out, workers=1, on_progress=lambda _: (out / "report.html").mkdir(exist_ok=True))
     assert len(Evaluation(out)) == 3
 

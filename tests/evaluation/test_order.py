@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from trundle.evaluation import Suite
-from trundle.evaluation.order import EpisodeOrder
+from trundle.evaluation.schedule import EpisodeOrder
 
 
 def order_of(suite):

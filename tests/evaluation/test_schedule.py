@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 
 from trundle.evaluation import Suite
-from trundle.evaluation.order import EpisodeOrder
-from trundle.evaluation.schedule import PROBATION, GivenUp, Schedule
+from trundle.evaluation.schedule import PROBATION, EpisodeOrder, GivenUp, Schedule
 
 WORLDS = [{"name": "office", "seed": seed, "label": f"office {seed}"} for seed in range(6)]
 

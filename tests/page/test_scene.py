@@ -11,9 +11,8 @@ from trundle.geometry import Pose2D, Pose3D
 from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.maps import OccupancyGrid
 from trundle.page import costmap_png, grid_png, scene_of
-from trundle.page.cell_boxes import boxes_of
 from trundle.page.encoding import unpack_array
-from trundle.page.scene import solid_instances
+from trundle.page.scene import boxes_of, solid_instances
 from trundle.robots import Robot, robot_names
 from trundle.worlds import World
 from trundle.worlds.movers import Crowd, Mover, Waypoints
@@ -112,7 +111,7 @@ def test_boxes_cover_exactly_the_blocked_cells(seed):
 
 
 def test_a_map_of_many_pieces_gets_larger_cells(monkeypatch):
-    monkeypatch.setattr("trundle.page.cell_boxes.MOST_BOXES", 20)
+    monkeypatch.setattr("trundle.page.scene.MOST_BOXES", 20)
     blocked = np.zeros((21, 21), dtype=bool)
     blocked[::2, ::2] = True
     boxes = boxes_of(OccupancyCells(blocked, 0.1, 1.0))
@@ -168,7 +167,7 @@ def test_a_map_is_a_grey_picture_with_its_first_row_at_the_bottom():
 
 
 def test_a_large_map_keeps_what_is_occupied(monkeypatch):
-    monkeypatch.setattr("trundle.page.maps._MOST_CELLS", 4)
+    monkeypatch.setattr("trundle.page.encoding._MOST_CELLS", 4)
     cells = np.zeros((5, 4), dtype=np.int8)
     cells[4, 3] = 100
     picture = grid_png(OccupancyGrid(cells, 0.1))

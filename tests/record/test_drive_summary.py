@@ -3,7 +3,7 @@ import math
 import pytest
 
 from trundle.geometry import Pose2D, Twist2D
-from trundle.record.drive_summary import DriveSummary
+from trundle.record.drive_log import DriveSummary
 from trundle.robots import WheelSpeeds
 from trundle.sim import Contact, RobotState
 

@@ -3,7 +3,7 @@ import numpy as np
 from support.planted_maps import changed, map_of, room
 from trundle.maps.check import check_grid
 from trundle.pictures.colors import BAD, GOOD, WARNING
-from trundle.pictures.text import plain
+from trundle.pictures.figure import plain
 from trundle.record.map_report import count_by_severity, draw_report
 from trundle.worlds import World
 

@@ -10,11 +10,10 @@ from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.mission import Outcome, Trajectory
 from trundle.path import Path
 from trundle.pictures import colors
-from trundle.pictures.text import plain
-from trundle.record.map_view import MapView
+from trundle.pictures.figure import plain
+from trundle.record.map_view import MapView, SpeedZones, zone_marks
 from trundle.record.overlay import describe, draw_paths, draw_plan, draw_run
 from trundle.record.page import Mark, compose_page
-from trundle.record.zones import SpeedZones, zone_marks
 from trundle.robots import Robot
 
 

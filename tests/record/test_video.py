@@ -8,8 +8,16 @@ from PIL import Image, ImageDraw
 from trundle.control.controller import Rollouts
 from trundle.errors import InputError, OutputError
 from trundle.geometry import Pose2D
-from trundle.record.sample_history import SampleHistory
-from trundle.record.video import MAX_FRAMES, DrawnFrames, caption, encode, pick_rows, playing_rate, write_video
+from trundle.record.video import (
+    MAX_FRAMES,
+    DrawnFrames,
+    SampleHistory,
+    caption,
+    encode,
+    pick_rows,
+    playing_rate,
+    write_video,
+)
 from trundle.sim import MoverState
 from trundle.sim.mover_history import MoverHistory, ShownMovers
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from trundle.messages.distros import DISTROS
+from trundle.messages.codec import DISTROS
 from trundle.recording import Recorder, recover
 
 READER = Path(__file__).parents[2] / "benchmarks/recording/foxglove"

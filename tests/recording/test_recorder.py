@@ -8,7 +8,7 @@ from rosbags.highlevel import AnyReader
 
 from support.messages import all_messages
 from trundle.errors import InputError, OutputError, UnknownNameError
-from trundle.messages.distros import DISTROS
+from trundle.messages.codec import DISTROS
 from trundle.recording import Recorder
 from trundle.recording.topics import RANGE_STEP_M
 

@@ -18,8 +18,7 @@ from dataclasses import dataclass, field
 from trundle.errors import InputError
 from trundle.messages import Distro, Qos
 from trundle.ros2.transport.domain import Settings
-from trundle.ros2.transport.graph import Endpoint, Graph, Offer
-from trundle.ros2.transport.transport import ActionHandler, Handler, Sample, Transport
+from trundle.ros2.transport.transport import ActionHandler, Endpoint, Graph, Handler, Offer, Sample, Transport
 
 QUEUE = 100
 

@@ -6,7 +6,7 @@ from trundle.messages.codec import Codec
 from trundle.messages.qos import CLOCK, LATCHED, SENSOR, Qos
 from trundle.ros2 import findings
 from trundle.ros2.findings import ClockSeen, Finding
-from trundle.ros2.transport.graph import Endpoint, Graph, Offer
+from trundle.ros2.transport.transport import Endpoint, Graph, Offer
 
 SCAN, TWIST, STAMPED = "sensor_msgs/msg/LaserScan", "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 CLOCK_TYPE = "rosgraph_msgs/msg/Clock"

@@ -11,8 +11,7 @@ from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 
 from trundle.errors import InputError, OutputError
-from trundle.messages.codec import Codec
-from trundle.messages.distros import DISTROS, OLD_BAGS
+from trundle.messages.codec import DISTROS, OLD_BAGS, Codec
 from trundle.messages.qos import CLOCK, LATCHED, Qos
 from trundle.recording import read_info, recover
 from trundle.recording.bag_writer import BagWriter

@@ -1,49 +1,49 @@
 import json
 
 from trundle.serve.clients import BURST, RATE_PER_S, Client, fragments, is_long
-from trundle.serve.show import Show
+from trundle.serve.run_feed import RunFeed
 
 
-def _show(number: int = 1) -> Show:
-    show = Show(number, json.dumps({"type": "scene", "of": number}))
-    show.run = json.dumps({"type": "run", "n": number})
-    return show
+def _feed(number: int = 1) -> RunFeed:
+    feed = RunFeed(number, json.dumps({"type": "scene", "of": number}))
+    feed.run = json.dumps({"type": "run", "n": number})
+    return feed
 
 
-def _take_all(client: Client, show: Show | None) -> list[str]:
+def _take_all(client: Client, feed: RunFeed | None) -> list[str]:
     kinds = []
-    while (text := client.take(show)) is not None:
+    while (text := client.take(feed)) is not None:
         kinds.append(json.loads(text)["type"])
     return kinds
 
 
 def test_a_new_client_gets_scene_run_and_the_whole_log() -> None:
-    show = _show()
-    show.log.add([[0]], [], [])
-    show.log.add([[1]], [], [])
-    show.frame = show.frame.next('{"type":"frame"}')
-    assert sorted(_take_all(Client(1), show)) == ["frame", "log", "run", "scene"]
+    feed = _feed()
+    feed.log.add([[0]], [], [])
+    feed.log.add([[1]], [], [])
+    feed.frame = feed.frame.next('{"type":"frame"}')
+    assert sorted(_take_all(Client(1), feed)) == ["frame", "log", "run", "scene"]
 
 
 def test_a_client_gets_nothing_twice() -> None:
-    show, client = _show(), Client(1)
-    show.log.add([[0]], [], [])
-    show.frame = show.frame.next('{"type":"frame"}')
-    _take_all(client, show)
-    assert client.take(show) is None
-    show.log.add([[1]], [], [])
-    assert _take_all(client, show) == ["log"]
+    feed, client = _feed(), Client(1)
+    feed.log.add([[0]], [], [])
+    feed.frame = feed.frame.next('{"type":"frame"}')
+    _take_all(client, feed)
+    assert client.take(feed) is None
+    feed.log.add([[1]], [], [])
+    assert _take_all(client, feed) == ["log"]
 
 
 def test_of_frames_a_slow_client_gets_the_newest_and_of_the_log_everything() -> None:
-    show, client = _show(), Client(1)
-    _take_all(client, show)
+    feed, client = _feed(), Client(1)
+    _take_all(client, feed)
     rows = []
     for index in range(50):
-        show.log.add([[index]], [], [])
-        show.frame = show.frame.next(json.dumps({"type": "frame", "t": index}))
+        feed.log.add([[index]], [], [])
+        feed.frame = feed.frame.next(json.dumps({"type": "frame", "t": index}))
     frames = []
-    while (text := client.take(show)) is not None:
+    while (text := client.take(feed)) is not None:
         message = json.loads(text)
         rows += message.get("rows", [])
         frames += [message["t"]] if message["type"] == "frame" else []
@@ -52,36 +52,36 @@ def test_of_frames_a_slow_client_gets_the_newest_and_of_the_log_everything() -> 
 
 
 def test_neither_log_nor_frames_keep_the_other_from_a_slow_client() -> None:
-    show, client = _show(), Client(1)
-    _take_all(client, show)
+    feed, client = _feed(), Client(1)
+    _take_all(client, feed)
     kinds = []
     for index in range(10):
-        show.log.add([[index]], [], [])
-        show.frame = show.frame.next('{"type":"frame"}')
-        kinds.append(json.loads(client.take(show) or "")["type"])
+        feed.log.add([[index]], [], [])
+        feed.frame = feed.frame.next('{"type":"frame"}')
+        kinds.append(json.loads(client.take(feed) or "")["type"])
     assert kinds.count("log") == kinds.count("frame") == 5
 
 
 def test_another_run_begins_with_its_scene() -> None:
     client = Client(1)
-    _take_all(client, _show(1))
-    assert _take_all(client, _show(2)) == ["scene", "run"]
+    _take_all(client, _feed(1))
+    assert _take_all(client, _feed(2)) == ["scene", "run"]
     assert _take_all(client, None) == []
 
 
 def test_the_end_comes_last() -> None:
-    show, client = _show(), Client(1)
-    show.end = '{"type":"end"}'
-    show.solids.append('{"type":"solid"}')
-    show.log.add([[1]], [], [])
-    assert _take_all(client, show)[-1] == "end"
+    feed, client = _feed(), Client(1)
+    feed.end = '{"type":"end"}'
+    feed.solids.append('{"type":"solid"}')
+    feed.log.add([[1]], [], [])
+    assert _take_all(client, feed)[-1] == "end"
 
 
 def test_replies_come_first_and_are_bounded() -> None:
     client = Client(1)
     for index in range(1000):
         client.reply(json.dumps({"type": "error", "text": str(index)}))
-    kinds = _take_all(client, _show())
+    kinds = _take_all(client, _feed())
     assert kinds[:-2] == ["error"] * (len(kinds) - 2)
     assert len(kinds) < 100
 

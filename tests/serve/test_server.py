@@ -14,7 +14,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from serve.conftest import Served
 from trundle.errors import InputError
 from trundle.serve import server as server_module
-from trundle.serve.messages import NewGoal
+from trundle.serve.messages import Order
 from trundle.serve.server import Page, PageServer
 
 
@@ -123,7 +123,7 @@ def test_only_the_driver_is_obeyed_and_a_takeover_is_seen_by_all(served: Served)
         assert "another page drives" in second.wait("error")["text"]
         first.send("goal", pose=[1, 2, None])
         first.ping()
-        assert [type(message) for message, _ in served.controls.asked] == [NewGoal]
+        assert [type(message) for message, _ in served.controls.asked] == [Order]
         second.send("drive")
         assert first.wait("drivers", lambda message: message["request"] == two)["driver"] == one
         first.send("drive", answer="grant")

@@ -10,7 +10,7 @@ from trundle.geometry import Pose2D, Pose3D
 from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot
 from trundle.viewer.cameras import Camera, aim
-from trundle.viewer.stage import Stage
+from trundle.viewer.scene_model import SceneModel
 from trundle.worlds import World
 from trundle.worlds.generators.warehouse import generate_warehouse
 
@@ -76,7 +76,7 @@ def test_the_chase_camera_is_behind_the_robot_and_sees_ahead():
 def test_the_chase_camera_moves_to_where_the_robot_is_seen():
     crate = Solid("crate", Box((0.5, 3.0, 1.2)), Pose3D((-1.6, 0.0, 0.6)))
     free, hidden = (
-        Stage(World("room", solids), CARTER, size=(160, 120)).aim("chase", Pose2D(0.0, 0.0))
+        SceneModel(World("room", solids), CARTER, size=(160, 120)).aim("chase", Pose2D(0.0, 0.0))
         for solids in ((), (crate,))
     )
     assert hidden.angles()[1] < free.angles()[1]

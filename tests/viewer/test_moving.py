@@ -7,9 +7,8 @@ from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim import MoverState, RobotState
 from trundle.sim.mover_history import MoverHistory, ShownMovers
-from trundle.viewer.moving import movers_at_start
 from trundle.viewer.scene import SceneRenderer
-from trundle.viewer.stage import Stage
+from trundle.viewer.scene_model import SceneModel, movers_at_start
 from trundle.worlds import World
 from trundle.worlds.movers import Crowd, Mover, Waypoints
 
@@ -27,22 +26,22 @@ def shown(y, trail=()):
     return ShownMovers((MoverState("cart", Pose2D(3.0, y)),), (np.array(trail).reshape(-1, 2),))
 
 
-def body_at(stage, name):
-    return stage.data.xpos[stage.model.body(name).id]
+def body_at(scene, name):
+    return scene.data.xpos[scene.model.body(name).id]
 
 
 def test_a_stage_puts_movers_where_they_are_with_dots_along_their_trails():
-    stage = Stage(WORLD, CARTER, size=(64, 64))
+    scene = SceneModel(WORLD, CARTER, size=(64, 64))
     trail = [(3.0, 0.1 * index) for index in range(41)]
-    stage.place(Pose2D(0.0, 0.0), movers=shown(4.0, trail))
-    np.testing.assert_allclose(body_at(stage, "mover:cart")[:2], [3.0, 4.0])
-    dots = np.array([body_at(stage, f"viewer:trail:cart:{index}") for index in range(12)])
+    scene.place(Pose2D(0.0, 0.0), movers=shown(4.0, trail))
+    np.testing.assert_allclose(body_at(scene, "mover:cart")[:2], [3.0, 4.0])
+    dots = np.array([body_at(scene, f"viewer:trail:cart:{index}") for index in range(12)])
     assert (np.diff(dots[:, 1]) > 0.2).all()
     assert dots[0, 1] == pytest.approx(0.0)
     assert (dots[:, 2] < 0.01).all()
     assert (dots[:, 2] > 0.0).all()
-    stage.place(Pose2D(0.0, 0.0), movers=shown(4.0))
-    assert body_at(stage, "viewer:trail:cart:0")[2] < -10.0
+    scene.place(Pose2D(0.0, 0.0), movers=shown(4.0))
+    assert body_at(scene, "viewer:trail:cart:0")[2] < -10.0
 
 
 def test_a_picture_shows_a_mover_where_it_is():
@@ -71,7 +70,7 @@ def test_a_state_carries_its_movers_into_a_history():
     state = RobotState(0.5, Pose2D(0, 0), Twist2D(), wheels, wheels, Pose2D(0, 0), movers=shown(1.0).states)
     history = MoverHistory()
     history.add(state.time, state.movers)
-    stage = Stage(WORLD, CARTER, size=(64, 64))
-    stage.place(state.pose, state.wheel_positions, history.at(state.time))
-    mujoco.mj_forward(stage.model, stage.data)
-    assert body_at(stage, "mover:cart")[1] == pytest.approx(1.0)
+    scene = SceneModel(WORLD, CARTER, size=(64, 64))
+    scene.place(state.pose, state.wheel_positions, history.at(state.time))
+    mujoco.mj_forward(scene.model, scene.data)
+    assert body_at(scene, "mover:cart")[1] == pytest.approx(1.0)

@@ -13,9 +13,8 @@ from trundle.mission import run
 from trundle.navigation import Navigator
 from trundle.robots import Robot
 from trundle.sim import simulate
-from trundle.viewer.native import NativeWindow, has_screen
+from trundle.viewer.native import NativeWindow, Watcher, has_screen
 from trundle.viewer.route import mark_route
-from trundle.viewer.watcher import Watcher
 from trundle.worlds import World
 
 

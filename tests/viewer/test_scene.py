@@ -10,9 +10,8 @@ from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot
 from trundle.viewer import gl
 from trundle.viewer.cameras import CAMERAS, Camera
-from trundle.viewer.offscreen import render
-from trundle.viewer.scene import SceneRenderer
-from trundle.viewer.stage import Stage
+from trundle.viewer.scene import SceneRenderer, render
+from trundle.viewer.scene_model import SceneModel
 from trundle.worlds import World
 
 SIZE = (160, 120)
@@ -152,11 +151,11 @@ def test_the_environment_can_turn_opengl_off(monkeypatch, value):
 
 
 def test_a_straight_part_of_a_path_is_one_piece(carter):
-    plain = Stage(WORLD, carter, size=SIZE).model.ngeom
+    plain = SceneModel(WORLD, carter, size=SIZE).model.ngeom
     straight = [(0.1 * step, 0.0) for step in range(50)]
     bent = [(0.0, 0.0), *straight, *((4.9, 0.1 * step) for step in range(30)), (4.9, 0.0)]
     for path, pieces in ((straight, 1), (bent, 3), (straight[:1], 0), ([(1.0, 1.0)] * 3, 0)):
-        assert Stage(WORLD, carter, size=SIZE, path=path).model.ngeom == plain + pieces
+        assert SceneModel(WORLD, carter, size=SIZE, path=path).model.ngeom == plain + pieces
 
 
 def specks(pixels):
@@ -173,6 +172,6 @@ def test_the_floor_has_no_specks_up_to_the_horizon(renderer_kind, carter, camera
 
 
 def test_an_overview_without_a_world_shows_the_robot_large(renderer_kind, carter):
-    camera = Stage(World("floor", ()), carter, size=(640, 360)).aim("overview", Pose2D(5.0, 5.0))
+    camera = SceneModel(World("floor", ()), carter, size=(640, 360)).aim("overview", Pose2D(5.0, 5.0))
     seen = 2.0 * camera.distance * np.tan(np.radians(camera.fovy_deg) / 2.0)
     assert seen < 4.0 * np.ptp(carter.outline[:, 0])

@@ -79,10 +79,10 @@ def test_blocked_cells_become_walls_with_flat_tops_on_the_floor():
 
 
 def test_a_moved_robot_moves_its_triangles():
-    from trundle.viewer.stage import SHOWN_GROUPS, Stage
+    from trundle.viewer.scene_model import SHOWN_GROUPS, SceneModel
 
-    stage = Stage(World("empty", ()), Robot.load("nova_carter"), size=(16, 16))
-    triangles = model_triangles(stage.model, np.array(SHOWN_GROUPS, dtype=bool))
-    here = triangles.placed(stage.data)
-    stage.place(Pose2D(3.0, 4.0))
-    assert np.allclose(triangles.placed(stage.data) - here, (3.0, 4.0, 0.0), atol=1e-9)
+    scene = SceneModel(World("empty", ()), Robot.load("nova_carter"), size=(16, 16))
+    triangles = model_triangles(scene.model, np.array(SHOWN_GROUPS, dtype=bool))
+    here = triangles.placed(scene.data)
+    scene.place(Pose2D(3.0, 4.0))
+    assert np.allclose(triangles.placed(scene.data) - here, (3.0, 4.0, 0.0), atol=1e-9)

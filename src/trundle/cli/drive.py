@@ -92,10 +92,10 @@ def drive(
     from trundle.record.motion import Motion
     from trundle.sim import simulate
     from trundle.sim.mujoco.engine import import_engine
+    from trundle.teleop.drive import drive_in_window
+    from trundle.teleop.screen import TextMap
     from trundle.teleop.terminal import check_terminal, drive_by_keys
-    from trundle.teleop.text_map import TextMap
-    from trundle.teleop.window import drive_in_window
-    from trundle.viewer.watcher import open_window
+    from trundle.viewer.native import open_window
 
     by_hand = teleop or (browser and not command and like is None)
     if sum((by_hand, bool(command), like is not None)) != 1:

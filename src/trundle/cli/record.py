@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import options, output
-from trundle.messages.distros import DEFAULT
+from trundle.messages.codec import DEFAULT
 
 app = App(
     name="record",

@@ -38,8 +38,7 @@ def replay(
     from trundle.cli.shared.browser import open_browser
     from trundle.files.opening import is_file
     from trundle.mission.run_files import read_record
-    from trundle.page.folder_report import report_folder
-    from trundle.page.report import REPORT
+    from trundle.page.report import REPORT, report_folder
 
     check_given(run, RUN)
     read_record(run)

@@ -35,7 +35,7 @@ def report(
         run: The folder that trundle run wrote.
         out: The file, or a folder for report.html; default: report.html in the run's folder.
     """
-    from trundle.page.folder_report import report_folder
+    from trundle.page.report import report_folder
 
     check_given(run, RUN)
     target = None if out is None else options.output_file(out, "report.html", (".html",))

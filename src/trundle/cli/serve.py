@@ -52,8 +52,8 @@ def serve(
         port: Port to listen on; default: 8765, or a free one where that is taken.
         open_: Open the page in the browser, where there is one.
     """
-    from trundle.record.failed_run import record_failure
-    from trundle.serve.desk import Desk
+    from trundle.record.run_folder import record_failure
+    from trundle.serve.run_service import RunService
 
     factor = options.parse_speed(speed)
     told = nav2.Nav2Report()
@@ -62,14 +62,14 @@ def serve(
     with ExitStack() as opened:
         opened.enter_context(isaac.start_for(base))
         page = opened.enter_context(browser.serving(base, source=source, host=host, port=port))
-        desk = opened.enter_context(Desk(page.hub, base, _record, record_failure, speed=factor))
-        desk.preview(base)
+        service = opened.enter_context(RunService(page.hub, base, _record, record_failure, speed=factor))
+        service.preview(base)
         if json:
             output.print_json_line({"address": page.server.address, **told.facts})
         else:
             print(page.server.address, flush=True)
         browser.advise(page, opens=open_, quiet=quiet or json)
-        desk.serve()
+        service.serve()
     return 0
 
 

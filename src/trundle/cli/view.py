@@ -102,7 +102,7 @@ def _draw(
     place: World, machine: Robot, pose: Pose2D, camera: str, size: tuple[int, int], target: Path, *, quiet: bool
 ) -> dict[str, object]:
     """Write a picture, and say what it is of."""
-    from trundle.viewer.offscreen import render
+    from trundle.viewer.scene import render
 
     picture = render(place, machine, pose, size=size, camera=camera)
     picture.save(target)

@@ -16,23 +16,21 @@ import numpy as np
 
 from trundle.errors import InputError, TrundleError
 from trundle.evaluation.episode import EpisodeTask, facts_of, parts_of
-from trundle.evaluation.interim import InterimReports
-from trundle.evaluation.order import EpisodeOrder
 from trundle.evaluation.pool import Done, Failed, Pool
 from trundle.evaluation.pool.pool import MOST_WORKERS
+from trundle.evaluation.report.write import InterimReports
 from trundle.evaluation.row import Row
-from trundle.evaluation.schedule import GivenUp, Schedule
+from trundle.evaluation.schedule import EpisodeOrder, GivenUp, Schedule
 from trundle.evaluation.statistics import Interval, wilson
 from trundle.evaluation.store import Results, Store, code_versions
-from trundle.evaluation.store.layout import MANIFEST
-from trundle.evaluation.store.manifest import Stopped
+from trundle.evaluation.store.folder import MANIFEST, Stopped
 from trundle.evaluation.store.remote import is_remote, staged
 from trundle.evaluation.suite import EpisodeSpec, Suite
 from trundle.evaluation.suite.identity import unsampled_hash
 from trundle.values import check_count, check_number
 
 _SETUP_TRIES = 2
-"""A part that failed so often while it was set up is not tried again."""
+"""How often a part may fail while it is set up before it is not tried again: once by chance, twice is the part."""
 
 
 class InterruptedEvaluationError(TrundleError):
@@ -41,7 +39,7 @@ class InterruptedEvaluationError(TrundleError):
 
 @dataclass(slots=True)
 class Progress:
-    """How far an evaluation is.
+    """The progress of an evaluation.
 
     Attributes:
         folder: Where its rows are.
@@ -81,7 +79,7 @@ OnProgress = Callable[[Progress], None]
 
 
 def default_workers() -> int:
-    """One for each CPU that this process may use."""
+    """Return one worker for each CPU that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -104,13 +102,13 @@ def run_suite(
 
     Args:
         suite: What to run.
-        folder: Where the rows go; none means a new `runs/<time>-<name>`. An unfinished evaluation in it is continued.
+        folder: Where the rows go; by default a new `runs/<time>-<name>`. An unfinished evaluation in it is continued.
             With `ray` it may be in an object store (`s3://bucket/folder`).
-        workers: Number of worker processes, with `ray` on each node; none means one for each CPU.
+        workers: Number of worker processes, with `ray` on each node; by default one for each CPU.
         ray: Address of a Ray cluster to run on, or `auto`, which starts one on this machine.
         mixed: Continue although earlier rows were made by other code.
         overwrite: Delete the evaluation that the folder holds.
-        time_budget_s: Wall time [s] after which it stops, with the rows that it has; None means without limit.
+        time_budget_s: Wall time [s] after which it stops, with the rows that it has; by default there is no limit.
         on_progress: Called at the start and after every row, with `ray` after every shard.
 
     Returns:
@@ -194,19 +192,17 @@ def run_suite(
             if copy is not None:
                 copy.push((MANIFEST,))
         if interrupt is not None:
-            raise InterruptedEvaluationError(
+            text = (
                 f"stopped after {tally.progress.done:,} of {total:,} episodes; to continue, give the same command with "
-                f"-o {out}{_describe_flight(len(in_flight_s))}"
-            ) from interrupt
+                f"-o {out}"
+            )
+            if in_flight_s:
+                text += (
+                    f". Not counted: {len(in_flight_s):,} that had begun; slow episodes are more often among them, "
+                    "which flatters the figures"
+                )
+            raise InterruptedEvaluationError(text) from interrupt
     return out
-
-
-def _describe_flight(count: int) -> str:
-    if count == 0:
-        return ""
-    return (
-        f". Not counted: {count:,} that had begun; slow episodes are more often among them, which flatters the figures"
-    )
 
 
 def _note_rows(folder: Path, given_up: GivenUp) -> None:
@@ -244,7 +240,7 @@ class SuiteRunner:
     Args:
         suite: The suite.
         workers: Number of processes.
-        given_up: What is known of combinations that are given up; none means nothing.
+        given_up: The combinations that are given up; by default none is at first.
     """
 
     def __init__(self, suite: Suite, workers: int, given_up: GivenUp | None = None) -> None:
@@ -272,7 +268,7 @@ class SuiteRunner:
 
         Args:
             indices: Their numbers in the suite, in the order of `EpisodeOrder`.
-            until: When to stop, in terms of `time.monotonic` [s]; None means when all are done.
+            until: When to stop, in terms of `time.monotonic` [s]; by default when all are done.
 
         Raises:
             PoolSetupError: If no worker can be started.
@@ -285,7 +281,7 @@ class SuiteRunner:
         yield from self._take_refused()
 
     def in_flight_s(self) -> tuple[float, ...]:
-        """For how long the episodes have been driven that have begun and not ended [s], the longest first."""
+        """Return for how long the episodes have been driven that have begun and not ended [s], the longest first."""
         now = time.monotonic()
         return () if self._schedule is None else tuple(now - began for began in self._schedule.in_flight.values())
 
@@ -300,24 +296,22 @@ class SuiteRunner:
         self.close()
 
     def _is_left_out(self, index: int) -> bool:
-        """Whether it is not to be tried: it is given up, or needs a part that failed twice in set-up."""
+        """Whether an episode is not to be tried: it is given up, or needs a part that failed twice in set-up."""
         if self._given_up.has(index):
             return True
-        failure = self._refusal(index) if self._unprepared else None
-        if failure is not None:
-            self._refused.append(self._noted(row_of_failure(self._suite.spec(index), failure)))
-        return failure is not None
+        if not self._unprepared:
+            return False
+        spec = self._suite.spec(index)
+        for part in parts_of(spec):
+            failures = self._unprepared.get(part, [])
+            if len(failures) >= _SETUP_TRIES:
+                self._refused.append(self._noted(row_of_failure(spec, failures[0])))
+                return True
+        return False
 
     def _noted(self, row: Row) -> Row:
         self._given_up.note(row.index, row.outcome)
         return row
-
-    def _refusal(self, index: int) -> Failed | None:
-        for part in parts_of(self._suite.spec(index)):
-            failures = self._unprepared.get(part, [])
-            if len(failures) >= _SETUP_TRIES:
-                return failures[0]
-        return None
 
     def _row_of(self, outcome: Done | Failed) -> Row:
         if isinstance(outcome, Done):
@@ -333,7 +327,10 @@ class SuiteRunner:
 
 
 def row_of_failure(spec: EpisodeSpec, failure: Failed) -> Row:
-    """The row of an episode that did not end by itself; `failure` may be that of another one which needs the same."""
+    """Return the row of an episode that did not end by itself.
+
+    `failure` may be that of another episode which needs the same part.
+    """
     noted = failure.noted or {}
     known = facts_of(spec)
     if failure.job == spec.index:

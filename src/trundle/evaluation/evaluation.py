@@ -15,14 +15,13 @@ from trundle.evaluation.engine import OnProgress, run_suite
 from trundle.evaluation.episode import EpisodeTask
 from trundle.evaluation.moved_files import check_there, find_beside, use_map
 from trundle.evaluation.report.summary import count_outcomes, summarise
-from trundle.evaluation.report.write import HTML, SUMMARY, write_reports
+from trundle.evaluation.report.write import HTML, SUMMARY, write_apart, write_reports
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics import Comparison, Gate, GateResult, Interval, Table, compare, wilson
 from trundle.evaluation.store import Results, code_versions
-from trundle.evaluation.store.layout import SUITE, WRITTEN_AFTERWARDS
+from trundle.evaluation.store.folder import SUITE, WRITTEN_AFTERWARDS
 from trundle.evaluation.store.remote import staged
 from trundle.evaluation.suite import Suite
-from trundle.evaluation.writer import write_apart
 from trundle.maps import OccupancyGrid
 from trundle.mission import Scenario
 
@@ -48,14 +47,14 @@ def evaluate(
 
     Args:
         suite: A suite, the path of one, the name of one that trundle ships, or the fields of one.
-        workers: Number of worker processes, with `ray` on each node; none means one for each CPU.
+        workers: Number of worker processes, with `ray` on each node; by default one for each CPU.
         ray: Address of a Ray cluster to run on, or `auto`, which starts one on this machine (extra `ray`).
-        out: Folder for the rows and the report; none means a new `runs/<time>-<name>`. An unfinished evaluation in it
+        out: Folder for the rows and the report; by default a new `runs/<time>-<name>`. An unfinished evaluation in it
             is continued. With `ray` it may be in an object store (`s3://bucket/folder`).
         mixed: Continue although earlier rows were made by other code.
         overwrite: Delete the evaluation that the folder holds.
-        time_budget_s: Wall time [s] after which it stops, with the rows that it has; none means without limit. The same
-            call with this folder as `out` continues it.
+        time_budget_s: Wall time [s] after which it stops, with the rows that it has; by default there is no limit. The
+            same call with this folder as `out` continues it.
         on_progress: Called at the start and after every episode.
 
     Raises:
@@ -93,7 +92,7 @@ class Evaluation:
     Args:
         folder: The folder that `trundle evaluate` wrote, also one in an object store, of which a copy is read; its
             evaluation may be unfinished.
-        suite: The suite, where it is known; none reads the folder's, which has no Python objects.
+        suite: The suite, where it is known. By default that of the folder is read, which has no Python objects.
 
     Attributes:
         folder: The folder.
@@ -128,7 +127,7 @@ class Evaluation:
 
     @cached_property
     def suite(self) -> Suite:
-        """What was run."""
+        """The suite that was run."""
         return self._suite or find_beside(Suite.load(self._copy.folder / SUITE), self._copy.folder)
 
     @cached_property
@@ -169,7 +168,7 @@ class Evaluation:
         return self.results.query(sql)
 
     def gates(self, require: Sequence[str] | None = None) -> list[GateResult]:
-        """Judge it by requirements; none means the suite's.
+        """Judge it by requirements, by default those of the suite.
 
         Raises:
             InputError: If one cannot be read, or names what there is not.
@@ -197,8 +196,8 @@ class Evaluation:
 
         Args:
             prefix: The start of its id.
-            map: Its map, or the file of its world, or the folder that holds it, where that has moved; none means where
-                the suite says, or else beside the folder's suite.yaml.
+            map: Its map, or the file of its world, or the folder that holds it, where that has moved. By default it is
+                where the suite says, or else beside the folder's suite.yaml.
 
         Raises:
             InputError: If there is none or more than one, or its map is not there, or is another one.
@@ -232,8 +231,9 @@ class Evaluation:
         """Write report.html, junit.xml and summary.json into the folder.
 
         Args:
-            require: What to judge by; none means the suite's requirements.
-            apart: In a separate process, whose memory is free afterwards; none means for more than 100,000 episodes.
+            require: The requirements to judge by; by default those of the suite.
+            apart: Whether a separate process writes them, whose memory is free afterwards. By default it does for more
+                than 100,000 episodes.
 
         Returns:
             The path of report.html.

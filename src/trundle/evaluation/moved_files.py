@@ -16,7 +16,7 @@ from trundle.files.opening import exists
 
 
 def find_beside(suite: Suite, folder: Path) -> Suite:
-    """The suite with the files of a folder in place of those that are not where it says."""
+    """Return the suite with the files of a folder in place of those that are not where it says."""
 
     def moved(path: str) -> str:
         beside = folder / Path(path).name
@@ -26,13 +26,14 @@ def find_beside(suite: Suite, folder: Path) -> Suite:
 
 
 def use_map(suite: Suite, row: Row, place: str | os.PathLike[str], versions: tuple[Mapping[str, str], ...]) -> Suite:
-    """The suite with a map, or a world's file, in place of the one that an episode was driven in.
+    """Return the suite with a map, or a world's file, in place of the one that an episode was driven in.
 
     Args:
-        suite: Of the evaluation.
-        row: Of the episode.
+        suite: The suite of the evaluation.
+        row: The row of the episode.
         place: The file, or the folder that holds it.
-        versions: Of the code that made the row, and of the code here; where they are equal, the content is compared.
+        versions: Versions of the code that made the row, and of the code here; where they are equal, the content is
+            compared.
 
     Raises:
         InputError: If it is not there, or is another map than that of the episode.

@@ -1,10 +1,15 @@
-"""`Row`: what an evaluation keeps of one episode."""
+"""`Row`: what an evaluation keeps of one episode, its trail in few points among it."""
 
 from __future__ import annotations
 
+import heapq
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any, Self
+
+import numpy as np
+
+from trundle.geometry import FloatArray
 
 MEASURED = ("planning_ms", "cpu_s", "wall_s")
 """Columns that depend on how fast the machine is; all others are the same whenever an episode is run again."""
@@ -21,9 +26,9 @@ class Row:
         world: Label of the world.
         robot: Name of the robot.
         planner: Label of the planner: its name, with the options that the suite crosses.
-        controller: Likewise.
-        backend: Likewise.
-        seed: Of the mission.
+        controller: Label of the controller, likewise.
+        backend: Label of the simulator, likewise.
+        seed: Seed of the mission.
         settings: Other settings that the suite crosses, as `name=value`, separated by spaces; empty without any.
         outcome: As `trundle.Outcome`, or `crashed`, `hung`, `out_of_memory` or `error`.
         message: The outcome in words.
@@ -121,11 +126,11 @@ class Row:
 
     @classmethod
     def columns(cls) -> tuple[str, ...]:
-        """Names of the columns, in order."""
+        """Return the names of the columns, in order."""
         return tuple(field.name for field in fields(cls))
 
     def as_dict(self) -> dict[str, Any]:
-        """The row as plain values, for JSON."""
+        """Return the row as plain values, for JSON."""
         return {**asdict(self), "trail": list(self.trail), "vary": None if self.vary is None else dict(self.vary)}
 
     @classmethod
@@ -135,5 +140,45 @@ class Row:
         return cls(**{**known, "trail": tuple(known.get("trail") or ())})
 
     def unmeasured(self) -> dict[str, Any]:
-        """All but the measured columns: equal whenever and wherever the episode is run with the same code."""
+        """Return all but the measured columns: equal whenever and wherever the episode is run with the same code."""
         return {name: value for name, value in self.as_dict().items() if name not in MEASURED}
+
+
+MOST_POINTS = 64
+_CLOSE_M = 0.01
+
+
+def simplify(points: FloatArray, most: int = MOST_POINTS) -> tuple[float, ...]:
+    """Keep few points of a line from which all others are near; those that are farthest off come first.
+
+    Args:
+        points: (x, y) [m], shape (N, 2), N ≥ 1.
+        most: How many points to keep at most.
+
+    Returns:
+        x0, y0, x1, y1, … [m], rounded to 1 cm, with both ends.
+    """
+    last = len(points) - 1
+    kept = {0, last}
+    parts = [_farthest(points, 0, last)]
+    while parts and len(kept) < most:
+        gap, first, split, end = heapq.heappop(parts)
+        if -gap <= _CLOSE_M:
+            break
+        kept.add(split)
+        heapq.heappush(parts, _farthest(points, first, split))
+        heapq.heappush(parts, _farthest(points, split, end))
+    return tuple(float(number) for number in np.round(points[sorted(kept)], 2).ravel())
+
+
+def _farthest(points: FloatArray, first: int, last: int) -> tuple[float, int, int, int]:
+    """Return the point that is farthest from the line between two: minus its distance, and the three numbers."""
+    if last - first < 2:
+        return 0.0, first, first, last
+    start, along = points[first], points[last] - points[first]
+    offsets = points[first + 1 : last] - start
+    squared = float(along @ along)
+    share = np.clip(offsets @ along / squared, 0.0, 1.0) if squared > 0.0 else np.zeros(len(offsets))
+    gaps = np.hypot(*(offsets - share[:, None] * along).T)
+    split = int(gaps.argmax())
+    return -float(gaps[split]), first, first + 1 + split, last

@@ -3,10 +3,10 @@
 The libraries that read USD, MJCF and meshes are native, and a bad file can crash them, hang them or exhaust the memory.
 Here that happens to a child process: it gets the name of a trundle function and its arguments, and returns the result
 with all warnings and errors. The child protects against accidents and bad files; it is not a sandbox, and its replies
-are trusted.
+are trusted. `process` starts this child and those of other packages.
 """
 
 from trundle.guard.limits import ReadLimits, read_limits
-from trundle.guard.process import Child, ReadCall, in_kit, read_guarded
+from trundle.guard.reading import Child, ReadCall, in_kit, read_guarded
 
 __all__ = ["Child", "ReadCall", "ReadLimits", "in_kit", "read_guarded", "read_limits"]

@@ -1,7 +1,6 @@
-"""The child process: calls functions by name, one after the other, until its input ends.
+"""The child that reads untrusted files: it calls functions by name, one after the other, until its input ends.
 
-Run as a script by `process.py`, so that nothing is imported before the search path is set to the parent's. Requests
-and replies are pickles, on standard input and on the original standard output.
+Requests and replies are pickles, on standard input and on the original standard output.
 """
 
 from __future__ import annotations
@@ -18,8 +17,7 @@ import traceback
 import warnings
 from typing import Any
 
-PROTOCOL = 5
-"""Pickle protocol: the first that keeps arrays read-only."""
+from trundle.guard.process import PROTOCOL
 
 READY, RESULT, ERROR, FAULT, NO_MEMORY, TOO_DEEP = "ready", "result", "error", "fault", "no memory", "too deep"
 
@@ -39,17 +37,19 @@ class _Notes(logging.Handler):
         self.records.append((record.name, record.levelno, record.getMessage()))
 
 
-def main() -> None:
-    """Answer requests."""
+def main(start: dict[str, Any]) -> None:
+    """Answer requests until there are no more.
+
+    Args:
+        start: The start message of `process.start_python`.
+    """
+    _die_with(start["parent"])
     requests = os.fdopen(os.dup(0), "rb")
     replies = os.fdopen(os.dup(1), "wb")
     # Readers may print, which must not mix with the replies.
     nowhere = os.open(os.devnull, os.O_RDWR)
     os.dup2(nowhere, 0)
     os.dup2(2, 1)
-    start = pickle.load(requests)
-    _die_with(start["parent"])
-    sys.path[:] = start["path"]
     while True:
         try:
             request = pickle.load(requests)
@@ -158,7 +158,3 @@ def _die_with(parent: int) -> None:
     control(_PR_SET_DUMPABLE, 0, 0, 0, 0)
     if os.getppid() != parent:
         os._exit(1)
-
-
-if __name__ == "__main__":
-    main()

@@ -10,6 +10,8 @@ from trundle.errors import InputError
 
 SECONDS = 20.0
 GIGABYTES = 2.0
+"""The usual limits. Higher ones let a bad file hang a program for longer, or fill the memory of a small machine; lower
+ones refuse more of the large scenes that people do use, on a busy machine first."""
 
 SECONDS_VARIABLE = "TRUNDLE_READ_SECONDS"
 GIGABYTES_VARIABLE = "TRUNDLE_READ_GIGABYTES"
@@ -23,7 +25,7 @@ class ReadLimits:
     Attributes:
         seconds: Time limit, counted from when the child is ready [s].
         gigabytes: Address space in addition to what the child uses before it reads [GB].
-        trusted: Read in this process, without limits.
+        trusted: Whether to read in this process, without limits.
     """
 
     seconds: float = SECONDS
@@ -34,12 +36,12 @@ class ReadLimits:
 def read_limits(
     *, trusted: bool | None = None, time_limit_s: float | None = None, memory_limit_gb: float | None = None
 ) -> ReadLimits:
-    """ReadLimits as given; else from the environment; else the defaults.
+    """Return the limits that are given, or else those of the environment, or else the defaults.
 
     Args:
-        trusted: Read in this process; None means TRUNDLE_TRUSTED (0 or 1).
-        time_limit_s: [s]; None means TRUNDLE_READ_SECONDS, or 20.
-        memory_limit_gb: [GB]; None means TRUNDLE_READ_GIGABYTES, or 2.
+        trusted: Whether to read in this process; by default TRUNDLE_TRUSTED says so (0 or 1).
+        time_limit_s: Time limit [s]; by default TRUNDLE_READ_SECONDS, or else 20.
+        memory_limit_gb: Limit of the added memory [GB]; by default TRUNDLE_READ_GIGABYTES, or else 2.
 
     Raises:
         InputError: If a value is invalid.

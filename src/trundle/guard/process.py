@@ -1,342 +1,140 @@
-"""The parent's side: starting the child, waiting for it with a limit, and interpreting its exit."""
+"""Child processes: how they are started, told what to do, and killed, and what their end and their output mean.
+
+Used by the child that reads untrusted files, the workers of an evaluation, and the child in the user's ROS.
+"""
 
 from __future__ import annotations
 
 import contextlib
-import importlib
-import io
-import logging
 import os
 import pickle
-import selectors
 import signal
 import subprocess
 import sys
-import time
-import warnings
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Self, cast
+from typing import IO, Any
 
-from trundle.errors import InputError
-from trundle.guard import child as code
-from trundle.guard.limits import GIGABYTES_VARIABLE, SECONDS_VARIABLE, ReadLimits
+from trundle.guard import start as script
 
-logger = logging.getLogger(__name__)
+PROTOCOL = 5
+"""The pickle protocol of messages: the first that keeps arrays read-only."""
 
-START_SECONDS = 60.0
-"""Time limit for the child's own start, generous for a busy machine."""
-
-_ENDED_SECONDS = 5.0
-_TAIL_BYTES = 4096
-_CHUNK = 1 << 20
-
-# One thread per library: the limit is on address space, which threads use for stacks and arenas.
-_ENVIRONMENT = {
-    "OPENBLAS_NUM_THREADS": "1",
-    "OMP_NUM_THREADS": "1",
-    "PXR_WORK_THREAD_LIMIT": "1",
-    "MALLOC_ARENA_MAX": "2",
-    "MUJOCO_GL": "disable",
-    # USD writes crash reports there: without the folder, no report.
-    "TMPDIR": "/dev/null/none",
-}
+_OUT_OF_MEMORY = ("bad_alloc", "MemoryError", "llocate memory", "Unable to allocate")
 
 
-class _TooLateError(Exception):
-    """The child did not answer in time."""
+def start_process(
+    command: Sequence[str],
+    *,
+    environ: Mapping[str, str] | None = None,
+    stdin: int = subprocess.DEVNULL,
+    stdout: int = subprocess.DEVNULL,
+    stderr: int = subprocess.DEVNULL,
+    pass_fds: Sequence[int] = (),
+) -> subprocess.Popen[bytes]:
+    """Start a program as the leader of a session of its own.
 
-
-class _GoneError(Exception):
-    """The child ended without an answer."""
-
-
-def in_kit() -> bool:
-    """Whether this is Isaac Sim's Kit, whose own USD is available in no other process."""
-    return "omni.kit.app" in sys.modules or "omni.kit_app" in sys.modules or "carb" in sys.modules
-
-
-@dataclass(frozen=True, slots=True)
-class ReadCall:
-    """A call of a function of trundle that reads a file.
-
-    Attributes:
-        target: The function, as `"module:function"`.
-        args: Its arguments, plain values.
-        what: The file, for messages.
-        error: Type of the exception if the child fails.
-        limits: Limits of time and memory.
-        kwargs: As `args`.
-        imports: Libraries loaded before the limits apply; they may be missing.
-    """
-
-    target: str
-    args: tuple[Any, ...]
-    what: str
-    error: type[InputError]
-    limits: ReadLimits
-    kwargs: Mapping[str, Any] = field(default_factory=dict[str, Any])
-    imports: tuple[str, ...] = ()
-
-
-def read_guarded(call: ReadCall, *, stacklevel: int = 1) -> Any:
-    """Make a call in a child, or in this process if it is trusted or runs in Kit.
+    So Ctrl-C is for this process alone, which ends its children in order, and `kill_group` kills what a child started
+    with it.
 
     Args:
-        call: The call.
-        stacklevel: Stack level of warnings; 1 is the caller.
-
-    Returns:
-        The function's result; its arrays are read-only.
+        command: The program and its arguments.
+        environ: The environment; by default that of this process.
+        stdin: As for `subprocess.Popen`; by default it is at its end.
+        stdout: As for `subprocess.Popen`; by default it is dropped.
+        stderr: As for `subprocess.Popen`; by default it is dropped.
+        pass_fds: File descriptors that the program inherits.
 
     Raises:
-        InputError: Of the type `call.error`, if the file takes too much time or memory, or crashes the reader.
-        Exception: Whatever the function raises.
-
-    Warns:
-        As the function.
+        OSError: If the program cannot be started.
     """
-    if call.limits.trusted or in_kit():
-        module, _, name = call.target.partition(":")
-        return getattr(importlib.import_module(module), name)(*call.args, **call.kwargs)
-    with Child() as child:
-        return child.read(call, stacklevel=stacklevel + 1)
-
-
-class Child:
-    """A process that reads files, one after the other; it starts when it is first needed, and again after a crash."""
-
-    def __init__(self) -> None:
-        self._process: subprocess.Popen[bytes] | None = None
-        self._pipe: _Pipe | None = None
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def read(self, call: ReadCall, *, stacklevel: int = 1) -> Any:
-        """Make a call in the child; see `read_guarded`."""
-        what, error, limits = call.what, call.error, call.limits
-        request = {
-            "target": call.target,
-            "args": call.args,
-            "kwargs": dict(call.kwargs),
-            "imports": call.imports,
-            "seconds": limits.seconds,
-            "bytes": int(limits.gigabytes * 1e9),
-            "log_level": logging.getLogger("trundle").getEffectiveLevel(),
-        }
-        try:
-            kind, content = self._ask(_pickled(what, request, error), limits.seconds)
-        except _TooLateError:
-            self.close()
-            raise error(
-                f"{what}: reading it took longer than {limits.seconds:g} s; raise the limit with time_limit_s=… or "
-                f"{SECONDS_VARIABLE}=…, or use trusted=True if you trust the file"
-            ) from None
-        except _GoneError:
-            raise error(f"{what}: {self._describe_end(limits)}") from None
-        except OSError as problem:
-            self.close()
-            raise error(
-                f"{what}: the process that reads it cannot be started: {problem.strerror or problem}; trusted=True "
-                "reads it here"
-            ) from problem
-        except BaseException:
-            self.close()
-            raise
-        value, remarks, records = content
-        _repeat(remarks, records, stacklevel + 1)
-        match kind:
-            case code.RESULT:
-                return value
-            case code.NO_MEMORY:
-                raise error(f"{what}: {_too_much(limits)}")
-            case code.TOO_DEEP:
-                raise error(f"{what}: it is nested too deeply to be read")
-            case code.ERROR:
-                problem, text = cast("tuple[Exception, str]", value)
-                if isinstance(problem, InputError) and _is_out_of_memory(str(problem)):
-                    raise error(f"{what}: {_too_much(limits)}") from problem
-                if not isinstance(problem, InputError | ImportError):
-                    problem.add_note(f"In the process that read {what}:\n{text}")
-                raise problem
-            case _:
-                raise RuntimeError(f"In the process that read {what}:\n{value}")
-
-    def close(self) -> None:
-        """Kill the child."""
-        process, self._process = self._process, None
-        pipe, self._pipe = self._pipe, None
-        if process is None:
-            return
-        _kill(process)
-        with contextlib.suppress(OSError):
-            cast("io.BufferedWriter", process.stdin).close()
-        if pipe is not None:
-            pipe.close()
-        process.wait()
-
-    def _ask(self, request: bytes, seconds: float) -> tuple[str, Any]:
-        pipe = self._pipe or self._start()
-        process = cast("subprocess.Popen[bytes]", self._process)
-        requests = cast("io.BufferedWriter", process.stdin)
-        pipe.deadline = time.monotonic() + START_SECONDS
-        try:
-            requests.write(request)
-            requests.flush()
-        except BrokenPipeError:
-            raise _GoneError from None
-        for wait in (None, seconds):
-            if wait is not None:
-                pipe.deadline = time.monotonic() + wait
-            try:
-                reply = pickle.load(pipe.buffered)
-            except (EOFError, pickle.UnpicklingError) as problem:
-                raise _GoneError from problem
-        return reply
-
-    def _start(self) -> _Pipe:
-        if not sys.executable:
-            raise OSError("this Python does not say where it is")
-        self._process = subprocess.Popen(
-            [sys.executable, "-P", os.fspath(Path(code.__file__))],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            env={**os.environ, **_ENVIRONMENT},
-            start_new_session=True,
-        )
-        self._pipe = _Pipe(self._process)
-        package = Path(__file__).parent.parent
-        # Without the empty entry, which is the current folder: that may be the one of the file.
-        path = [*filter(None, sys.path), os.fspath(package.parent)]
-        requests = cast("io.BufferedWriter", self._process.stdin)
-        with contextlib.suppress(BrokenPipeError):
-            requests.write(pickle.dumps({"path": path, "parent": os.getpid()}, code.PROTOCOL))
-        return self._pipe
-
-    def _describe_end(self, limits: ReadLimits) -> str:
-        """Describe why the child ended."""
-        process, pipe = cast("subprocess.Popen[bytes]", self._process), cast("_Pipe", self._pipe)
-        try:
-            status = process.wait(_ENDED_SECONDS)
-        except subprocess.TimeoutExpired:
-            status = 0
-        pipe.drain()
-        said = pipe.tail.decode(errors="replace")
-        self.close()
-        logger.debug("the process that reads files ended with %d: %s", status, said)
-        if _is_out_of_memory(said):
-            return _too_much(limits)
-        if status < 0:
-            try:
-                name = signal.Signals(-status).name
-            except ValueError:
-                name = f"signal {-status}"
-            return f"the reader crashed on it ({name}): the file is damaged, or nested too deeply"
-        last = said.strip().splitlines()[-1:] or [f"status {status}"]
-        return f"the process that reads it ended: {last[0]}"
-
-
-class _Pipe(io.RawIOBase):
-    """The child's replies, read until a deadline; the end of its printed output is kept separately.
-
-    Attributes:
-        deadline: In terms of time.monotonic() [s].
-        tail: The end of what the child printed.
-        buffered: Buffered reader of this, for `pickle`.
-    """
-
-    def __init__(self, process: subprocess.Popen[bytes]) -> None:
-        super().__init__()
-        self._files = [cast("io.BufferedReader", file) for file in (process.stdout, process.stderr)]
-        self._replies, self._prints = (file.fileno() for file in self._files)
-        self._selector = selectors.DefaultSelector()
-        for number in (self._replies, self._prints):
-            self._selector.register(number, selectors.EVENT_READ)
-        self.deadline = time.monotonic() + START_SECONDS
-        self.tail = b""
-        self.buffered = io.BufferedReader(self, _CHUNK)
-
-    def readable(self) -> bool:
-        """Always."""
-        return True
-
-    def readinto(self, buffer: Any) -> int:
-        """Read some bytes.
-
-        Raises:
-            _TooLateError: If there are none by the deadline.
-        """
-        while True:
-            left = self.deadline - time.monotonic()
-            ready = {key.fd for key, _ in self._selector.select(max(0.0, left))}
-            if self._prints in ready:
-                self._keep_print()
-            if self._replies in ready:
-                return os.readv(self._replies, [buffer])
-            if left <= 0.0:
-                raise _TooLateError
-
-    def drain(self) -> None:
-        """Keep the rest of what an ended child printed."""
-        while self._prints in {key.fd for key, _ in self._selector.select(0.0)}:
-            self._keep_print()
-
-    def close(self) -> None:
-        """Close both pipes."""
-        if not self.closed:
-            self._selector.close()
-            for file in self._files:
-                file.close()
-        super().close()
-
-    def _keep_print(self) -> None:
-        text = os.read(self._prints, _CHUNK)
-        if not text:
-            self._selector.unregister(self._prints)
-        self.tail = (self.tail + text)[-_TAIL_BYTES:]
-
-
-def _pickled(what: str, request: dict[str, Any], error: type[InputError]) -> bytes:
-    try:
-        return pickle.dumps(request, code.PROTOCOL)
-    except (pickle.PicklingError, TypeError, AttributeError) as problem:
-        raise error(f"{what}: its options must be plain values: {problem}") from problem
-
-
-def _repeat(remarks: Any, records: Any, stacklevel: int) -> None:
-    """Repeat the child's warnings and log records here."""
-    for name, level, text in records:
-        logging.getLogger(name).log(level, "%s", text)
-    for message, category, filename, line in remarks:
-        if category.__module__ == "trundle.errors":
-            warnings.warn(message, category, stacklevel=stacklevel + 1)
-        else:
-            warnings.warn_explicit(message, category, filename, line)
-
-
-def _is_out_of_memory(text: str) -> bool:
-    """Whether a library's message means that it ran out of memory."""
-    return any(sign in text for sign in ("bad_alloc", "MemoryError", "llocate memory", "Unable to allocate"))
-
-
-def _too_much(limits: ReadLimits) -> str:
-    return (
-        f"reading it takes more than {limits.gigabytes:g} GB of memory; raise the limit with memory_limit_gb=… or "
-        f"{GIGABYTES_VARIABLE}=…, or use trusted=True if you trust the file"
+    return subprocess.Popen(
+        command, stdin=stdin, stdout=stdout, stderr=stderr, pass_fds=pass_fds, env=environ, start_new_session=True
     )
 
 
-def _kill(process: subprocess.Popen[bytes]) -> None:
-    if process.poll() is not None:
-        return
-    with contextlib.suppress(ProcessLookupError):
+def start_python(
+    run: str,
+    message: Mapping[str, Any],
+    *,
+    path: Sequence[str],
+    environ: Mapping[str, str],
+    stdout: int = subprocess.PIPE,
+    stderr: int = subprocess.PIPE,
+    pass_fds: Sequence[int] = (),
+) -> subprocess.Popen[bytes]:
+    """Start a child with this Python, which calls a function of trundle.
+
+    Args:
+        run: The function, as `"module:function"`. It is called with the start message.
+        message: The start message; `path` and `parent` (the id of this process) are added to it.
+        path: The child's search path.
+        environ: Variables of the environment besides those of this process.
+        stdout: As for `subprocess.Popen`.
+        stderr: As for `subprocess.Popen`.
+        pass_fds: File descriptors that the child inherits.
+
+    Returns:
+        The child; its standard input is a pipe, which stays open after the start message.
+
+    Raises:
+        OSError: If the child cannot be started.
+    """
+    if not sys.executable:
+        raise OSError("this Python does not say where it is (sys.executable)")
+    process = start_process(
+        # With -P the folder of the script is not on the search path: its modules are not those of the same names.
+        [sys.executable, "-P", os.fspath(Path(script.__file__)), run],
+        environ={**os.environ, **environ},
+        stdin=subprocess.PIPE,
+        stdout=stdout,
+        stderr=stderr,
+        pass_fds=pass_fds,
+    )
+    content = pickle.dumps({**message, "path": list(path), "parent": os.getpid()}, PROTOCOL)
+    requests = input_of(process)
+    with contextlib.suppress(BrokenPipeError):  # the child has ended, which whoever waits for it finds
+        requests.write(len(content).to_bytes(script.LENGTH_BYTES, "big") + content)
+        requests.flush()
+    return process
+
+
+def input_of(process: subprocess.Popen[bytes]) -> IO[bytes]:
+    """Return this end of a child's standard input, which must be a pipe."""
+    if process.stdin is None:
+        raise RuntimeError("the child has no standard input")
+    return process.stdin
+
+
+def close_input(process: subprocess.Popen[bytes]) -> None:
+    """Close a child's standard input; what it has not read of it is lost if it has ended."""
+    with contextlib.suppress(OSError):
+        input_of(process).close()
+
+
+def kill_group(process: subprocess.Popen[bytes]) -> None:
+    """Kill a child and what it has started; also what it has left behind, if it has ended itself."""
+    with contextlib.suppress(ProcessLookupError, PermissionError):
         if hasattr(os, "killpg"):
             os.killpg(process.pid, signal.SIGKILL)
         else:
             process.kill()
+
+
+def signal_name(number: int) -> str:
+    """Return a signal's name ("SIGSEGV"), or "signal 77" for one that has none."""
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
+
+
+def last_line(output: str) -> str:
+    """Return the last line of an output that is not blank: of a traceback, the error; "" without one."""
+    lines = output.strip().splitlines()
+    return lines[-1].strip() if lines else ""
+
+
+def says_out_of_memory(text: str) -> bool:
+    """Return whether a library's message means that it ran out of memory."""
+    return any(sign in text for sign in _OUT_OF_MEMORY)

@@ -10,17 +10,16 @@ from typing import TYPE_CHECKING
 from trundle.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from trundle.messages.codec import Codec
-    from trundle.messages.distros import DISTROS, Distro
+    from trundle.messages.codec import DISTROS, Codec, Distro
     from trundle.messages.makers import MessageMaker
     from trundle.messages.qos import Qos
 
 __getattr__ = lazy_names(
     __name__,
     {
-        "DISTROS": "trundle.messages.distros",
+        "DISTROS": "trundle.messages.codec",
         "Codec": "trundle.messages.codec",
-        "Distro": "trundle.messages.distros",
+        "Distro": "trundle.messages.codec",
         "MessageMaker": "trundle.messages.makers",
         "Qos": "trundle.messages.qos",
     },

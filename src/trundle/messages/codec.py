@@ -1,16 +1,29 @@
-"""`Codec`: the message types of one ROS 2 distribution, and their bytes."""
+"""`Distro`: the ROS 2 distributions that are known; `Codec`: the message types of one, and their bytes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 from trundle.errors import InputError, MissingExtraError, UnknownNameError
-from trundle.messages.distros import DEFAULT, DISTROS, Distro
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import FieldDesc
     from rosbags.typesys.store import Typestore
+
+Distro: TypeAlias = Literal["humble", "jazzy", "kilted", "lyrical"]
+"""A distribution of ROS 2."""
+
+DISTROS: tuple[Distro, ...] = get_args(Distro)
+"""All of them, oldest first."""
+
+DEFAULT: Distro = "jazzy"
+
+STAMPED_COMMANDS = frozenset[Distro]({"kilted", "lyrical"})
+"""The distributions in which Nav2 sends geometry_msgs/TwistStamped on /cmd_vel by default, and no longer Twist."""
+
+OLD_BAGS = frozenset[Distro]({"humble"})
+"""The distributions whose rosbag2 writes QoS settings as numbers, and metadata of version 5."""
 
 INSTALL = 'pip install "trundle[record]"'
 
@@ -59,7 +72,7 @@ class Codec:
             raise InputError(f"a message of type {type_name} cannot be made: {error}") from error
 
     def kind(self, type_name: str) -> Any:
-        """The class of a message type.
+        """Return the class of a message type.
 
         Raises:
             UnknownNameError: If the distribution has no such type.
@@ -73,7 +86,7 @@ class Codec:
         return type_name in self._store.types
 
     def fields(self, type_name: str) -> Mapping[str, FieldDesc]:
-        """The fields of a type, as rosbags describes them.
+        """Return the fields of a type, as rosbags describes them.
 
         Raises:
             UnknownNameError: If the distribution has no such type.
@@ -109,7 +122,7 @@ class Codec:
             raise InputError(f"not the text of {type_name}: {error}") from error
 
     def encode(self, message: Any) -> bytes:
-        """The CDR bytes of a message, little-endian, with their header of four bytes."""
+        """Return the CDR bytes of a message, little-endian, with their header of four bytes."""
         return bytes(self._store.serialize_cdr(message, message.__msgtype__))
 
     def decode(self, type_name: str, data: bytes) -> Any:
@@ -126,12 +139,12 @@ class Codec:
             raise InputError(f"not the bytes of a {type_name}: {error}") from error
 
     def definition(self, type_name: str) -> str:
-        """The text of a type and of all types in it, as a bag's schema has it."""
+        """Return the text of a type and of all types in it, as a bag's schema has it."""
         self.kind(type_name)
         return self._store.generate_msgdef(type_name, ros_version=2)[0]
 
     def type_hash(self, type_name: str) -> str:
-        """The hash of a type, `RIHS01_…` (REP-2016)."""
+        """Return the hash of a type, `RIHS01_…` (REP-2016)."""
         if type_name not in self._hashes:
             self.kind(type_name)
             self._hashes[type_name] = self._store.hash_rihs01(type_name)

@@ -1,4 +1,4 @@
-"""`MessageMaker`: ROS messages from trundle's values."""
+"""`MessageMaker`: ROS messages from trundle's values; `scan_topic`: where a lidar's scans are."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import numpy.typing as npt
 from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
-from trundle.messages.codec import Codec
-from trundle.messages.distros import STAMPED_COMMANDS
+from trundle.messages.codec import STAMPED_COMMANDS, Codec
 from trundle.observation import Scan
+from trundle.robots import Robot
 from trundle.sim.simulator import MoverState
 
 _MARKER_RED, _MARKER_GREEN, _MARKER_BLUE = 0.85, 0.33, 0.1
@@ -22,7 +22,7 @@ _LINE_WIDTH_M = 0.05
 
 
 def cost_values() -> npt.NDArray[np.int8]:
-    """What each of Nav2's costs, 0 to 255, is in a nav_msgs/OccupancyGrid: as its Costmap2DPublisher writes it."""
+    """Return what each of Nav2's costs, 0 to 255, is in a nav_msgs/OccupancyGrid, as Costmap2DPublisher writes it."""
     table = np.zeros(256, dtype=np.int8)
     costs = np.arange(1, 253)
     table[1:253] = 1 + (97 * (costs - 1)) // 251
@@ -30,11 +30,16 @@ def cost_values() -> npt.NDArray[np.int8]:
     return table
 
 
+def scan_topic(lidar: str, robot: Robot) -> str:
+    """Return the topic of a lidar: /scan if it is the robot's only one, else /<its name>/scan."""
+    return "/scan" if list(robot.lidars) == [lidar] else f"/{lidar}/scan"
+
+
 class MessageMaker:
     """Makes messages of a codec's distribution; times are in seconds, and become stamps.
 
     Args:
-        codec: Of the distribution.
+        codec: The codec of the distribution.
     """
 
     def __init__(self, codec: Codec) -> None:
@@ -59,20 +64,20 @@ class MessageMaker:
     # Parts of messages ----------------------------------------------------------------------------------------------
 
     def stamp(self, time: float) -> Any:
-        """A time [s] as builtin_interfaces/Time."""
+        """Make a time [s] as builtin_interfaces/Time."""
         seconds, nanoseconds = divmod(round(time * 1e9), 1_000_000_000)
         return self._time(sec=seconds, nanosec=nanoseconds)
 
     def header(self, time: float, frame: str) -> Any:
-        """A std_msgs/Header."""
+        """Make a std_msgs/Header."""
         return self._header(stamp=self.stamp(time), frame_id=frame)
 
     def pose(self, pose: Pose2D, z: float = 0.0) -> Any:
-        """A geometry_msgs/Pose."""
+        """Make a geometry_msgs/Pose."""
         return self._pose(position=self._point(pose.x, pose.y, z), orientation=self._turn(pose.yaw))
 
     def twist(self, twist: Twist2D) -> Any:
-        """A geometry_msgs/Twist."""
+        """Make a geometry_msgs/Twist."""
         return self._twist(linear=self._vector(twist.v, 0.0, 0.0), angular=self._vector(0.0, 0.0, twist.w))
 
     def _turn(self, yaw: float) -> Any:
@@ -81,11 +86,11 @@ class MessageMaker:
     # Messages -------------------------------------------------------------------------------------------------------
 
     def clock(self, time: float) -> Any:
-        """A rosgraph_msgs/Clock."""
+        """Make a rosgraph_msgs/Clock."""
         return self.codec.make("rosgraph_msgs/msg/Clock", clock=self.stamp(time))
 
     def transform(self, time: float, parent: str, child: str, pose: Pose2D, z: float = 0.0) -> Any:
-        """A geometry_msgs/TransformStamped: the pose of the child frame in the parent frame."""
+        """Make a geometry_msgs/TransformStamped: the pose of the child frame in the parent frame."""
         return self._stamped_transform(
             header=self.header(time, parent),
             child_frame_id=child,
@@ -96,11 +101,11 @@ class MessageMaker:
         )
 
     def transforms(self, transforms: Sequence[Any]) -> Any:
-        """A tf2_msgs/TFMessage."""
+        """Make a tf2_msgs/TFMessage."""
         return self.codec.make("tf2_msgs/msg/TFMessage", transforms=list(transforms))
 
     def odometry(self, time: float, frame: str, child: str, pose: Pose2D, twist: Twist2D) -> Any:
-        """A nav_msgs/Odometry, whose covariances are zero: not known."""
+        """Make a nav_msgs/Odometry, whose covariances are zero: not known."""
         kind = self.codec.kind
         return self.codec.make(
             "nav_msgs/msg/Odometry",
@@ -113,11 +118,11 @@ class MessageMaker:
         )
 
     def scan(self, scan: Scan, frame: str, *, range_step: float = 0.0) -> Any:
-        """A sensor_msgs/LaserScan; its beams are taken to be evenly spaced, as every planar lidar's are.
+        """Make a sensor_msgs/LaserScan; its beams are taken to be evenly spaced, as every planar lidar's are.
 
         Args:
             scan: The scan.
-            frame: Of the lidar.
+            frame: The frame of the lidar.
             range_step: Round ranges to multiples of this [m], so that they compress well; 0 keeps them as they are.
         """
         ranges = np.round(scan.ranges / range_step) * range_step if range_step > 0.0 else scan.ranges
@@ -138,21 +143,21 @@ class MessageMaker:
         )
 
     def grid(self, time: float, grid: OccupancyGrid, frame: str = "map") -> Any:
-        """A nav_msgs/OccupancyGrid of a map."""
+        """Make a nav_msgs/OccupancyGrid of a map."""
         return self._grid(time, frame, grid.data, grid.resolution, grid.origin)
 
     def costmap(self, time: float, costmap: Costmap, frame: str = "map") -> Any:
-        """A nav_msgs/OccupancyGrid of a costmap, with the values of Nav2's publisher."""
+        """Make a nav_msgs/OccupancyGrid of a costmap, with the values of Nav2's publisher."""
         return self.costs(time, costmap.data, costmap.resolution, costmap.origin, frame)
 
     def costs(
         self, time: float, costs: npt.NDArray[np.uint8], resolution: float, origin: Pose2D, frame: str = "map"
     ) -> Any:
-        """A nav_msgs/OccupancyGrid of costs, 0 to 255, shape (rows, cols), with the values of Nav2's publisher."""
+        """Make a nav_msgs/OccupancyGrid of costs, 0 to 255, shape (rows, cols), with the values of Nav2's publisher."""
         return self._grid(time, frame, self._cost_values[costs], resolution, origin)
 
     def costmap_update(self, time: float, costmap: Costmap, rows: slice, cols: slice, frame: str = "map") -> Any:
-        """A map_msgs/OccupancyGridUpdate of a rectangle of a costmap."""
+        """Make a map_msgs/OccupancyGridUpdate of a rectangle of a costmap."""
         window = costmap.data[rows, cols]
         return self.codec.make(
             "map_msgs/msg/OccupancyGridUpdate",
@@ -165,23 +170,23 @@ class MessageMaker:
         )
 
     def path(self, time: float, poses: FloatArray, frame: str = "map") -> Any:
-        """A nav_msgs/Path through poses (x, y, yaw), shape (N, 3)."""
+        """Make a nav_msgs/Path through poses (x, y, yaw), shape (N, 3)."""
         header = self.header(time, frame)
         stamped = [self._stamped_pose(header=header, pose=self.pose(Pose2D(x, y, yaw))) for x, y, yaw in poses.tolist()]
         return self.codec.make("nav_msgs/msg/Path", header=header, poses=stamped)
 
     def command(self, time: float, twist: Twist2D, frame: str = "base_link") -> Any:
-        """A message of `command_type`."""
+        """Make a message of `command_type`."""
         if self.command_type == "geometry_msgs/msg/Twist":
             return self.twist(twist)
         return self.codec.make(self.command_type, header=self.header(time, frame), twist=self.twist(twist))
 
     def goal(self, time: float, pose: Pose2D, frame: str = "map") -> Any:
-        """A geometry_msgs/PoseStamped."""
+        """Make a geometry_msgs/PoseStamped."""
         return self._stamped_pose(header=self.header(time, frame), pose=self.pose(pose))
 
     def movers(self, time: float, movers: Iterable[MoverState], frame: str = "map") -> Any:
-        """A visualization_msgs/MarkerArray: the outline of each mover, whose name is the marker's namespace."""
+        """Make a visualization_msgs/MarkerArray: the outline of each mover, whose name is the marker's namespace."""
         header = self.header(time, frame)
         return self.codec.make(
             "visualization_msgs/msg/MarkerArray",
@@ -228,7 +233,7 @@ class MessageMaker:
         return marker(**fields, **self._textures(header))
 
     def _textures(self, header: Any) -> dict[str, Any]:
-        """Fields of a marker that are for meshes, and empty here."""
+        """Return the fields of a marker that are for meshes, and empty here."""
         kind = self.codec.kind
         none = np.zeros(0, dtype=np.uint8)
         return {

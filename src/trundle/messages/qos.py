@@ -19,7 +19,7 @@ _NUMBERS = {
 
 @dataclass(frozen=True, slots=True)
 class Qos:
-    """Quality of service of a publisher; deadlines and lifespans are infinite.
+    """The quality of service of a publisher; deadlines and lifespans are infinite.
 
     Attributes:
         depth: How many messages are kept.
@@ -32,7 +32,7 @@ class Qos:
     durability: Literal["volatile", "transient_local"] = "volatile"
 
     def profile(self, *, numbers: bool = False) -> Mapping[str, object]:
-        """The profile as rosbag2 stores it.
+        """Return the profile as rosbag2 stores it.
 
         Args:
             numbers: Write its settings as numbers, as before ROS 2 Iron.
@@ -56,13 +56,13 @@ class Qos:
 
 
 LATCHED = Qos(1, durability="transient_local")
-"""Of maps and static transforms: whoever comes late gets the last one."""
+"""Maps and static transforms: whoever comes late gets the last one."""
 
 SENSOR = Qos(5, "best_effort")
-"""Of scans: rmw's sensor data profile."""
+"""Scans: rmw's sensor data profile."""
 
 CLOCK = Qos(1, "best_effort")
-"""Of /clock, as rclcpp's time source subscribes to it."""
+"""/clock, as rclcpp's time source subscribes to it."""
 
 TRANSFORMS = Qos(100)
-"""Of /tf, as tf2_ros offers it."""
+"""/tf, as tf2_ros offers it."""

@@ -14,33 +14,33 @@ from trundle.maps.cells import OCCUPIED, UNKNOWN
 
 
 def read_stamp(stamp: Any) -> float:
-    """A builtin_interfaces/Time in seconds."""
+    """Read a builtin_interfaces/Time in seconds."""
     return stamp.sec + stamp.nanosec * 1e-9
 
 
 def read_frame(frame_id: str) -> str:
-    """Name of a frame, without the leading slash that ROS 1 had."""
+    """Read the name of a frame, without the leading slash that ROS 1 had."""
     return frame_id.lstrip("/")
 
 
 def read_yaw(quaternion: Any) -> float:
-    """Yaw [rad] of a geometry_msgs/Quaternion."""
+    """Read the yaw [rad] of a geometry_msgs/Quaternion."""
     x, y, z, w = quaternion.x, quaternion.y, quaternion.z, quaternion.w
     return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
 def read_pose(pose: Any) -> Pose2D:
-    """Pose on the floor of a geometry_msgs/Pose."""
+    """Read the pose on the floor of a geometry_msgs/Pose."""
     return Pose2D(pose.position.x, pose.position.y, read_yaw(pose.orientation))
 
 
 def read_twist(twist: Any) -> Twist2D:
-    """Forward speed and rotation of a geometry_msgs/Twist."""
+    """Read forward speed and rotation of a geometry_msgs/Twist."""
     return Twist2D(twist.linear.x, twist.angular.z)
 
 
 def read_matrix(transform: Any) -> FloatArray:
-    """A geometry_msgs/Transform as a matrix, shape (4, 4)."""
+    """Read a geometry_msgs/Transform as a matrix, shape (4, 4)."""
     turn = transform.rotation
     x, y, z, w = turn.x, turn.y, turn.z, turn.w
     norm = math.sqrt(x * x + y * y + z * z + w * w)
@@ -59,11 +59,11 @@ def read_matrix(transform: Any) -> FloatArray:
 
 
 def read_grid(message: Any) -> OccupancyGrid:
-    """The map of a nav_msgs/OccupancyGrid.
+    """Read the map of a nav_msgs/OccupancyGrid.
 
     Raises:
         MapError: If it is not a map.
-        InputError: If its cells are not as many as its size says.
+        InputError: If it does not have as many cells as its size says.
     """
     info = message.info
     cells = np.asarray(message.data, dtype=np.int8)
@@ -74,6 +74,6 @@ def read_grid(message: Any) -> OccupancyGrid:
 
 
 def read_path(message: Any) -> FloatArray:
-    """Poses (x, y, yaw) of a nav_msgs/Path, shape (N, 3)."""
+    """Read the poses (x, y, yaw) of a nav_msgs/Path, shape (N, 3)."""
     poses = [read_pose(stamped.pose).as_tuple() for stamped in message.poses]
     return np.array(poses, dtype=np.float64).reshape(-1, 3)

@@ -12,24 +12,23 @@ from trundle.errors import InputError
 from trundle.files.writing import make_folder, write_text
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.maps.ros_writer import choose_mode
-from trundle.messages.distros import DEFAULT, DISTROS, Distro
+from trundle.messages.codec import DEFAULT, DISTROS, Distro
 from trundle.mission import Scenario
 from trundle.mission.place import Place, make_place
+from trundle.nav2.controllers import write_controllers
+from trundle.nav2.costmaps import write_costmaps
+from trundle.nav2.draft import Block, Draft, note_leftovers
+from trundle.nav2.filters import UNIT_NUMBERS
 from trundle.nav2.launch import launch_text
+from trundle.nav2.monitor import monitor_of, write_monitor
+from trundle.nav2.planners import write_planners
 from trundle.nav2.remarks import Remark, describe_remarks
-from trundle.nav2.writing.controllers import write_controllers
-from trundle.nav2.writing.costmaps import write_costmaps
-from trundle.nav2.writing.draft import Block, Draft
-from trundle.nav2.writing.leftovers import note_leftovers
-from trundle.nav2.writing.monitor import monitor_of, write_monitor
-from trundle.nav2.writing.planners import write_planners
-from trundle.nav2.writing.servers import write_servers
+from trundle.nav2.servers import write_servers
 
 PARAMS, MAP, LAUNCH, REMARKS = "nav2_params.yaml", "map.yaml", "nav2.launch.py", "no_counterpart.txt"
 """Files of an export; masks are `keepout.yaml` and `speed.yaml`, each beside its image."""
 
 _COSTMAPS = ("local_costmap", "global_costmap")
-_UNITS = {"percent": 1, "absolute": 2}
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +84,7 @@ def export_nav2(scenario: Scenario, folder: str | os.PathLike[str], *, distro: D
 
 
 def draft_params(scenario: Scenario, place: Place, distro: Distro) -> Draft:
-    """The parameters for a scenario in its place; see `export_nav2` for the errors."""
+    """Make the parameters for a scenario in its place; see `export_nav2` for the errors."""
     draft = Draft(scenario, scenario.assumed_robot(place.robot), distro)
     _check_lidars(draft)
     write_controllers(draft)
@@ -98,7 +97,7 @@ def draft_params(scenario: Scenario, place: Place, distro: Distro) -> Draft:
 
 
 def params_text(draft: Draft) -> str:
-    """The parameter file: each costmap stands in a namespace named like itself, as Nav2 has it."""
+    """Return the text of the parameter file: each costmap stands in a namespace named like itself, as Nav2 has it."""
     nodes: dict[str, object] = {}
     for name, parameters in draft.nodes.items():
         block: Block = {"ros__parameters": parameters}
@@ -112,7 +111,7 @@ def params_text(draft: Draft) -> str:
 
 
 class _Dumper(yaml.SafeDumper):
-    """Lists of plain values stand on one line; nothing is written as an alias, which ROS does not read."""
+    """Writes lists of plain values on one line, and nothing as an alias, which ROS does not read."""
 
     def ignore_aliases(self, data: object) -> bool:
         return True
@@ -131,7 +130,7 @@ def _check_lidars(draft: Draft) -> None:
 def _write_maps(
     folder: Path, scenario: Scenario, grid: OccupancyGrid, keepout: KeepoutMask | None, speeds: SpeedMask | None
 ) -> list[str]:
-    """Write the map and the masks; the names of the masks."""
+    """Write the map and the masks, and return the names of the masks."""
     if scenario.known_map:
         grid.save(folder / MAP, mode=choose_mode(grid))
     masks: list[str] = []
@@ -141,7 +140,8 @@ def _write_maps(
     if speeds is not None:
         path = folder / "speed.yaml"
         speeds.grid.save(path, mode=choose_mode(speeds.grid))
-        own = f"type: {_UNITS[speeds.unit]}\nbase: {float(speeds.base)!r}\nmultiplier: {float(speeds.multiplier)!r}\n"
+        kind, base, multiplier = UNIT_NUMBERS[speeds.unit], float(speeds.base), float(speeds.multiplier)
+        own = f"type: {kind}\nbase: {base!r}\nmultiplier: {multiplier!r}\n"
         write_text(path, path.read_text(encoding="utf-8") + own)
         masks.append("speed")
     return masks

@@ -77,7 +77,7 @@ _TO_NAV = "cmd_vel_nav"
 def launch_text(
     name: str, robot: str, distro: str, *, masks: Sequence[str] = (), has_map: bool = True, has_monitor: bool = True
 ) -> str:
-    """The launch file.
+    """Return the text of the launch file.
 
     Args:
         name: Its own name.

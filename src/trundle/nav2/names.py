@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from trundle.messages.distros import Distro
+from trundle.messages.codec import Distro
 
 RPP = "nav2_regulated_pure_pursuit_controller::RegulatedPurePursuitController"
 MPPI = "nav2_mppi_controller::MPPIController"
@@ -46,11 +46,11 @@ _SLASHED = (
 
 
 def plain_plugin(name: str) -> str:
-    """A plugin's name with `::`, as current distributions write it; Humble and older have `/` in some."""
+    """Return a plugin's name with `::`, as current distributions write it; Humble and older have `/` in some."""
     return name.replace("/", "::", 1) if "::" not in name else name
 
 
 def plugin_for(name: str, distro: Distro) -> str:
-    """A plugin's name as a distribution writes it."""
+    """Return a plugin's name as a distribution writes it."""
     package = name.partition("::")[0]
     return name.replace("::", "/", 1) if distro == "humble" and package in _SLASHED else name

@@ -76,22 +76,22 @@ class NodeParameters:
         self._prefix = f"{prefix}." if prefix else ""
 
     def of_plugin(self, name: str) -> NodeParameters:
-        """Those of one of its plugins, or of a part of a plugin."""
+        """Return the parameters of one of its plugins, or of a part of a plugin."""
         return NodeParameters(self.name, self._parameters, f"{self._prefix}{name}", file=self._file)
 
     def has(self, name: str) -> bool:
-        """Whether the file gives it."""
+        """Whether the file gives a parameter."""
         return f"{self._prefix}{name}" in self._parameters
 
     def find(self, name: str) -> Parameter | None:
-        """The parameter, which counts as read; None where the file does not give it."""
+        """Return a parameter, which counts as read, or None if the file does not give it."""
         found = self._parameters.get(f"{self._prefix}{name}")
         if found is not None:
             found.was_read = True
         return found
 
     def value(self, name: str, default: Plain = None) -> Plain:
-        """Its value, of any type."""
+        """Return the value of a parameter, of any type."""
         found = self.find(name)
         return default if found is None else found.value
 
@@ -104,10 +104,10 @@ class NodeParameters:
         above: float = -math.inf,
         most: float = math.inf,
     ) -> float:
-        """A number.
+        """Return a number.
 
         Raises:
-            InputError: If it is none, not finite, or out of range.
+            InputError: If it is not a number, not finite, or out of range.
         """
         found = self.find(name)
         if found is None:
@@ -122,10 +122,10 @@ class NodeParameters:
         return value
 
     def integer(self, name: str, default: int, *, least: int | None = None) -> int:
-        """An integer.
+        """Return an integer.
 
         Raises:
-            InputError: If it is none, or too small.
+            InputError: If it is not an integer, or too small.
         """
         found = self.find(name)
         if found is None:
@@ -140,7 +140,7 @@ class NodeParameters:
         return value
 
     def flag(self, name: str, default: bool) -> bool:
-        """True or false.
+        """Return true or false.
 
         Raises:
             InputError: If it is neither.
@@ -153,10 +153,10 @@ class NodeParameters:
         return found.value
 
     def text(self, name: str, default: str) -> str:
-        """A text.
+        """Return a text.
 
         Raises:
-            InputError: If it is none.
+            InputError: If it is not text.
         """
         found = self.find(name)
         if found is None:
@@ -166,10 +166,10 @@ class NodeParameters:
         return found.value
 
     def texts(self, name: str, default: tuple[str, ...]) -> tuple[str, ...]:
-        """A list of texts; one text is a list of those that spaces separate.
+        """Return a list of texts; a single text is taken for a list, separated by spaces.
 
         Raises:
-            InputError: If it is none.
+            InputError: If it is not a list of texts.
         """
         found = self.find(name)
         if found is None:
@@ -182,10 +182,10 @@ class NodeParameters:
         return tuple(str(item) for item in value)
 
     def numbers(self, name: str, default: tuple[float, ...], *, lengths: tuple[int, ...]) -> tuple[float, ...]:
-        """A list of numbers.
+        """Return a list of numbers.
 
         Raises:
-            InputError: If it is none, one is not finite, or there are too few or too many.
+            InputError: If it is not such a list, a number is not finite, or there are too few or too many.
         """
         found = self.find(name)
         if found is None:
@@ -198,7 +198,7 @@ class NodeParameters:
         return tuple(number for number in numbers if number is not None)
 
     def wrong(self, name: str, rule: str) -> InputError:
-        """The error that a parameter, or one that is missing, breaks a rule."""
+        """Return the error that a parameter, or one that is missing, breaks a rule."""
         found = self.find(name)
         if found is None:
             return InputError(f"{self._file}: {self.name}: {self._prefix}{name} {rule}; it is missing")
@@ -236,7 +236,7 @@ class ParameterFile:
             )
 
     def node(self, name: str) -> NodeParameters | None:
-        """What a node gets; None where the file has no entry for it alone.
+        """Return the parameters that a node gets, or None if the file has no entry for it alone.
 
         Raises:
             InputError: If the file has the node in several namespaces.
@@ -258,11 +258,11 @@ class ParameterFile:
         return NodeParameters(name, merged, file=self._name)
 
     def nodes(self) -> list[str]:
-        """The names of the nodes that have entries, in the order of the file; without wildcards."""
+        """Return the names of the nodes that have entries, in the order of the file, without wildcards."""
         return list(dict.fromkeys(entry.node for entry in self._entries if entry.node not in _WILD))
 
     def unread(self) -> Iterator[tuple[str, Parameter]]:
-        """What nothing has asked for, each with the name of its entry's node."""
+        """Yield the parameters that nothing has asked for, each with the name of its entry's node."""
         for entry in self._entries:
             for parameter in entry.parameters.values():
                 if not parameter.was_read:

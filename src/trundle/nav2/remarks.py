@@ -14,7 +14,7 @@ RemarkKind: TypeAlias = Literal["changed", "no counterpart"]
 
 @dataclass(frozen=True, slots=True)
 class Remark:
-    """One parameter of Nav2, or one setting of trundle, that the other side has not, or has otherwise.
+    """Says that the other side lacks a parameter of Nav2 or a setting of trundle, or takes it otherwise.
 
     Attributes:
         kind: "changed": it was taken over, but means something else; "no counterpart": it was left out.
@@ -34,7 +34,7 @@ class Remark:
 
 
 def describe_remarks(remarks: Iterable[Remark]) -> list[str]:
-    """One line for each remark of kind "changed", and one for each reason why others have no counterpart, by node."""
+    """Return a line for each remark of kind "changed", and one, by node, for each reason of the others."""
     given = list(remarks)
     lines = [_describe_change(remark) for remark in given if remark.kind == "changed"]
     groups: dict[tuple[str, str], list[Remark]] = {}

@@ -10,31 +10,29 @@ from typing import TYPE_CHECKING
 from trundle.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from trundle.page.events import Events
-    from trundle.page.folder_report import report_folder
+    from trundle.page.encoding import costmap_png, grid_png
     from trundle.page.frames import frame_of
     from trundle.page.html import csp, render
-    from trundle.page.maps import costmap_png, grid_png
-    from trundle.page.rows import COLUMNS, info_of, row_of
+    from trundle.page.report import report_folder
     from trundle.page.run_data import RunData
-    from trundle.page.run_lines import RunLines
+    from trundle.page.run_lines import COLUMNS, Events, RunLines, info_of, row_of
     from trundle.page.scene import scene_of
 
 __getattr__ = lazy_names(
     __name__,
     {
-        "COLUMNS": "trundle.page.rows",
-        "Events": "trundle.page.events",
+        "COLUMNS": "trundle.page.run_lines",
+        "Events": "trundle.page.run_lines",
         "RunData": "trundle.page.run_data",
         "RunLines": "trundle.page.run_lines",
-        "costmap_png": "trundle.page.maps",
+        "costmap_png": "trundle.page.encoding",
         "csp": "trundle.page.html",
         "frame_of": "trundle.page.frames",
-        "grid_png": "trundle.page.maps",
-        "info_of": "trundle.page.rows",
+        "grid_png": "trundle.page.encoding",
+        "info_of": "trundle.page.run_lines",
         "render": "trundle.page.html",
-        "report_folder": "trundle.page.folder_report",
-        "row_of": "trundle.page.rows",
+        "report_folder": "trundle.page.report",
+        "row_of": "trundle.page.run_lines",
         "scene_of": "trundle.page.scene",
     },
 )

@@ -1,4 +1,4 @@
-"""Arrays and JSON values in the form that the page reads."""
+"""Arrays, maps and JSON values in the form that the page reads."""
 
 from __future__ import annotations
 
@@ -13,11 +13,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from trundle.costmap import Costmap
+from trundle.maps import OccupancyGrid
+from trundle.maps.frame import GridFrame
+from trundle.maps.images.png import encode_png
+from trundle.pictures.cells import merge_cells
+
 _KINDS = {"f4": "<f4", "u4": "<u4", "i2": "<i2", "u1": "|u1"}
 
 
 def pack_array(values: npt.ArrayLike, kind: str) -> dict[str, Any]:
-    """An array as {"b64", "dtype", "shape"}, little-endian.
+    """Pack an array as {"b64", "dtype", "shape"}, little-endian.
 
     Args:
         values: The array.
@@ -28,18 +34,18 @@ def pack_array(values: npt.ArrayLike, kind: str) -> dict[str, Any]:
 
 
 def unpack_array(value: Mapping[str, Any]) -> npt.NDArray[Any]:
-    """The array that `pack_array` packed."""
+    """Return the array that `pack_array` packed."""
     content = base64.b64decode(value["b64"], validate=True)
     return np.frombuffer(content, dtype=_KINDS[value["dtype"]]).reshape(value["shape"])
 
 
 def pack_json(value: object) -> dict[str, str]:
-    """A JSON value as {"gzip": base64}; the same value gives the same text."""
+    """Pack a JSON value as {"gzip": base64}; the same value gives the same text."""
     return {"gzip": base64.b64encode(gzip.compress(to_json(value).encode(), 9, mtime=0)).decode()}
 
 
 def unpack_json(value: Mapping[str, Any], *, most_bytes: int) -> Any:
-    """The value that `pack_json` packed.
+    """Return the value that `pack_json` packed.
 
     Raises:
         ValueError: If it is damaged, or larger than `most_bytes`.
@@ -56,15 +62,66 @@ def unpack_json(value: Mapping[str, Any], *, most_bytes: int) -> Any:
 
 
 def to_json(value: object) -> str:
-    """JSON without spaces, in ASCII."""
+    """Write a value as JSON without spaces, in ASCII."""
     return json.dumps(value, allow_nan=False, separators=(",", ":"))
 
 
 def rounded(values: Iterable[float], digits: int = 4) -> list[float]:
-    """Numbers for JSON, with so many decimals."""
+    """Round numbers for JSON to so many decimals."""
     return [round(float(value), digits) for value in values]
 
 
 def finite(value: float | None, digits: int = 4) -> float | None:
-    """A number for JSON; none where it is not finite."""
+    """Round a number for JSON; return None if it is not finite."""
     return round(float(value), digits) if value is not None and math.isfinite(value) else None
+
+
+UNKNOWN_GREY, FREE_GREY = 205, 254
+"""Grey values of unknown and free cells of a map; occupied ones are 0, as in ROS maps."""
+
+_MOST_CELLS = 4_000_000
+
+
+def grid_png(grid: OccupancyGrid) -> dict[str, Any]:
+    """Return a map as {"png", "resolution", "origin", "width", "height"}: 8-bit grey, row 0 at the top.
+
+    Occupied cells are 0, free ones 254 and unknown ones 205, as in ROS maps. A map of more than 4 million cells gets
+    larger cells, of which each has the most occupied of those that it holds.
+    """
+    occupancy = np.clip(grid.data, 0, 100).astype(np.float32)
+    grey = (FREE_GREY - np.rint(occupancy * (FREE_GREY / 100.0))).astype(np.uint8)
+    grey[grid.data < 0] = UNKNOWN_GREY
+    values, factor = _shrunk(255 - grey)
+    return _picture(grid, 255 - values, factor)
+
+
+def costmap_png(costmap: Costmap, *, base: Costmap | None = None) -> dict[str, Any]:
+    """Return a costmap as {"png", "resolution", "origin", "width", "height"}, row 0 at the top.
+
+    The grey values are Nav2's costs.
+    A costmap of more than 4 million cells gets larger cells, of which each has the largest cost of those that it holds.
+
+    Args:
+        costmap: The costmap.
+        base: One of the same extent: then the picture holds how much higher the costs are, modulo 256.
+    """
+    values, factor = _shrunk(costmap.data)
+    if base is not None:
+        values = values - _shrunk(base.data)[0]
+    return _picture(costmap, values, factor)
+
+
+def _picture(frame: GridFrame, values: npt.NDArray[np.uint8], factor: int) -> dict[str, Any]:
+    return {
+        "png": base64.b64encode(encode_png(np.ascontiguousarray(values[::-1]))).decode(),
+        "resolution": frame.resolution * factor,
+        "origin": rounded(frame.origin.as_tuple(), 6),
+        "width": int(values.shape[1]),
+        "height": int(values.shape[0]),
+    }
+
+
+def _shrunk(values: npt.NDArray[np.uint8]) -> tuple[npt.NDArray[np.uint8], int]:
+    """Merge cells until there are few enough; return their values, and the factor by which they are larger."""
+    factor = math.ceil(math.sqrt(values.size / _MOST_CELLS))
+    return (merge_cells(np.arange(256, dtype=np.uint8), values, factor) if factor > 1 else values), factor

@@ -16,7 +16,10 @@ _APART_M = 0.04
 """Points of a scan nearer to the one before are left out: their marks would overlap."""
 
 _MOST_CM = 32_000
+"""Points are sent as 16-bit centimetres: those farther away are drawn at 320 m."""
+
 _MOST_ROLLOUTS, _ROLLOUT_POINTS = 30, 12
+"""Samples of the controller that are drawn, and points of each: more would hide the path and the scans."""
 
 _MONITORED = {
     "slow": "slowed by the collision monitor",
@@ -26,11 +29,11 @@ _MONITORED = {
 
 
 def frame_of(step: Step, *, scans: tuple[Scan, ...] | None = None) -> dict[str, Any]:
-    """What the page draws around the robot at a step.
+    """Return what the page draws around the robot at a step.
 
     Args:
         step: The step.
-        scans: The scans to show, where the step itself brings none; none means those of the step.
+        scans: The scans to show. If None, those of the step are shown.
     """
     state = step.state
     return {
@@ -46,7 +49,7 @@ def frame_of(step: Step, *, scans: tuple[Scan, ...] | None = None) -> dict[str, 
 
 
 def scan_of(scan: Scan, base: Pose2D) -> dict[str, Any]:
-    """What a lidar saw: its pose [x, y, z, yaw], map frame, and its points relative to that [cm], thinned."""
+    """Return what a lidar saw: its pose [x, y, z, yaw], map frame, and its points relative to that [cm], thinned."""
     pose = base @ scan.mount
     hit = (scan.ranges >= scan.range_min) & (scan.ranges <= scan.range_max)
     angles, ranges = scan.angles[hit], scan.ranges[hit]
@@ -60,12 +63,12 @@ def scan_of(scan: Scan, base: Pose2D) -> dict[str, Any]:
 
 
 def movers_of(step: Step) -> list[list[Any]]:
-    """[name, x, y, yaw] of each mover."""
+    """Return [name, x, y, yaw] of each mover."""
     return [[mover.name, *rounded(mover.pose.as_tuple(), 3)] for mover in step.movers]
 
 
 def doing(step: Step) -> str:
-    """What the navigator does and why, in words."""
+    """Describe what the navigator does and why."""
     if step.behaviors and (ran := step.behaviors[-1]).result == "running":
         return f"{ran.behavior}: {ran.reason}"
     if step.message:
@@ -78,12 +81,12 @@ def doing(step: Step) -> str:
 
 
 def _moved(step: Step, scan: Scan) -> Pose2D:
-    """Where the robot was when a scan was measured, from where it is now."""
+    """Return the pose that the robot had when a scan was measured, relative to its pose now."""
     return step.state.twist.integrate(Pose2D(0.0, 0.0), min(0.0, scan.time - step.state.time))
 
 
 def _thinned(points: FloatArray) -> FloatArray:
-    """Points in the order of their beams, without those in the same small cell as the one before."""
+    """Return points in the order of their beams, without those in the same small cell as the one before."""
     if len(points) < 2:
         return points
     cells = np.floor(points / _APART_M)

@@ -21,11 +21,11 @@ _ALWAYS = (
 
 
 def render(boot: Mapping[str, Any], *, title: str) -> str:
-    """The page with its style, its script and what it shows, in one file.
+    """Return the page with its style, its script and what it shows, in one file.
 
     Args:
         boot: What it shows: "mode" is "live", "replay" or "report"; the rest depends on it.
-        title: Of the document.
+        title: Title of the document.
     """
     # The only way out of a script element is a tag; \u003c is the same character to JSON.
     data = to_json(boot).replace("<", "\\u003c")
@@ -45,10 +45,10 @@ def render(boot: Mapping[str, Any], *, title: str) -> str:
 
 
 def csp(*, live: bool = True) -> str:
-    """The content security policy of the page: its own script and style by hash, and no other host.
+    """Return the content security policy of the page: its own script and style by hash, and no other host.
 
     Args:
-        live: Of a page that a server sends, which may talk to that server and must not be framed.
+        live: Whether a server sends the page: then it may talk to that server, and must not be framed.
     """
     parts = [*_ALWAYS, f"script-src {_hash('page.js')}", f"style-src {_hash('page.css')}"]
     if live:

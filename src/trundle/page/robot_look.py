@@ -17,7 +17,7 @@ _STEEL = [158, 163, 168, 255]
 
 
 def robot_of(robot: Robot) -> dict[str, Any]:
-    """A robot: footprint, limits, wheels, lidars, and its visible parts in base_link.
+    """Return a robot: footprint, limits, wheels, lidars, and its visible parts in base_link.
 
     Without MuJoCo, as in Isaac Sim's own Python, the parts are a plain body and wheels.
     """
@@ -50,7 +50,7 @@ def robot_of(robot: Robot) -> dict[str, Any]:
 
 
 def plain_parts(robot: Robot) -> list[dict[str, Any]]:
-    """The body as a prism of the footprint, and the wheels with a bar that shows how they turn."""
+    """Return the body as a prism of the footprint, and the wheels with a bar that shows how they turn."""
     drive = robot.drive
     radius, width = drive.wheel_radius, drive.wheel_width
     color = [round(255.0 * value) for value in robot.body.color]
@@ -80,7 +80,7 @@ def _part(
 
 
 def _prism(outline: FloatArray, low: float, high: float, color: list[int]) -> dict[str, Any]:
-    """A convex outline [m], counter-clockwise, from one height to another."""
+    """Return a convex outline [m], counter-clockwise, from one height to another."""
     count = len(outline)
     vertices = np.vstack([np.c_[outline, np.full(count, z)] for z in (low, high)])
     triangles: list[tuple[int, int, int]] = []

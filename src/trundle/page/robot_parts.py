@@ -17,7 +17,7 @@ _SIDES = {1: "left", -1: "right"}
 
 
 def engine_parts(robot: Robot) -> list[dict[str, Any]]:
-    """The parts, each with its shape, its pose in base_link, its size, its colour, and the wheel that it is part of."""
+    """Return the parts, each with its shape, pose in base_link, size, colour, and the wheel that it is part of."""
     model = robot_spec(robot).compile()
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
@@ -46,7 +46,7 @@ def _part_of(model: mujoco.MjModel, data: mujoco.MjData, geom: int, wheel: str |
 
 
 def _shape_of(model: mujoco.MjModel, geom: int) -> tuple[str, FloatArray, dict[str, Any]]:
-    """Name, size and, of a mesh, the triangles of a geom."""
+    """Return the name, size and, of a mesh, the triangles of a geom."""
     size = model.geom_size[geom]
     match model.geom_type[geom]:
         case mujoco.mjtGeom.mjGEOM_BOX:

@@ -12,23 +12,26 @@ from trundle.mission.episode import Episode
 from trundle.mission.observers import RunInfo, Step
 from trundle.mission.steering.directives import DropBox
 from trundle.observation import Scan
-from trundle.page.encoding import unpack_array
+from trundle.page.encoding import costmap_png, unpack_array
 from trundle.page.frames import frame_of
-from trundle.page.maps import costmap_png
 from trundle.page.run_lines import RunLines
 from trundle.page.scene import solid_instances
 
 MOST_ROWS = 36_000
 """Half an hour of control periods; of a longer run, every second row, every fourth, and so on."""
 
+# A report is one file that a browser loads at once: these bounds keep a run of a minute at some 1.5 MB, and a run of
+# any length at a few. Frames and costmaps are thinned to stay within them.
 _MOST_FRAME_BYTES = 3_000_000
 _MOST_COSTMAP_BYTES = 300_000
 _MOST_CELLS = 30_000_000
+"""Cells of all costmaps that are kept in memory until the end, a byte each."""
+
 _FRAME_S = 0.2
 _COSTMAP_S = 2.0
 _MOST_CONTACTS = 200
 _APART_CM = 8
-"""Points of a kept scan nearer to the one before are left out."""
+"""Points of a kept scan nearer to the one before are left out: twice the distance of live frames, to save space."""
 
 _LISTS = ("rows", "paths", "events", "frames", "costmaps", "contacts", "solids")
 
@@ -84,7 +87,7 @@ class RunData:
             self._dropped = dropped_boxes(episode)
 
     def run_dict(self) -> dict[str, Any]:
-        """{"info", "rows", "paths", "events", "frames", "costmaps", "contacts", "solids"}.
+        """Return {"info", "rows", "paths", "events", "frames", "costmaps", "contacts", "solids"}.
 
         See `RunLines` and `frame_of`.
         """
@@ -117,7 +120,7 @@ class RunData:
 
 
 def encode_costmaps(costmaps: Sequence[tuple[float, Costmap]], most_bytes: int) -> list[dict[str, Any]]:
-    """Costmaps at times as {"t", …} of `costmap_png`; of too many, every second one.
+    """Return costmaps at times as {"t", …} of `costmap_png`; of too many, every second one.
 
     One of the same extent as one before, "base" in the list, has as its picture what the costs are above those of the
     base, modulo 256.
@@ -144,7 +147,7 @@ def _encode_in_turn(costmaps: Sequence[tuple[float, Costmap]]) -> Iterator[tuple
 
 
 def dropped_boxes(episode: Episode) -> list[dict[str, Any]]:
-    """{"t", "instances"} of each box that was dropped into a run."""
+    """Return {"t", "instances"} of each box that was dropped into a run."""
     return [
         {"t": round(given.time, 4), "instances": solid_instances([given.directive.solid("box")])}
         for given in episode.directives
@@ -153,7 +156,7 @@ def dropped_boxes(episode: Episode) -> list[dict[str, Any]]:
 
 
 def _compact(scan: Mapping[str, Any]) -> dict[str, Any]:
-    """A scan of a frame with "deltas", the differences from point to point [cm], instead of its points."""
+    """Return a scan of a frame with "deltas", the differences from point to point [cm], instead of its points."""
     points = unpack_array(scan["points"]).astype(np.int64)
     cells = points // _APART_CM
     kept = np.ones(len(points), dtype=np.bool_)
@@ -173,11 +176,11 @@ class _Thinned(Generic[_Item]):
         self._due = 0.0
 
     def is_due(self, time: float) -> bool:
-        """Whether one is wanted now [s]."""
+        """Return whether an item is wanted at this time [s]."""
         return time >= self._due - 1e-9
 
     def add(self, time: float, item: _Item, size: int) -> None:
-        """Keep one."""
+        """Keep an item of a size."""
         self._items.append((time, item, size))
         self._size += size
         while self._size > self._most and len(self._items) > 1:
@@ -188,12 +191,12 @@ class _Thinned(Generic[_Item]):
 
     @property
     def kept(self) -> list[tuple[float, _Item]]:
-        """Those that are left, in order, each with its time [s]."""
+        """The items that are left, in order, each with its time [s]."""
         return [(time, item) for time, item, _ in self._items]
 
 
 def _weight(frame: Mapping[str, Any]) -> int:
-    """About how many bytes a frame takes as JSON."""
+    """Estimate how many bytes a frame takes as JSON."""
     scans = sum(3 * len(scan["deltas"]) + 80 for scan in frame["scans"])
     rollouts = sum(12 * len(line) for line in frame["rollouts"])
     return 100 + scans + rollouts + 40 * (len(frame["movers"]) + len(frame["tracks"]) + len(frame["contacts"]))

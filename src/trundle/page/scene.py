@@ -1,7 +1,8 @@
-"""`scene_of`: a world, a robot and a map as the page draws them."""
+"""`scene_of`: a world, a robot and a map as the page draws them; blocked cells become few boxes."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,9 +13,7 @@ from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose3D
 from trundle.geometry.solids import Box, Color, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
 from trundle.maps import OccupancyGrid
-from trundle.page.cell_boxes import boxes_of
-from trundle.page.encoding import pack_array, rounded
-from trundle.page.maps import grid_png
+from trundle.page.encoding import grid_png, pack_array, rounded
 from trundle.page.robot_look import robot_of
 from trundle.robots import Robot
 from trundle.worlds import World
@@ -30,6 +29,8 @@ _MOST_COLORS = 40
 
 _AROUND_M = 5.0
 
+MOST_BOXES = 40_000
+
 
 def scene_of(
     world: World | None,
@@ -38,16 +39,16 @@ def scene_of(
     *,
     most_bytes: int = MOST_BYTES,
 ) -> dict[str, Any]:
-    """A world, a robot and a map as plain values; arrays are {"b64", "dtype", "shape"}.
+    """Return a world, a robot and a map as plain values; arrays are {"b64", "dtype", "shape"}.
 
     Solids that repeat a shape are instances of it, meshes are merged by colour: a world of any size takes few draw
     calls. Meshes that do not fit into `most_bytes`, the largest first, are drawn as their bounding boxes, and "note"
     says so.
 
     Args:
-        world: The world; none draws only the map.
+        world: The world. If None, only the map is drawn.
         robot: The robot.
-        grid: The map; none draws no map.
+        grid: The map. If None, no map is drawn.
         most_bytes: The most bytes for the solids.
 
     Raises:
@@ -70,14 +71,14 @@ def scene_of(
 
 
 def solid_instances(solids: Sequence[Solid]) -> list[dict[str, Any]]:
-    """Solids without meshes as instances, such as a box that is dropped into a run."""
+    """Return solids without meshes as instances, such as a box that is dropped into a run."""
     return _draw(solids, MOST_BYTES, "the world")[0]
 
 
 def _draw(
     solids: Sequence[Solid], most_bytes: int, what: str
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]], int]:
-    """Instances, merged meshes, and how many solids are drawn as boxes instead of their meshes."""
+    """Return instances, merged meshes, and how many solids are drawn as boxes instead of their meshes."""
     instances = _Instances()
     meshes: list[tuple[Solid, Mesh]] = []
     for solid in solids:
@@ -156,7 +157,7 @@ class _Instances:
 
 
 def color_bytes(color: Color) -> tuple[int, int, int, int]:
-    """Red, green, blue and opacity from 0 to 255."""
+    """Return red, green, blue and opacity from 0 to 255."""
     red, green, blue, alpha = (round(255.0 * min(1.0, max(0.0, value))) for value in color)
     return red, green, blue, alpha
 
@@ -166,7 +167,7 @@ def _size_of(mesh: Mesh) -> int:
 
 
 def _merge(meshes: Sequence[tuple[Solid, Mesh]]) -> list[dict[str, Any]]:
-    """Meshes merged by colour, in the map frame."""
+    """Return meshes merged by colour, in the map frame."""
     groups: dict[tuple[int, ...], list[tuple[Solid, Mesh]]] = {}
     step = 1
     while True:
@@ -196,13 +197,13 @@ def _merged(color: Sequence[int], members: Sequence[tuple[Solid, Mesh]]) -> dict
 
 
 def _mover(name: str, parts: Sequence[Solid]) -> dict[str, Any]:
-    """A mover: its parts are in its own frame, x forward, origin on the floor."""
+    """Return a mover: its parts are in its own frame, x forward, origin on the floor."""
     instances, meshes, _ = _draw(parts, MOST_BYTES, f"the mover {name!r}")
     return {"name": name, "kind": parts[0].kind, "instances": instances, "meshes": meshes}
 
 
 def _bounds(solids: Sequence[Solid], grid: OccupancyGrid | None) -> list[float]:
-    """Lowest and highest corner [m] of what is drawn: that of the solids, of the map without them, or some metres."""
+    """Return the lowest and highest corner [m] of what is drawn: the solids, else the map, else some metres."""
     if solids:
         lows, highs = solids_bounds(solids)
         return rounded([*lows.min(axis=0), *highs.max(axis=0)])
@@ -212,3 +213,37 @@ def _bounds(solids: Sequence[Solid], grid: OccupancyGrid | None) -> list[float]:
         corners = grid.origin.transform_points([(0.0, 0.0), (x, 0.0), (0.0, y), (x, y)])
         return rounded([*corners.min(axis=0), 0.0, *corners.max(axis=0), 1.0])
     return [-_AROUND_M, -_AROUND_M, 0.0, _AROUND_M, _AROUND_M, 1.0]
+
+
+def boxes_of(cells: OccupancyCells) -> npt.NDArray[np.float64]:
+    """Return boxes (x, y, width, depth) [m] in the frame of the cells, (x, y) the middle, that cover the blocked cells.
+
+    Of a map that needs more than 40,000 boxes, cells are joined to larger ones until it does not.
+    """
+    blocked, edge = cells.blocked, cells.resolution
+    while len(boxes := _rectangles(blocked)) > MOST_BOXES:
+        blocked, edge = _halved(blocked), 2.0 * edge
+    rows, cols, row_ends, col_ends = boxes.T * edge
+    return np.c_[(cols + col_ends) / 2.0, (rows + row_ends) / 2.0, col_ends - cols, row_ends - rows]
+
+
+def _rectangles(blocked: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
+    """Join equal runs of blocked cells to disjoint rectangles (row, col, end of rows, end of columns)."""
+    edges = np.diff(np.pad(blocked, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+    rows, starts = np.nonzero(edges == 1)
+    ends = np.nonzero(edges == -1)[1]
+    order = np.lexsort((rows, ends, starts))
+    rows, starts, ends = rows[order], starts[order], ends[order]
+    joined = np.zeros(len(rows), dtype=np.bool_)
+    joined[1:] = (starts[1:] == starts[:-1]) & (ends[1:] == ends[:-1]) & (rows[1:] == rows[:-1] + 1)
+    first = np.flatnonzero(~joined)
+    last = np.append(first[1:], len(rows)) - 1 if len(first) else first
+    return np.c_[rows[first], starts[first], rows[last] + 1, ends[first]]
+
+
+def _halved(blocked: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Return cells of twice the size, blocked where one of the four is."""
+    rows, cols = (math.ceil(count / 2) * 2 for count in blocked.shape)
+    padded = np.zeros((rows, cols), dtype=np.bool_)
+    padded[: blocked.shape[0], : blocked.shape[1]] = blocked
+    return padded[::2, ::2] | padded[1::2, ::2] | padded[::2, 1::2] | padded[1::2, 1::2]

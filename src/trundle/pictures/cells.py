@@ -18,6 +18,7 @@ from trundle.pictures.plan import Plan
 _LARGEST_CELL = 64  # [px]
 _WANTED = 640  # [px]: small grids are enlarged to about this
 _ROWS_AT_ONCE = 32
+"""Rows of squares that are merged at once, so that a large grid needs little memory beside its own."""
 
 Bytes = npt.NDArray[np.uint8]
 
@@ -92,14 +93,12 @@ def lay_cells(
 
 
 def _color(cells: Bytes, palette: Bytes, order: Sequence[int], merged: int) -> Bytes:
-    """Colours of squares of `merged` cells a side, shape (rows, cols, 3)."""
-    ranks = np.empty(256, np.uint8)
-    ranks[list(order)] = np.arange(256, dtype=np.uint8)
-    return palette[list(order)][merge_cells(ranks, cells, merged)]
+    """Return colours of squares of `merged` cells a side, shape (rows, cols, 3)."""
+    return palette[keep_last(cells, order, merged)]
 
 
 def _corners(shape: tuple[int, ...], yaw: float) -> FloatArray:
-    """Corners of a grid about its origin, turned by its yaw, in cells, shape (4, 2)."""
+    """Return corners of a grid about its origin, turned by its yaw, in cells, shape (4, 2)."""
     rows, cols = shape
     corners = np.array([[0.0, 0.0], [cols, 0.0], [cols, rows], [0.0, rows]])
     return corners @ _rotation(yaw).T
@@ -111,7 +110,7 @@ def _rotation(yaw: float) -> FloatArray:
 
 
 def _look_up(colors: Bytes, x: FloatArray, y: FloatArray, yaw: float) -> tuple[Bytes, npt.NDArray[np.bool_]]:
-    """Colours of the cells under a lattice of points, the page's beside the grid; and where there are cells.
+    """Return colours of the cells under a lattice of points, the page's beside the grid; and where there are cells.
 
     Returns:
         Shapes (len(y), len(x), 3) and (len(y), len(x)).
@@ -129,6 +128,14 @@ def _look_up(colors: Bytes, x: FloatArray, y: FloatArray, yaw: float) -> tuple[B
     picture = np.full((*inside.shape, 3), PAGE, dtype=np.uint8)
     picture[inside] = colors[row[inside], col[inside]]
     return picture, inside
+
+
+def keep_last(cells: Bytes, order: Sequence[int], factor: int) -> Bytes:
+    """Return of every square of `factor` cells a side the value that comes last in `order`, which has all 256."""
+    if factor == 1:
+        return cells
+    values = np.array(order, dtype=np.uint8)
+    return values[merge_cells(np.argsort(values).astype(np.uint8), cells, factor)]
 
 
 def merge_cells(ranks: Bytes, cells: Bytes, factor: int) -> Bytes:

@@ -55,7 +55,7 @@ COST_ORDER = (*range(254), 255, 254)
 
 
 def cost_palette() -> npt.NDArray[np.uint8]:
-    """Colours of Nav2's costs, shape (256, 3): 0..252, 253 inscribed, 254 lethal, 255 unknown."""
+    """Return colours of Nav2's costs, shape (256, 3): 0..252, 253 inscribed, 254 lethal, 255 unknown."""
     palette = np.empty((256, 3))
     share = (np.arange(253) / 252.0)[:, None] ** 0.8
     palette[:253] = np.array(FREE) + share * (np.array(INFLATED, dtype=float) - np.array(FREE))
@@ -66,7 +66,7 @@ def cost_palette() -> npt.NDArray[np.uint8]:
 
 
 def occupancy_palette() -> npt.NDArray[np.uint8]:
-    """Colours of occupancies as bytes, shape (256, 3): 0 free to 100 occupied, 255 (−1) unknown."""
+    """Return colours of occupancies as bytes, shape (256, 3): 0 free to 100 occupied, 255 (−1) unknown."""
     palette = np.empty((256, 3))
     share = np.minimum(np.arange(256) / 100.0, 1.0)[:, None]
     palette[:] = np.array(FREE) + share * (np.array(OCCUPIED, dtype=float) - np.array(FREE))
@@ -75,7 +75,7 @@ def occupancy_palette() -> npt.NDArray[np.uint8]:
 
 
 def speed_color(share: float) -> Rgb:
-    """Colour of a speed that is `share` (0..1) of the largest."""
+    """Return the colour of a speed that is `share` (0..1) of the largest."""
     place = min(1.0, max(0.0, share)) * (len(_SPEED_ANCHORS) - 1)
     low = min(int(place), len(_SPEED_ANCHORS) - 2)
     weight = place - low

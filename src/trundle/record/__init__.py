@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING
 from trundle.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from trundle.record.mover_trails import MoverTrails
-    from trundle.record.overlay import draw_paths, draw_plan, draw_run
+    from trundle.record.overlay import MoverTrails, draw_paths, draw_plan, draw_run
     from trundle.record.run_folder import RunFolder, save_png
 
 __getattr__ = lazy_names(
     __name__,
     {
-        "MoverTrails": "trundle.record.mover_trails",
+        "MoverTrails": "trundle.record.overlay",
         "RunFolder": "trundle.record.run_folder",
         "draw_paths": "trundle.record.overlay",
         "draw_plan": "trundle.record.overlay",

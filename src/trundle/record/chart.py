@@ -11,7 +11,7 @@ from PIL import Image, ImageDraw
 
 from trundle.geometry import FloatArray
 from trundle.pictures.colors import FAINT, HAIRLINE, INK, PAGE, Rgb
-from trundle.pictures.text import font, plain
+from trundle.pictures.figure import font, plain
 
 _SMOOTH = 2
 _LEFT, _RIGHT, _TOP, _BOTTOM = 66, 20, 34, 30

@@ -10,10 +10,11 @@ from PIL import Image, ImageDraw
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, wrap_angle, wrap_angles
 from trundle.pictures.colors import BAD, FAINT, GOAL, INK, PAGE, START
-from trundle.pictures.text import font, plain
+from trundle.pictures.figure import font, plain
 from trundle.record.chart import Chart, Curve, draw_chart
 from trundle.record.motion import Motion
 
+# Starts this close are the same; runs that start farther apart are compared only with `align`.
 _SAME_START_M = 0.01
 _SAME_START_RAD = 0.01
 
@@ -23,7 +24,7 @@ class Comparison:
     """Two motions at the same times.
 
     Attributes:
-        time: Of the first motion, over the time that both cover [s], shape (N,).
+        time: Times of the first motion [s] that both motions cover, shape (N,).
         position_error: Distance between the two positions [m], shape (N,).
         yaw_error: Second yaw minus the first, wrapped [rad], shape (N,).
         max_position_error_m: Largest distance [m].
@@ -137,7 +138,7 @@ def _speed_curves(
 
 
 def _at(motion: Motion, time: FloatArray) -> Motion:
-    """The motion at other times; commands are those of the control period that contains each time."""
+    """Return the motion at other times; commands are those of the control period that contains each time."""
     yaw = np.interp(time, motion.time, np.unwrap(motion.yaw))
     held = np.minimum(np.searchsorted(motion.time, time - 1e-9), len(motion.time) - 1)
     linear = {name: np.interp(time, motion.time, getattr(motion, name)) for name in ("x", "y", "v", "w")}
@@ -147,7 +148,7 @@ def _at(motion: Motion, time: FloatArray) -> Motion:
 
 
 def _aligned(first: Motion, second: Motion) -> Motion:
-    """The second motion, moved to the start of the first."""
+    """Return the second motion, moved to the start of the first."""
     turn = float(first.yaw[0] - second.yaw[0])
     cos, sin = np.cos(turn), np.sin(turn)
     x, y = second.x - second.x[0], second.y - second.y[0]

@@ -1,13 +1,16 @@
-"""The record of `trundle drive`: every control period, and the state at the end of each command."""
+"""The record of `trundle drive`: every control period, the state at the end of each command, and a summary."""
 
 from __future__ import annotations
 
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TypedDict
+from typing import Self, TypedDict
 
 from trundle.files.writing import write_text
-from trundle.geometry import Twist2D
-from trundle.record.drive_summary import DriveSummary
+from trundle.geometry import Pose2D, Twist2D, wrap_angle
 from trundle.sim import RobotState
 
 COLUMNS = (
@@ -79,7 +82,7 @@ class DriveLog:
             self._ends.append(state)
 
     def legs(self) -> list[Leg]:
-        """All driven legs, in order."""
+        """Return all driven legs, in order."""
         return [
             Leg(
                 v=v,
@@ -96,9 +99,60 @@ class DriveLog:
         ]
 
     def summary(self) -> DriveSummary:
-        """Time, distance, turns and contacts of the whole drive, which must have at least one state."""
+        """Return time, distance, turns and contacts of the whole drive, which must have at least one state."""
         return DriveSummary.from_states(self._states)
 
     def save(self, path: Path) -> None:
         """Write all rows as CSV."""
         write_text(path, "\n".join([",".join(COLUMNS), *self._rows, ""]), durable=True)
+
+
+@dataclass(frozen=True, slots=True)
+class DriveSummary:
+    """Totals of a drive.
+
+    Attributes:
+        seconds: Simulated time [s].
+        distance: Length of the path [m].
+        top_speed: Largest speed, forward or back [m/s].
+        turned_left: Sum of all turns to the left [rad].
+        turned_right: Sum of all turns to the right [rad].
+        contacts: Number of contacts that began, counted once while they last.
+        touched: Names of the touched solids, sorted.
+        pose: The last pose, map frame.
+    """
+
+    seconds: float
+    distance: float
+    top_speed: float
+    turned_left: float
+    turned_right: float
+    contacts: int
+    touched: tuple[str, ...]
+    pose: Pose2D
+
+    @classmethod
+    def from_states(cls, states: Sequence[RobotState]) -> Self:
+        """Summarise the states of a drive, in order, at least one."""
+        distance = left = right = 0.0
+        contacts = 0
+        for before, after in itertools.pairwise(states):
+            distance += math.hypot(after.pose.x - before.pose.x, after.pose.y - before.pose.y)
+            turn = wrap_angle(after.pose.yaw - before.pose.yaw)
+            left += max(turn, 0.0)
+            right += max(-turn, 0.0)
+            contacts += len(_names(after) - _names(before))
+        return cls(
+            seconds=states[-1].time - states[0].time,
+            distance=distance,
+            top_speed=max(abs(state.twist.v) for state in states),
+            turned_left=left,
+            turned_right=right,
+            contacts=contacts + len(_names(states[0])),
+            touched=tuple(sorted(set[str]().union(*map(_names, states)))),
+            pose=states[-1].pose,
+        )
+
+
+def _names(state: RobotState) -> set[str]:
+    return {contact.other for contact in state.contacts}

@@ -38,7 +38,7 @@ def check_free(out: str | os.PathLike[str] | None, *, overwrite: bool = False, e
     """Refuse a folder that already holds a run, before any work is done.
 
     Args:
-        out: The folder; None means a new one.
+        out: The folder. By default, a new one is made.
         overwrite: Whether to replace its run.
         extra: Names of further files that will be written.
 
@@ -62,7 +62,7 @@ class FolderClaim:
     An empty folder is removed at the end if it was created here.
 
     Args:
-        out: The folder; none means a new `runs/<time>-<name>`.
+        out: The folder. By default, it is a new `runs/<time>-<name>`.
         name: Name of the run, for the folder's name.
         overwrite: Replace the run that the folder holds.
         extra: Names of files that the run writes in addition to `RUN_FILES`.
@@ -145,7 +145,7 @@ class FolderClaim:
             raise OutputError(f"cannot replace the run in {self.path}: {error}") from error
 
     def _is_recorded(self) -> bool:
-        """Whether the folder holds a run's record other than the old one."""
+        """Return whether the folder holds a run's record other than the old one."""
         return any((self.path / name).exists() for name in RUN_FILES[:2])
 
     def _put_aside(self) -> None:

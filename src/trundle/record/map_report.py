@@ -15,7 +15,7 @@ from trundle.maps.grid import OccupancyGrid
 from trundle.pictures.colors import BAD, FAINT, GOOD, INK, PAGE, WARNING, Rgb
 from trundle.pictures.colors import OCCUPIED as WALL
 from trundle.pictures.colors import UNKNOWN as DARK
-from trundle.pictures.text import font, plain
+from trundle.pictures.figure import font, plain
 from trundle.record.map_view import MapView
 from trundle.record.page import Mark, compose_page, draw_tag
 
@@ -42,7 +42,7 @@ def draw_report(grid: OccupancyGrid, report: MapReport, *, title: str, robot_are
         report: The findings.
         title: Headline.
         robot_area: Area of the robot's footprint [m²]: smaller free areas are listed last, on one line, without rings.
-            None means the smallest robot's.
+            By default, it is that of the smallest robot.
     """
     groups, small = group_findings(report.findings, robot_area)
     view = MapView(_as_costmap(grid))
@@ -103,7 +103,7 @@ def _has_room(box: Area, taken: list[Area], size: tuple[int, int]) -> bool:
 
 
 def count_by_severity(report: MapReport) -> str:
-    """The numbers of errors, warnings and remarks as text."""
+    """Return the numbers of errors, warnings and remarks as text."""
     counts = Counter(finding.severity for finding in report.findings)
     parts = [f"{counts[key]} {name}{'s' if counts[key] > 1 else ''}" for key, name in _NAMES if counts[key]]
     return ", ".join(parts) or "nothing found"

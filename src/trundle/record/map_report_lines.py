@@ -15,14 +15,14 @@ _PLACES = 3  # listed per group
 
 
 def tell_report(title: str, report: MapReport, robot_area: float | None, *, most: int | None) -> list[str]:
-    """The report's lines.
+    """Return the report's lines.
 
     Args:
         title: Title of the map.
         report: The findings.
-        robot_area: Area of the robot's footprint [m²]; smaller free areas are listed last. None means the smallest
-            robot's.
-        most: Maximum number of lines; None lists every finding.
+        robot_area: Area of the robot's footprint [m²]; smaller free areas are listed last. By default, it is that
+            of the smallest robot.
+        most: Maximum number of lines. If None, every finding is listed.
     """
     from trundle.maps.check.finding import group_findings, tell_small
     from trundle.record.map_report import count_by_severity
@@ -42,7 +42,7 @@ def _tell_finding(finding: Finding) -> list[str]:
 
 
 def _tell_groups(groups: list[Group], room: int) -> list[str]:
-    """Two lines per group if there is room: fixes are dropped from the least severe first."""
+    """Return two lines per group if there is room: fixes are dropped from the least severe first."""
     listed = len(groups) if len(groups) <= room else room - 1
     spare = room - listed - (listed < len(groups))
     lines: list[str] = []
@@ -71,7 +71,7 @@ def _place(finding: Finding) -> str:
 
 
 def _unverified_lines(report: MapReport) -> list[str]:
-    """The kinds that could not be checked, and why; a reason that begins with the kinds is not repeated after them."""
+    """Return which kinds could not be checked, and why; a reason that begins with the kinds stands alone."""
     lines: list[str] = []
     remarks = list(report.remarks)
     for name, kinds in (("unverified", report.unverified), ("ambiguous", report.ambiguous)):

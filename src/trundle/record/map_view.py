@@ -1,4 +1,4 @@
-"""A costmap as a picture to draw on: cropped, enlarged by whole pixels per cell, with smooth lines."""
+"""`MapView`: a costmap, and the zones of masks, as a picture to draw on: cropped, with whole pixels per cell."""
 
 from __future__ import annotations
 
@@ -12,40 +12,37 @@ from PIL import Image, ImageDraw
 from trundle.costmap import INSCRIBED, LETHAL, NO_INFORMATION, Costmap
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps import OccupancyGrid
-from trundle.pictures.colors import KEPT_OUT, PAGE, SLOW, UNKNOWN, Rgb, cost_palette
-from trundle.record.zones import SpeedZones
+from trundle.maps.masks import SpeedMask
+from trundle.mission import Episode
+from trundle.pictures.canvas import SMOOTH, Canvas, as_points
+from trundle.pictures.cells import keep_last
+from trundle.pictures.colors import COST_ORDER, FREE, KEPT_OUT, PAGE, SLOW, UNKNOWN, Rgb, cost_palette
+from trundle.record.page import Mark
 from trundle.robots import Robot
-
-SMOOTH = 2
-"""Lines are drawn at this multiple of the resolution and averaged (anti-aliasing)."""
 
 LONG_SIDE = 1000
 MAX_SIDE = 2000
-_MARGIN_M = 2.0
-_LEAST_VIEW_M = 8.0
+_MOST_MARKS = 2  # limits that the legend lists one by one
+_MARGIN_M = 2.0  # around what is in focus
+_LEAST_VIEW_M = 8.0  # a short path is shown with so much around it, so that one sees where it is
 _FLOOR_CELL_M = 0.1
 _LEAST_RATIO = 0.85  # ratio of the shorter to the longer side of a view, if the map is wide enough
 _WHOLE_MAP_SHARE = 0.6  # a view of more than this share of the map shows all of it
 
 
-def empty_floor(points: FloatArray, robot: Robot) -> Costmap:
-    """A free costmap around points [m], shape (N, 2), to draw the run of an agent on that has no costmap."""
-    low, high = points.min(axis=0) - _LEAST_VIEW_M, points.max(axis=0) + _LEAST_VIEW_M
-    edge = _FLOOR_CELL_M
-    cols, rows = np.ceil((high - low) / edge).astype(int).tolist()
-    grid = OccupancyGrid(np.zeros((rows, cols), dtype=np.int8), edge, Pose2D(float(low[0]), float(low[1])))
-    return Costmap.from_grid(grid, robot)
-
-
-class MapView:
+class MapView(Canvas):
     """The part of a map in focus, to draw on.
 
     Args:
         costmap: The robot's costmap.
-        focus: Points [m] in the map frame, shape (N, 2), that must be visible; None means the whole map.
+        focus: Points [m] in the map frame, shape (N, 2), that must be visible. If None, the whole map is shown.
         long_side: Least length of the longer side, in pixels of the finished picture.
         max_side: Largest length of the longer side; larger maps have several cells per pixel.
         zones: Speed limits; keep-out zones are part of the costmap.
+
+    Attributes:
+        costmap: The costmap.
+        zones: The speed limits, or None.
     """
 
     def __init__(
@@ -57,32 +54,29 @@ class MapView:
         max_side: int = MAX_SIDE,
         zones: SpeedZones | None = None,
     ) -> None:
-        self._costmap = costmap
+        self.costmap, self.zones = costmap, zones
         self._crop = _find_crop(costmap, focus)
         row0, row1, col0, col1 = self._crop
         cells = costmap.data[row0:row1, col0:col1]
         longest = max(cells.shape)
         merged = math.ceil(longest / max_side)
-        if merged > 1:
-            cells = _merge_cells(cells, merged)
+        cells = keep_last(cells, COST_ORDER, merged)
         enlarged = max(1, math.ceil(long_side / max(cells.shape)))
         self._pixels_per_cell = enlarged / merged
         rows, cols = cells.shape
-        self.size = (cols * enlarged, rows * enlarged)
-        """Width and height of the finished picture [px]."""
         pixels = cost_palette()[cells]
         if costmap.unseen is not None:
             unseen = costmap.unseen[row0:row1, col0:col1].view(np.uint8)
-            open_ = ((_merge_cells(unseen, merged) if merged > 1 else unseen) == 1) & (cells < INSCRIBED)
+            open_ = (keep_last(unseen, COST_ORDER, merged) == 1) & (cells < INSCRIBED)
             pixels[open_] = (pixels[open_].astype(int) + UNKNOWN) // 2
         if zones is not None:
             self._tint(pixels, zones, merged)
         if costmap.keepout is not None:
             keepout = costmap.keepout[row0:row1, col0:col1]
-            pixels[(_merge_cells(keepout, merged) if merged > 1 else keepout) == LETHAL] = KEPT_OUT
-        large = (self.size[0] * SMOOTH, self.size[1] * SMOOTH)
-        self._image = Image.fromarray(pixels[::-1]).resize(large, Image.Resampling.NEAREST)
-        self._draw = ImageDraw.Draw(self._image, "RGBA")
+            pixels[keep_last(keepout, COST_ORDER, merged) == LETHAL] = KEPT_OUT
+        large = (cols * enlarged * SMOOTH, rows * enlarged * SMOOTH)
+        image = Image.fromarray(pixels[::-1]).resize(large, Image.Resampling.NEAREST)
+        super().__init__(image, self._pixels_per_cell / costmap.resolution)
 
     def _tint(self, pixels: npt.NDArray[np.uint8], zones: SpeedZones, merged: int) -> None:
         """Blend the colour of speed limits into the colours of cells, each of which covers `merged` by `merged`."""
@@ -90,24 +84,15 @@ class MapView:
         rows, cols = pixels.shape[:2]
         middle = (merged - 1) / 2.0
         row, col = row0 + middle + merged * np.arange(rows)[:, None], col0 + middle + merged * np.arange(cols)
-        strength = zones.strength(*self._costmap.cell_to_world(*np.broadcast_arrays(row, col)))[..., None]
+        strength = zones.strength(*self.costmap.cell_to_world(*np.broadcast_arrays(row, col)))[..., None]
         pixels[...] = (pixels + strength * (np.array(SLOW) - pixels.astype(np.float64))).round().astype(np.uint8)
 
-    @property
-    def pixels_per_metre(self) -> float:
-        """Scale of the finished picture."""
-        return self._pixels_per_cell / self._costmap.resolution
-
     def to_pixels(self, points: npt.ArrayLike) -> FloatArray:
-        """Pixels of points [m] in the map frame, shape (N, 2), in the finished picture; y points down."""
-        local = self._costmap.origin.inverse().transform_points(np.asarray(points, dtype=np.float64).reshape(-1, 2))
-        cells = local / self._costmap.resolution
+        """Return pixels of points [m] in the map frame, shape (N, 2), in the finished picture; y points down."""
+        local = self.costmap.origin.inverse().transform_points(np.asarray(points, dtype=np.float64).reshape(-1, 2))
+        cells = local / self.costmap.resolution
         _, row1, col0, _ = self._crop
         return np.column_stack([cells[:, 0] - col0, row1 - cells[:, 1]]) * self._pixels_per_cell
-
-    def finish(self) -> Image.Image:
-        """Return the picture; the view can still be drawn on."""
-        return self._image.reduce(SMOOTH)
 
     def refresh(self, picture: Image.Image, points: npt.ArrayLike, margin: float) -> None:
         """Update a finished picture around points [m], shape (N, 2), with a `margin` [px]."""
@@ -120,14 +105,13 @@ class MapView:
         box = self._box(self.to_pixels(points), 4.0)
         patch = _enlarge(picture, box)
         draw = ImageDraw.Draw(patch, "RGBA")
-        pixels = (self.to_pixels(points) - box[:2]) * SMOOTH
-        outline = [(float(x), float(y)) for x, y in pixels]
+        outline = as_points((self.to_pixels(points) - box[:2]) * SMOOTH)
         draw.polygon(outline, fill=(*color, 200))
         draw.line([*outline, outline[0]], fill=color, width=2 * SMOOTH)
         nose = (
             self.to_pixels([(pose.x, pose.y), pose.transform_points([(float(corners[:, 0].max()), 0.0)])[0]]) - box[:2]
         ) * SMOOTH
-        draw.line([(float(x), float(y)) for x, y in nose], fill=PAGE, width=2 * SMOOTH)
+        draw.line(as_points(nose), fill=PAGE, width=2 * SMOOTH)
         picture.paste(patch.reduce(SMOOTH), box)
 
     def stamp_trail(self, picture: Image.Image, points: FloatArray, color: Rgb, width: float) -> None:
@@ -142,53 +126,24 @@ class MapView:
         patch = _enlarge(picture, box)
         draw = ImageDraw.Draw(patch, "RGBA")
         for line in ((pixels - box[:2]) * SMOOTH).reshape(lines.shape):
-            points = [(float(x), float(y)) for x, y in line]
-            draw.line(points, fill=color, width=max(1, round(width * SMOOTH)), joint="curve")
+            draw.line(as_points(line), fill=color, width=max(1, round(width * SMOOTH)), joint="curve")
         picture.paste(patch.reduce(SMOOTH), box)
-
-    # Drawing: widths and radii in pixels of the finished picture ----------------------------------------------------
-
-    def line(self, points: npt.ArrayLike, color: Rgb, width: float) -> None:
-        """Draw a polyline through points [m], shape (N, 2), with round ends."""
-        self.line_pixels(self.to_pixels(points), color, width)
-
-    def line_pixels(self, pixels: FloatArray, color: Rgb, width: float) -> None:
-        """Draw a polyline through pixels, shape (N, 2), with round ends."""
-        large = [(float(x), float(y)) for x, y in pixels * SMOOTH]
-        thick = max(1, round(width * SMOOTH))
-        if len(large) > 1:
-            self._draw.line(large, fill=color, width=thick, joint="curve")
-        for end in (large[0], large[-1]):
-            self._disc(end, thick / 2.0, color)
-
-    def disc(self, point: Sequence[float], radius: float, color: Rgb) -> None:
-        """Draw a filled circle about a point [m]."""
-        x, y = self.to_pixels([point])[0] * SMOOTH
-        self._disc((float(x), float(y)), radius * SMOOTH, color)
 
     def ring(self, point: Sequence[float], radius: float, color: Rgb, width: float) -> None:
         """Draw a circle about a point [m]."""
-        x, y = self.to_pixels([point])[0] * SMOOTH
-        large = radius * SMOOTH
-        box = (x - large, y - large, x + large, y + large)
+        x, y = self._large([point])[0]
+        reach = radius * SMOOTH
+        box = (x - reach, y - reach, x + reach, y + reach)
         self._draw.ellipse(box, outline=color, width=max(1, round(width * SMOOTH)))
 
     def outline(
         self, pose: Pose2D, corners: FloatArray, color: Rgb, width: float, *, alpha: int = 255, fill: int = 0
     ) -> None:
         """Draw a robot's footprint at a pose, map frame; `alpha` and `fill` are 0..255, for line and interior."""
-        pixels = self.to_pixels(pose.transform_points(corners)) * SMOOTH
-        points = [(float(x), float(y)) for x, y in pixels]
+        points = self._large(pose.transform_points(corners))
         if fill:
             self._draw.polygon(points, fill=(*color, fill))
         self._draw.line([*points, points[0]], fill=(*color, alpha), width=max(1, round(width * SMOOTH)))
-
-    def arrow(self, pose: Pose2D, length: float, color: Rgb) -> None:
-        """Draw an arrowhead of `length` [px] that points along a pose's x axis, with its middle on the pose."""
-        reach = length / self.pixels_per_metre
-        shape = np.array([[0.62, 0.0], [-0.38, 0.38], [-0.18, 0.0], [-0.38, -0.38]]) * reach
-        pixels = self.to_pixels(pose.transform_points(shape)) * SMOOTH
-        self._draw.polygon([(float(x), float(y)) for x, y in pixels], fill=color)
 
     def cross(self, point: Sequence[float], radius: float, color: Rgb, width: float) -> None:
         """Draw a cross (×) at a point [m]."""
@@ -198,17 +153,13 @@ class MapView:
             self.line_pixels(ends, color, width)
 
     def _box(self, pixels: FloatArray, margin: float) -> tuple[int, int, int, int]:
-        """Whole pixels (left, top, right, bottom) around points, inside the picture and never empty."""
+        """Return whole pixels (left, top, right, bottom) around points, inside the picture and never empty."""
         low, high = pixels.min(axis=0) - margin, pixels.max(axis=0) + margin
         left = min(max(0, math.floor(low[0])), self.size[0] - 1)
         top = min(max(0, math.floor(low[1])), self.size[1] - 1)
         right = min(max(left + 1, math.ceil(high[0])), self.size[0])
         bottom = min(max(top + 1, math.ceil(high[1])), self.size[1])
         return left, top, right, bottom
-
-    def _disc(self, center: tuple[float, float], radius: float, color: Rgb) -> None:
-        x, y = center
-        self._draw.ellipse((x - radius, y - radius, x + radius, y + radius), fill=color)
 
 
 def _enlarged(box: tuple[int, int, int, int]) -> tuple[int, int, int, int]:
@@ -217,13 +168,13 @@ def _enlarged(box: tuple[int, int, int, int]) -> tuple[int, int, int, int]:
 
 
 def _enlarge(picture: Image.Image, box: tuple[int, int, int, int]) -> Image.Image:
-    """A part of a finished picture, large enough to draw smooth lines on."""
+    """Return a part of a finished picture, large enough to draw smooth lines on."""
     part = picture.crop(box)
     return part.resize((part.width * SMOOTH, part.height * SMOOTH), Image.Resampling.NEAREST)
 
 
 def _find_crop(costmap: Costmap, focus: FloatArray | None) -> tuple[int, int, int, int]:
-    """First and last + 1 row and column of the part to show: the known cells, restricted to the focus."""
+    """Return first and last + 1 row and column of the part to show: the known cells, restricted to the focus."""
     rows, cols = costmap.shape
     known = costmap.data != NO_INFORMATION
     margin = math.ceil(0.5 / costmap.resolution)
@@ -259,12 +210,78 @@ def _extent(known: npt.NDArray[np.intp], margin: int, size: int) -> tuple[int, i
     return max(0, int(known[0]) - margin), min(size, int(known[-1]) + margin + 1)
 
 
-def _merge_cells(cells: npt.NDArray[np.uint8], factor: int) -> npt.NDArray[np.uint8]:
-    """Merge squares of cells: occupied if any cell is, else unknown if any is, else the largest cost."""
-    rows, cols = (math.ceil(side / factor) * factor for side in cells.shape)
-    padded = np.pad(cells, ((0, rows - cells.shape[0]), (0, cols - cells.shape[1])), mode="edge")
-    # Ranks: costs up to 253 unchanged, unknown 254, occupied 255.
-    ranks = np.where(padded == LETHAL, 255, np.where(padded == NO_INFORMATION, 254, padded))
-    merged = ranks.reshape(rows // factor, factor, cols // factor, factor).max(axis=(1, 3))
-    swapped = np.where(merged == 255, LETHAL, np.where(merged == 254, NO_INFORMATION, merged))
-    return np.where(merged <= INSCRIBED, merged, swapped).astype(np.uint8)
+def view_run(
+    costmap: Costmap | None,
+    robot: Robot,
+    episode: Episode,
+    speed_mask: SpeedMask | None,
+    *,
+    long_side: int = LONG_SIDE,
+    max_side: int = MAX_SIDE,
+) -> MapView:
+    """Return a view of all that a run planned and drove, on its costmap; if that is None, on an empty floor."""
+    goals = np.array([goal[:2] for goal in episode.goals]).reshape(-1, 2)
+    seen = np.concatenate([episode.trajectory.poses[:, :2], goals, *(path.poses[:, :2] for path in episode.paths)])
+    costmap = _empty_floor(seen, robot) if costmap is None else costmap
+    return MapView(costmap, seen, long_side=long_side, max_side=max_side, zones=speed_zones(speed_mask, robot))
+
+
+def _empty_floor(points: FloatArray, robot: Robot) -> Costmap:
+    """Return a free costmap around points [m], shape (N, 2), to draw the run of an agent on that has no costmap."""
+    low, high = points.min(axis=0) - _LEAST_VIEW_M, points.max(axis=0) + _LEAST_VIEW_M
+    edge = _FLOOR_CELL_M
+    cols, rows = np.ceil((high - low) / edge).astype(int).tolist()
+    grid = OccupancyGrid(np.zeros((rows, cols), dtype=np.int8), edge, Pose2D(float(low[0]), float(low[1])))
+    return Costmap.from_grid(grid, robot)
+
+
+# Zones ----------------------------------------------------------------------------------------------------------------
+
+
+class SpeedZones:
+    """The limits of a speed mask as colours: stronger for lower limits.
+
+    Args:
+        mask: The mask.
+        top_speed: Maximum speed of the robot [m/s].
+    """
+
+    def __init__(self, mask: SpeedMask, top_speed: float) -> None:
+        self._mask = mask
+        self._top_speed = top_speed
+
+    def strength(self, x: npt.ArrayLike, y: npt.ArrayLike) -> FloatArray:
+        """Return the strength of the colour at points [m], map frame: 0 without a limit, 0.25 to 0.7 with one."""
+        return self._strength_of(self._mask.limit_at(x, y, self._top_speed))
+
+    def marks(self) -> list[Mark]:
+        """Return entries of the legend: the limits if they are few, else their range."""
+        values = np.flatnonzero(np.bincount(np.maximum(self._mask.grid.data, 0).ravel(), minlength=101))
+        limits = np.unique(self._mask.limits(self._top_speed)[values[values > 0]])
+        if len(limits) == 0:
+            return []
+        if len(limits) <= _MOST_MARKS:
+            return [Mark("square", self._color_of(limit), f"up to {limit:.2g} m/s") for limit in limits.tolist()]
+        low, high = float(limits[0]), float(limits[-1])
+        return [Mark("square", self._color_of(low), f"up to {low:.2g} to {high:.2g} m/s")]
+
+    def _strength_of(self, limits: FloatArray) -> FloatArray:
+        share = np.clip(1.0 - limits / self._top_speed, 0.0, 1.0)
+        return np.where(np.isfinite(limits), 0.25 + 0.45 * share, 0.0)
+
+    def _color_of(self, limit: float) -> Rgb:
+        strength = float(self._strength_of(np.array(limit)))
+        red, green, blue = (round(free + strength * (slow - free)) for free, slow in zip(FREE, SLOW, strict=True))
+        return red, green, blue
+
+
+def speed_zones(mask: SpeedMask | None, robot: Robot) -> SpeedZones | None:
+    """Return the zones of a mask for a robot, or None without a mask."""
+    return None if mask is None else SpeedZones(mask, robot.limits.linear_speed)
+
+
+def zone_marks(costmap: Costmap, zones: SpeedZones | None) -> list[Mark]:
+    """Return the entries of the legend for the zones that there are."""
+    kept_out = costmap.keepout is not None and bool((costmap.keepout == LETHAL).any())
+    marks = [Mark("square", KEPT_OUT, "kept out")] if kept_out else []
+    return marks + ([] if zones is None else zones.marks())

@@ -17,7 +17,7 @@ from trundle.values import as_path
 
 _CSV_NAMES = {"time": "time_s", "commanded_v": "command_v", "commanded_w": "command_w"}
 _RESOLUTION_S = 2e-6
-"""Of a record's times."""
+"""Resolution of the times in a record, which has six decimals."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,7 +65,7 @@ class Motion:
         return Pose2D(float(self.x[0]), float(self.y[0]), float(self.yaw[0]))
 
     def commands(self, step_s: float) -> list[tuple[float, float, float]]:
-        """The commands (v [m/s], w [rad/s], seconds) that repeat it, consecutive equal ones merged.
+        """Return the commands (v [m/s], w [rad/s], seconds) that repeat it, consecutive equal ones merged.
 
         Args:
             step_s: Length of a physics step [s]. Times are rounded to it: a record has six decimals.

@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 from PIL import Image, ImageDraw
 
 from trundle.costmap import Costmap
@@ -31,16 +32,18 @@ from trundle.pictures.colors import (
     Rgb,
     speed_color,
 )
-from trundle.record.map_view import MapView, empty_floor
-from trundle.record.mover_trails import MoverTrails
+from trundle.record.map_view import MapView, speed_zones, view_run, zone_marks
 from trundle.record.page import Mark, compose_page, draw_tag
-from trundle.record.stripes import draw_striped
-from trundle.record.zones import speed_zones, zone_marks
 from trundle.robots import Robot
+from trundle.sim.mover_history import MoverHistory
 
 _SPEED_LEVELS = 24
 _OUTLINES = 14  # approximate number of footprints along a path
 _LEAST_GAP_M = 1.2
+_FAINT, _FILL = 200, 70  # opacity of the outlines of movers and of their insides
+_DASH = 18.0
+"""Length of a stripe [px]."""
+
 _LEGEND = (
     Mark("line", PLANNED, "planned"),
     Mark("square", OCCUPIED, "occupied"),
@@ -66,13 +69,12 @@ def draw_plan(
         costmap: The costmap of the plan.
         path: The path.
         robot: The robot, for its footprint.
-        title: Headline; None means the robot's and the planner's names.
-        lines: Smaller lines below it; None means length and cost.
+        title: Headline. By default, it is the robot's and the planner's names.
+        lines: Smaller lines below it. By default, they tell length and cost.
         speed_mask: The speed limits, or None.
         before: The path before smoothing, drawn thin on top, or None.
     """
-    zones = speed_zones(speed_mask, robot)
-    view = MapView(costmap, path.poses[:, :2], zones=zones)
+    view = MapView(costmap, path.poses[:, :2], zones=speed_zones(speed_mask, robot))
     view.line(path.poses[:, :2], PLANNED, 7)
     marks = list(_LEGEND)
     if before is not None:
@@ -90,7 +92,7 @@ def draw_plan(
         title=title or f"{robot.name} · {path.planner}",
         status=None,
         lines=lines or [f"{path.length:.2f} m{cost}"],
-        legend=[*marks, *zone_marks(costmap, zones)],
+        legend=[*marks, *zone_marks(view.costmap, view.zones)],
         pixels_per_metre=view.pixels_per_metre,
     )
 
@@ -104,11 +106,11 @@ def draw_paths(
         costmap: The costmap of the plans.
         robot: The robot, whose footprint is drawn at both ends.
         paths: At least one, by name; overlapping parts are striped.
-        title: Headline; None means the robot's name.
+        title: Headline. By default, it is the robot's name.
         speed_mask: The speed limits, or None.
     """
-    zones = speed_zones(speed_mask, robot)
-    view = MapView(costmap, np.concatenate([path.poses[:, :2] for path in paths.values()]), zones=zones)
+    seen = np.concatenate([path.poses[:, :2] for path in paths.values()])
+    view = MapView(costmap, seen, zones=speed_zones(speed_mask, robot))
     colors = [SEVERAL[index % len(SEVERAL)] for index in range(len(paths))]
     draw_striped(view, [(path.poses[:, :2], color) for path, color in zip(paths.values(), colors, strict=True)])
     legend = [Mark("line", color, name) for name, color in zip(paths, colors, strict=True)]
@@ -123,7 +125,7 @@ def draw_paths(
         title=title or robot.name,
         status=None,
         lines=[" · ".join(f"{name} {path.length:.2f} m" for name, path in paths.items())],
-        legend=[*legend, *zone_marks(costmap, zones)],
+        legend=[*legend, *zone_marks(view.costmap, view.zones)],
         pixels_per_metre=view.pixels_per_metre,
     )
 
@@ -141,18 +143,14 @@ def draw_run(
     The path that was followed last to each goal is wide, those that it replaced are thin.
 
     Args:
-        costmap: The costmap of the run; None draws it on an empty floor.
+        costmap: The costmap of the run. If None, the run is drawn on an empty floor.
         robot: The robot, for its footprint.
         episode: The run.
         speed_mask: The speed limits, or None.
         movers: Where the movers were, or None; they are drawn as they are at the end, with trails of eight seconds.
     """
     trajectory = episode.trajectory
-    goals = np.array([goal[:2] for goal in episode.goals]).reshape(-1, 2)
-    seen = [trajectory.poses[:, :2], goals, *(path.poses[:, :2] for path in episode.paths)]
-    zones = speed_zones(speed_mask, robot)
-    costmap = empty_floor(np.concatenate(seen), robot) if costmap is None else costmap
-    view = MapView(costmap, np.concatenate(seen), zones=zones)
+    view = view_run(costmap, robot, episode, speed_mask)
     kept = _kept_paths(trajectory)
     for index, path in enumerate(episode.paths):
         view.line(path.poses[:, :2], PLANNED, 11 if index in kept else 2)
@@ -175,12 +173,13 @@ def draw_run(
     tags = [(episode.start.as_tuple(), "start", START)]
     tags += [(goal, name, GOAL) for goal, name in zip(episode.goals, names, strict=True)]
     _draw_tags(view, robot, picture, tags)
+    moving = [Mark("line", WARNING, "moving")] if movers else []
     return compose_page(
         picture,
         title=episode.name,
         status=(episode.outcome.value.replace("_", " "), _STATUS.get(episode.outcome, WARNING)),
         lines=describe(episode),
-        legend=[*_LEGEND, *([Mark("line", WARNING, "moving")] if movers else []), *zone_marks(costmap, zones)],
+        legend=[*_LEGEND, *moving, *zone_marks(view.costmap, view.zones)],
         pixels_per_metre=view.pixels_per_metre,
         top_speed=top_speed,
     )
@@ -225,14 +224,14 @@ def draw_driven(view: MapView, trajectory: Trajectory, top_speed: float, *, widt
 
 
 def thin(pixels: FloatArray, gap: float) -> list[int]:
-    """Indices of points, shape (N, 2), that are `gap` apart along the line, including the first and the last."""
+    """Return indices of points, shape (N, 2), that are `gap` apart along the line, including the first and the last."""
     driven = arc_lengths(pixels)
     marks = np.searchsorted(driven, np.arange(0.0, driven[-1], gap))
     return sorted({*marks.tolist(), len(pixels) - 1})
 
 
 def _kept_paths(trajectory: Trajectory) -> set[int]:
-    """Indices of the paths that were followed last to each goal; the others were replaced on the way."""
+    """Return indices of the paths that were followed last to each goal; the others were replaced on the way."""
     return {int(trajectory.path[trajectory.goal == goal][-1]) for goal in set(trajectory.goal.tolist())}
 
 
@@ -249,7 +248,7 @@ def _draw_outlines(view: MapView, robot: Robot, poses: FloatArray, along: FloatA
 
 
 def _heading(poses: FloatArray, before: int, after: int) -> float:
-    """Yaw between consecutive poses: a planned path turns at its corners, a driven one in between."""
+    """Return the yaw between consecutive poses: a planned path turns at its corners, a driven one in between."""
     step = poses[after, :2] - poses[before, :2]
     if np.hypot(*step) < 0.2:
         return float(poses[after, 2])
@@ -283,3 +282,72 @@ def _draw_tags(
     for point, text, color in tags:
         x, y = view.to_pixels([point[:2]])[0]
         draw_tag(draw, (float(x), float(y)), text, color, apart=apart, size=picture.size)
+
+
+class MoverTrails(MoverHistory):
+    """Collects the movers of a run, one entry for each step, and draws them."""
+
+    def draw(self, view: MapView) -> None:
+        """Draw the outlines of the movers at the end of the run, each with its trail."""
+        if not self._times:
+            return
+        shown = self.at(self._times[-1])
+        for trail, state in zip(shown.trails, shown.states, strict=True):
+            view.line(trail, WARNING, 2)
+            view.outline(state.pose, np.array(state.outline), WARNING, 2.0, alpha=_FAINT, fill=_FILL)
+
+
+# Stripes --------------------------------------------------------------------------------------------------------------
+
+
+def draw_striped(view: MapView, lines: Sequence[tuple[FloatArray, Rgb]], *, width: float = 5.0) -> None:
+    """Draw lines so that each stays visible along its whole length.
+
+    Overlapping lines alternate in stripes of their colours; the stripes follow the first of them.
+
+    Args:
+        view: The map to draw on.
+        lines: Points [m] in the map frame, shape (N, 2), and a colour, for each line.
+        width: Width of the lines [px].
+    """
+    sampled = [_resample(view.to_pixels(points)) for points, _ in lines]
+    stripes = np.stack([_stripe_numbers(samples, view.size, width) for samples in sampled])
+    colors = [color for _, color in lines]
+    for index, samples in enumerate(sampled):
+        cols, rows = np.floor(samples).astype(int).T
+        inside = (cols >= 0) & (cols < view.size[0]) & (rows >= 0) & (rows < view.size[1])
+        here = np.where(inside, stripes[:, rows.clip(0, view.size[1] - 1), cols.clip(0, view.size[0] - 1)], 0)
+        here[index] = np.maximum(here[index], 1)  # a line covers its own ends, too
+        shown = _choose(here)
+        changes = np.flatnonzero(np.diff(shown)) + 1
+        for first, last in itertools.pairwise([0, *changes.tolist(), len(samples) - 1]):
+            view.line_pixels(samples[first : last + 1], colors[shown[first]], width)
+
+
+def _choose(here: npt.NDArray[np.int32]) -> npt.NDArray[np.int64]:
+    """Return the line that is visible at each sample, from the stripe numbers of all lines, shape (lines, samples)."""
+    on = here > 0
+    first = on.argmax(axis=0)
+    turn = here[first, np.arange(here.shape[1])] % on.sum(axis=0)
+    return (np.cumsum(on, axis=0) > turn).argmax(axis=0)
+
+
+def _resample(pixels: FloatArray) -> FloatArray:
+    """Return points about a pixel apart along a line, shape (N, 2) with N ≥ 2."""
+    along = arc_lengths(pixels)
+    marks = np.linspace(0.0, along[-1], max(2, int(along[-1]) + 1))
+    return np.column_stack([np.interp(marks, along, pixels[:, axis]) for axis in (0, 1)])
+
+
+def _stripe_numbers(samples: FloatArray, size: tuple[int, int], width: float) -> npt.NDArray[np.int32]:
+    """Return the stripe's number, from 1, at each pixel that a line of this width covers, else 0; (height, width)."""
+    image = Image.new("I", size, 0)
+    draw = ImageDraw.Draw(image)
+    along = arc_lengths(samples)
+    numbers = (along / _DASH).astype(int) + 1
+    changes = np.flatnonzero(np.diff(numbers)) + 1
+    for first, last in itertools.pairwise([0, *changes.tolist(), len(samples) - 1]):
+        part = [(float(x), float(y)) for x, y in samples[first : last + 1]]
+        if len(part) > 1:
+            draw.line(part, fill=int(numbers[first]), width=max(1, round(width)), joint="curve")
+    return np.asarray(image, dtype=np.int32)

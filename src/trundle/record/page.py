@@ -9,7 +9,7 @@ from typing import Literal
 from PIL import Image, ImageDraw
 
 from trundle.pictures.colors import BESIDE, FAINT, HAIRLINE, INK, PAGE, Rgb, speed_color
-from trundle.pictures.text import Font, draw_scale, font, plain, scale_length, shorten, text_length
+from trundle.pictures.figure import Font, draw_scale, font, plain, scale_length, shorten, text_length
 
 _EDGE = 28
 _LEAST_WIDTH = 900
@@ -50,7 +50,7 @@ def compose_page(
         lines: Smaller lines below the title.
         legend: Entries below the picture, in as many rows as needed.
         pixels_per_metre: For the scale bar.
-        top_speed: End of the colour bar [m/s]; None means no colour bar.
+        top_speed: End of the colour bar [m/s]. If None, there is no colour bar.
     """
     width = max(picture.width, _LEAST_WIDTH) + 2 * _EDGE
     small = font(17)
@@ -98,13 +98,13 @@ def _draw_disc(draw: ImageDraw.ImageDraw, center: tuple[float, float], radius: i
 
 
 def _legend_room(width: int, pixels_per_metre: float, top_speed: float | None) -> tuple[float, float]:
-    """Left and right ends of the legend: beside the scale, and the colour bar if there is one."""
+    """Return left and right ends of the legend: beside the scale, and the colour bar if there is one."""
     end = width - _EDGE if top_speed is None else _place_speeds(width - _EDGE, top_speed)[0]
     return _EDGE + round(scale_length(pixels_per_metre) * pixels_per_metre) + 36, end - 24
 
 
 def _place_speeds(right: int, top: float) -> tuple[int, int, int]:
-    """Positions of the label and of both ends of the colour bar of speeds."""
+    """Return positions of the label and of both ends of the colour bar of speeds."""
     length = text_length(font(15))
     end = right - round(length(_speed_text(top))) - 8
     begin = end - _BAR[0]
@@ -126,7 +126,7 @@ def _speed_text(top: float) -> str:
 
 
 def _break_legend(legend: Sequence[Mark], room: float) -> list[list[Mark]]:
-    """Rows of the legend, at least one; each entry is in one of them."""
+    """Return rows of the legend, at least one; each entry is in one of them."""
     rows: list[list[Mark]] = [[]]
     x = 0.0
     for mark in legend:

@@ -1,10 +1,11 @@
-"""`RunFolder`: writes the results of a run atomically, so that a kill at any moment leaves no partial file."""
+"""`RunFolder`: the folder of a run, also of one whose plug-in raised before there was a session."""
 
 from __future__ import annotations
 
 import io
 import json
 import logging
+import math
 import os
 import platform
 import time
@@ -17,17 +18,24 @@ from typing import Self
 from PIL import Image
 
 from trundle.errors import OutputError, TrundleError
+from trundle.fault import find_fault, note_folder
 from trundle.files.writing import write_bytes, write_text
-from trundle.mission import Episode, RunInfo, Scenario, Step
+from trundle.geometry import Pose2D, Twist2D
+from trundle.mission import Episode, Outcome, RunInfo, Scenario, Step
+from trundle.mission.goal_fields import make_goal
 from trundle.mission.run_files import save_paths
+from trundle.mission.running.episode_maker import make_episode
+from trundle.mission.running.preparation import describe_run, standing_at
+from trundle.mission.running.run_log import AgentTotals, RunLog
 from trundle.mission.steering.file import DIRECTIVES_FILE, save_directives
+from trundle.navigation import AgentInfo
+from trundle.navigation.agent import CONTROL_PERIOD_S
 from trundle.page.report import REPORT, report_scene, write_report
 from trundle.page.run_data import RunData
 from trundle.record.folder_claim import FolderClaim
-from trundle.record.mover_trails import MoverTrails
-from trundle.record.overlay import draw_run
-from trundle.record.sample_history import SampleHistory
-from trundle.record.video import MakeFrames, Report, write_video
+from trundle.record.overlay import MoverTrails, draw_run
+from trundle.record.video import MakeFrames, Report, SampleHistory, write_video
+from trundle.robots import Robot
 from trundle.version import __version__
 
 _LOGGER = logging.getLogger(__name__)
@@ -49,14 +57,14 @@ class RunFolder:
     Use it in a `with` block: an empty folder is removed if it was created here.
 
     Args:
-        out: The folder; None means a new `runs/<time>-<name>`.
+        out: The folder. By default, it is a new `runs/<time>-<name>`.
         name: Name of the run, for the folder's name.
         overwrite: Replace an existing run in the folder; it is deleted once the new one is complete.
         scenario: The exact scenario, written as `scenario.yaml`; None if the run has none.
         page: Whether to write `report.html`: one file with the replay, plots and figures of the run.
         overlay: Whether to draw `overlay.png`.
         video: Whether to make `video.mp4`.
-        frames: Source of the video's pictures; None means a drawn view from above.
+        frames: Source of the video's pictures. By default, they are drawn from above.
         report: Called with the progress of the video.
         extras: Additional files by name, with their writers.
 
@@ -228,7 +236,7 @@ class RunFolder:
 
 
 def with_images(names: Iterable[str]) -> tuple[str, ...]:
-    """Names of files, and of the images of those that are maps."""
+    """Return names of files, and of the images of those that are maps."""
     return tuple(
         one for name in names for one in ((name, f"{Path(name).stem}.png") if name.endswith(".yaml") else (name,))
     )
@@ -251,3 +259,73 @@ def _versions() -> dict[str, str]:
         with suppress(PackageNotFoundError):
             versions[package] = version(package)
     return versions
+
+
+def record_failure(
+    error: BaseException,
+    scenario: Scenario,
+    out: str | os.PathLike[str] | None = None,
+    *,
+    overwrite: bool = False,
+    page: bool = True,
+) -> Path:
+    """Write the folder of a run that an exception ended before it began, and note it in the exception.
+
+    Args:
+        error: What a plug-in raised, such as the constructor of a planner.
+        scenario: What was to be run.
+        out: The folder. By default, it is a new one in `runs`.
+        overwrite: Replace an existing run in it.
+        page: Whether to write report.html.
+
+    Returns:
+        The folder.
+
+    Raises:
+        OutputError: If it cannot be written.
+    """
+    with RunFolder(
+        out, name=scenario.title, overwrite=overwrite, scenario=scenario, page=page, overlay=False, video=False
+    ) as folder:
+        episode, info = _failed_episode(error, scenario)
+        folder.on_start(info)
+        folder.on_end(episode)
+    note_folder(error, folder.path)
+    return folder.path
+
+
+def _failed_episode(error: BaseException, scenario: Scenario) -> tuple[Episode, RunInfo]:
+    start = Pose2D(0.0, 0.0) if scenario.start is None else Pose2D.of(scenario.start)
+    given = scenario.goals if scenario.goals is not None else () if scenario.goal is None else (scenario.goal,)
+    info = describe_run(
+        AgentInfo(scenario.controller.name, scenario.planner.name),
+        CONTROL_PERIOD_S,
+        Robot.load(scenario.robot),
+        scenario.title,
+        start,
+        tuple(make_goal(goal) for goal in given),
+        (),
+        math.inf if scenario.time_limit_s is None else scenario.time_limit_s,
+        scenario.seed,
+        None,
+    )
+    log = RunLog()
+    state, estimate = standing_at(start)
+    log.add(state, Twist2D(), estimate, 0, None)
+    fault = find_fault(error)
+    episode = make_episode(
+        info,
+        log,
+        AgentTotals(),
+        Outcome.ERROR,
+        str(fault),
+        goals_reached=0,
+        behaviors=(),
+        directives=(),
+        world=None,
+        boxes=(),
+        wall_s=0.0,
+        measure=None,
+        fault=fault,
+    )
+    return episode, info

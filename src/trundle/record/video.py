@@ -15,15 +15,14 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw
 
+from trundle.control.controller import Rollouts
 from trundle.errors import InputError, OutputError
 from trundle.files.writing import write_bytes
 from trundle.geometry import FloatArray, Pose2D
 from trundle.mission import Episode, RunInfo
 from trundle.pictures.colors import GOAL, INK, PAGE, PLANNED, ROBOT, SAMPLED, START, WARNING
-from trundle.pictures.text import font
-from trundle.record.map_view import MapView, empty_floor
-from trundle.record.sample_history import SampleHistory, Samples
-from trundle.record.zones import speed_zones
+from trundle.pictures.figure import font
+from trundle.record.map_view import view_run
 from trundle.sim.mover_history import MoverHistory, ShownMovers
 
 FRAMES_PER_SECOND = 30
@@ -34,6 +33,13 @@ MAX_DRAWN_SIDE = 1280  # with more cells than this, several share a pixel
 Pixels: TypeAlias = npt.NDArray[np.uint8]
 Report: TypeAlias = Callable[[str, int, int], None]
 """Called with the task, the number of finished parts, and their total."""
+
+Samples: TypeAlias = npt.NDArray[np.float32]
+"""Places (x, y) [m], map frame, shape (N, T, 2), of N samples."""
+
+LINES = 12
+"""How many samples are kept of a step."""
+_POINTS = 15  # of each sample, about
 
 
 class FrameSource(Protocol):
@@ -68,9 +74,9 @@ def write_video(
         path: The .mp4 to write.
         run: The run.
         episode: Its episode.
-        frames: Source of the pictures; None means a drawn view from above.
-        movers: Where the moving obstacles were; None shows none.
-        samples: The controller's best samples, thin lines in the drawn view; None shows none.
+        frames: Source of the pictures. By default, they are drawn from above.
+        movers: Where the moving obstacles were. If None, none are shown.
+        samples: The controller's best samples, thin lines in the drawn view. If None, none are shown.
         report: Called with the progress.
 
     Returns:
@@ -102,7 +108,7 @@ def write_video(
 
 
 def playing_rate(times: FloatArray, fps: int) -> float:
-    """Playback rate: seconds of the run per second of video, for frames at these times [s]."""
+    """Return the playback rate: seconds of the run per second of video, for frames at these times [s]."""
     return float(times[-1] - times[0]) * fps / max(1, len(times) - 1) if len(times) > 1 else 1.0
 
 
@@ -129,7 +135,7 @@ def caption(frame: Pixels, time_s: float, speed: float, rate: float) -> Pixels:
 
 
 def has_encoder() -> bool:
-    """Whether PyAV is installed, which writes .mp4 files; without it a video is an animated GIF."""
+    """Return whether PyAV is installed, which writes .mp4 files; without it a video is an animated GIF."""
     try:
         return find_spec("av") is not None
     except ImportError:
@@ -137,7 +143,7 @@ def has_encoder() -> bool:
 
 
 def pick_rows(count: int) -> npt.NDArray[np.intp]:
-    """Rows to show of a trajectory of `count` rows: all of them up to 300, else 300 evenly spread, with both ends."""
+    """Return which of `count` rows of a trajectory to show: all up to 300, else 300 evenly spread, with both ends."""
     return np.linspace(0, count - 1, min(MAX_FRAMES, count)).round().astype(np.intp)
 
 
@@ -211,11 +217,8 @@ class DrawnFrames:
     def __init__(self, run: RunInfo, episode: Episode) -> None:
         self.samples: Samples | None = None
         self._robot = run.robot
-        goals = np.array([goal[:2] for goal in episode.goals]).reshape(-1, 2)
-        seen = [episode.trajectory.poses[:, :2], goals, *(path.poses[:, :2] for path in episode.paths)]
-        zones = speed_zones(run.speed_mask, run.robot)
-        costmap = empty_floor(np.concatenate(seen), run.robot) if run.costmap is None else run.costmap
-        view = MapView(costmap, np.concatenate(seen), long_side=DRAWN_SIDE, max_side=MAX_DRAWN_SIDE, zones=zones)
+        sides = {"long_side": DRAWN_SIDE, "max_side": MAX_DRAWN_SIDE}
+        view = view_run(run.costmap, run.robot, episode, run.speed_mask, **sides)
         for path in episode.paths:
             view.line(path.poses[:, :2], PLANNED, 6)
         view.disc(episode.start.as_tuple()[:2], 6, START)
@@ -247,3 +250,29 @@ class DrawnFrames:
             self._view.stamp(frame, state.pose, np.array(state.outline), WARNING)
         self._view.stamp(frame, pose, self._robot.outline, START)
         return np.asarray(frame)
+
+
+class SampleHistory:
+    """Collects what a controller considered best in each step; nothing for steps without samples.
+
+    A step takes about 1.5 kB.
+    """
+
+    def __init__(self) -> None:
+        self._steps: dict[int, Samples] = {}
+
+    def __len__(self) -> int:
+        return len(self._steps)
+
+    def add(self, index: int, rollouts: Rollouts | None) -> None:
+        """Add the samples of a step, by its index; step 0 begins another run."""
+        if index == 0:
+            self._steps.clear()
+        if rollouts is None:
+            return
+        stride = max(1, rollouts.poses.shape[1] // _POINTS)
+        self._steps[index] = rollouts.poses[:LINES, ::stride, :2].astype(np.float32)
+
+    def at(self, index: int) -> Samples | None:
+        """Return the samples of a step, the best first, or None if it had none."""
+        return self._steps.get(index)

@@ -1,7 +1,8 @@
-"""`BagContent`: what a bag holds of a run, in trundle's values."""
+"""What a bag holds of a run, and which of its topics hold it: by type, and by name where several have the same type."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,10 +13,75 @@ from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.messages import readers
 from trundle.observation import Scan
-from trundle.recording import bag_topics as kinds
 from trundle.recording.bag_reader import BagReader, BagTopic
 from trundle.recording.transforms import TransformTree
 from trundle.sim.simulator import MoverState
+
+TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
+MAPS = ("nav_msgs/msg/OccupancyGrid",)
+ODOMETRY = ("nav_msgs/msg/Odometry",)
+PATHS = ("nav_msgs/msg/Path",)
+SCANS = ("sensor_msgs/msg/LaserScan",)
+COMMANDS = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
+GOALS = ("geometry_msgs/msg/PoseStamped",)
+MARKERS = ("visualization_msgs/msg/MarkerArray",)
+
+TRUTH = "/ground_truth/odom"
+"""Topic of the true pose in trundle's recordings."""
+
+ASKED = "/cmd_vel_nav"
+"""Topic of what the controller asks for, before the collision monitor; Nav2's name."""
+
+MOVERS = "/movers"
+"""Topic of the movers in trundle's recordings."""
+
+
+def of_types(topics: Sequence[BagTopic], types: Sequence[str]) -> list[BagTopic]:
+    """Return the topics of these types that have messages."""
+    return [topic for topic in topics if topic.type_name in types and topic.count]
+
+
+def choose_topic(
+    topics: Sequence[BagTopic],
+    types: Sequence[str],
+    names: Sequence[str],
+    *,
+    given: str | None = None,
+    option: str = "",
+    without: Sequence[str] = (),
+) -> BagTopic | None:
+    """Return the topic of these types whose name fits best, or None if there is none.
+
+    Args:
+        topics: All topics of a bag.
+        types: Types of its messages.
+        names: Its usual names, the most usual one first: the name itself, then the last part of a name (/robot1/map),
+            then a part of it.
+        given: The name that the user gave, which decides.
+        option: The user's option, for messages.
+        without: Parts of names that it does not have.
+
+    Raises:
+        InputError: If the bag has no topic of the given name and these types.
+    """
+    found = of_types(topics, types)
+    if given is not None:
+        chosen = next((topic for topic in found if topic.name == given), None)
+        if chosen is None:
+            there = ", ".join(topic.name for topic in found) or "none"
+            raise InputError(f"{option} {given}: the bag has no such topic of type {types[0]}; there are: {there}")
+        return chosen
+    found = [topic for topic in found if not any(part in topic.name for part in without)]
+    for fits in (
+        lambda topic, name: topic.name == f"/{name}",
+        lambda topic, name: topic.name.endswith(f"/{name}"),
+        lambda topic, name: name in topic.name,
+    ):
+        for name in names:
+            fitting = [topic for topic in found if fits(topic, name)]
+            if fitting:
+                return max(fitting, key=lambda topic: topic.count)
+    return max(found, key=lambda topic: topic.count, default=None)
 
 
 @dataclass(slots=True, eq=False)
@@ -52,9 +118,9 @@ class BagContent:
 
     Attributes:
         tree: Its frames.
-        grid: The last map; None without one.
+        grid: The last map; None without a map.
         map_frame: Frame of the map.
-        odometry: Of the robot's own; None without it.
+        odometry: The robot's odometry; None without odometry.
         truth: The true poses, in trundle's recordings.
         paths: Plans with their times and frames.
         commands: Commands that were sent to the robot, with the times at which they were received.
@@ -83,7 +149,7 @@ class BagContent:
     clock: list[tuple[float, float]] = field(default_factory=list[tuple[float, float]])
 
     def stamps_of(self, received: FloatArray) -> FloatArray:
-        """Times [s] on the clock of the stamps at which something was received: the bag may have another clock."""
+        """Convert times of reception [s] to the clock of the stamps, since the bag may have another clock."""
         if not self.clock:
             return received
         pairs = np.array(sorted(self.clock))
@@ -93,12 +159,12 @@ class BagContent:
 
 @dataclass(frozen=True, slots=True)
 class TopicNames:
-    """Names of topics that the user gave; None means that they are found by type and name.
+    """Names of topics that the user gave. Those that are None are found by type and name.
 
     Attributes:
-        map: Of the map, or the YAML file of a ROS map.
-        odom: Of the odometry.
-        plan: Of the plans.
+        map: Topic of the map, or the YAML file of a ROS map.
+        odom: Topic of the odometry.
+        plan: Topic of the plans.
     """
 
     map: str | None = None
@@ -115,26 +181,26 @@ def read_content(bag: BagReader, names: TopicNames) -> BagContent:
     topics = bag.topics
     content = BagContent()
     map_topic = None if _load_map(content, names.map) else _choose_map(bag, names.map)
-    transforms = kinds.of_types(topics, kinds.TRANSFORMS)
+    transforms = of_types(topics, TRANSFORMS)
     if not transforms:
         raise InputError(f"{bag.path}: the bag has no transforms (/tf), which say where the robot was; record /tf too")
     chosen = {
         "map": map_topic,
-        "odometry": kinds.choose(
-            topics, kinds.ODOMETRY, ["odom", "odometry"], given=names.odom, option="--odom", without=["ground_truth"]
+        "odometry": choose_topic(
+            topics, ODOMETRY, ["odom", "odometry"], given=names.odom, option="--odom", without=["ground_truth"]
         ),
-        "plan": kinds.choose(
-            topics, kinds.PATHS, ["plan", "path"], given=names.plan, option="--plan", without=["local", "smoothed"]
+        "plan": choose_topic(
+            topics, PATHS, ["plan", "path"], given=names.plan, option="--plan", without=["local", "smoothed"]
         ),
-        "command": kinds.choose(topics, kinds.COMMANDS, ["cmd_vel"], without=["cmd_vel_"]),
-        "goal": kinds.choose(topics, kinds.GOALS, ["goal_pose", "goal"], without=["pose_est", "tracked"]),
+        "command": choose_topic(topics, COMMANDS, ["cmd_vel"], without=["cmd_vel_"]),
+        "goal": choose_topic(topics, GOALS, ["goal_pose", "goal"], without=["pose_est", "tracked"]),
     }
     wanted = {topic: what for what, topic in chosen.items() if topic is not None}
     wanted |= dict.fromkeys(transforms, "transforms")
-    wanted |= dict.fromkeys(kinds.of_types(topics, kinds.SCANS), "scan")
-    wanted |= {topic: "truth" for topic in kinds.of_types(topics, kinds.ODOMETRY) if topic.name == kinds.TRUTH}
-    wanted |= {topic: "asked" for topic in kinds.of_types(topics, kinds.COMMANDS) if topic.name == kinds.ASKED}
-    wanted |= {topic: "movers" for topic in kinds.of_types(topics, kinds.MARKERS) if topic.name == kinds.MOVERS}
+    wanted |= dict.fromkeys(of_types(topics, SCANS), "scan")
+    wanted |= {topic: "truth" for topic in of_types(topics, ODOMETRY) if topic.name == TRUTH}
+    wanted |= {topic: "asked" for topic in of_types(topics, COMMANDS) if topic.name == ASKED}
+    wanted |= {topic: "movers" for topic in of_types(topics, MARKERS) if topic.name == MOVERS}
     content.topics = tuple(sorted(topic.name for topic in wanted))
     for topic, received, message in bag.messages(list(wanted)):
         try:
@@ -153,7 +219,7 @@ def _load_map(content: BagContent, given: str | None) -> bool:
 
 
 def _choose_map(bag: BagReader, given: str | None) -> BagTopic:
-    found = kinds.choose(bag.topics, kinds.MAPS, ["map"], given=given, option="--map", without=["costmap"])
+    found = choose_topic(bag.topics, MAPS, ["map"], given=given, option="--map", without=["costmap"])
     if found is None:
         raise InputError(
             f"{bag.path}: the bag has no map (nav_msgs/OccupancyGrid); record /map too, or give its map's YAML with "
@@ -241,13 +307,13 @@ _ADD = {
 
 
 def _time_of(message: Any, received: float) -> float:
-    """Time of a message [s]: its stamp, or where that is zero the time at which it was received."""
+    """Return the time of a message [s]: its stamp, or where that is zero the time at which it was received."""
     stamp = readers.read_stamp(message.header.stamp)
     return stamp if stamp > 0.0 else received
 
 
 def make_scan(message: Any, lidar: str, mount: FloatArray) -> Scan:
-    """A scan from a message, and from where its lidar is on the robot: the pose in base_link, shape (4, 4).
+    """Return a scan from a message, and from where its lidar is on the robot: the pose in base_link, shape (4, 4).
 
     A lidar that is mounted upside down turns the other way round.
     """

@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from trundle.errors import InputError
-from trundle.messages.distros import DEFAULT, Distro
+from trundle.messages.codec import DEFAULT, Distro
 from trundle.recording.extra import check_extra
 from trundle.values import as_path
 
@@ -22,9 +22,9 @@ class BagTopic:
     """A topic of a bag.
 
     Attributes:
-        name: Of the topic.
-        type_name: Of its messages.
-        count: Number of them.
+        name: Name of the topic.
+        type_name: Type of its messages.
+        count: Number of its messages.
     """
 
     name: str

@@ -17,7 +17,7 @@ PERIOD_S = 0.05
 """Rows are at most so close, as a run's control periods are."""
 
 _BASES = ("base_link", "base_footprint")
-_LONGEST_S = 6.0 * 3600.0
+_LONGEST_S = 6.0 * 3600.0  # of a recording: rows are made for all of it, in memory
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,7 +56,7 @@ class Rows:
         return float(np.median(np.diff(self.times))) if len(self.times) > 1 else PERIOD_S
 
     def place(self, poses: FloatArray, frame: str, time: float) -> FloatArray | None:
-        """Poses in a frame, seen in the map frame at a time of stamps [s]; None where no transform ties them."""
+        """Return poses in a frame, seen in the map frame at a time of stamps [s]; None where no transform ties them."""
         if frame in (self.map_frame, ""):
             return poses
         if self.tree.chain(frame, self.map_frame) is None:
@@ -68,7 +68,7 @@ class Rows:
         )
 
     def shift(self, scan: Scan) -> Scan:
-        """A scan with its time on the clock of the rows."""
+        """Return a scan with its time on the clock of the rows."""
         return replace(scan, time=scan.time - self.began)
 
 
@@ -110,7 +110,7 @@ def make_rows(content: BagContent, source: Path) -> Rows:
 
 
 def _find_frames(content: BagContent, source: Path) -> tuple[str, str]:
-    """The frames of the base and of the map: by their usual names, by the odometry, and by the map."""
+    """Return the frames of the base and of the map: by their usual names, by the odometry, and by the map."""
     tree = content.tree
     child = [content.odometry.child] if content.odometry is not None and content.odometry.child else []
     bases = [*child, *_BASES, *(frame for frame in tree.frames if frame.rsplit("/", 1)[-1] in _BASES)]
@@ -128,7 +128,7 @@ def _find_frames(content: BagContent, source: Path) -> tuple[str, str]:
 def _read_odometry(
     content: BagContent, base: str, stamps: FloatArray, estimates: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Poses in the odom frame, and twists: of the odometry's messages, else of the transforms."""
+    """Return poses in the odom frame, and twists: of the odometry's messages, else of the transforms."""
     odometry = content.odometry
     if odometry is not None and len(odometry.times) > 1:
         return _sample(odometry.times, odometry.poses, stamps), _sample(odometry.times, odometry.twists, stamps)
@@ -139,7 +139,7 @@ def _read_odometry(
 
 
 def _read_commands(content: BagContent, commands: list[tuple[float, Twist2D]], stamps: FloatArray) -> FloatArray:
-    """The command that was last sent at each time; zeros before the first one."""
+    """Return the command that was last sent at each time; zeros before the first one."""
     if not commands:
         return np.zeros((len(stamps), 2))
     received = content.stamps_of(np.array([time for time, _ in commands]))
@@ -148,7 +148,7 @@ def _read_commands(content: BagContent, commands: list[tuple[float, Twist2D]], s
 
 
 def _sample(times: list[float], values: list[tuple[float, ...]], stamps: FloatArray) -> FloatArray:
-    """Values at times, interpolated; the third column is an angle."""
+    """Return values at times, interpolated; the third column is an angle."""
     known, first = np.unique(np.array(times), return_index=True)
     table = np.array(values, dtype=np.float64)[first]
     if table.shape[1] == 3:
@@ -166,7 +166,7 @@ def _differentiate(stamps: FloatArray, poses: FloatArray) -> FloatArray:
 
 
 def _thin(stamps: FloatArray, period: float) -> FloatArray:
-    """Times that are at least about a period apart, of which the last one is among them."""
+    """Return times that are at least about a period apart, of which the last one is among them."""
     kept: list[float] = []
     for stamp in stamps.tolist():
         if not kept or stamp - kept[-1] >= period * 0.95:

@@ -17,14 +17,14 @@ from mcap.writer import CompressionType, Writer
 
 from trundle.errors import OutputError
 from trundle.files.writing import atomic_path, cannot_write
-from trundle.messages.distros import OLD_BAGS
+from trundle.messages.codec import OLD_BAGS
 from trundle.messages.qos import Qos
 from trundle.version import __version__
 
 _LOGGER = logging.getLogger(__name__)
 
 CHUNK_BYTES = 4 * 1024 * 1024
-"""A chunk ends when it is this large, besides every time it is flushed."""
+"""A chunk ends when it is this large, besides every time it is flushed: readers load and decompress whole chunks."""
 
 METADATA = "rosbag2"
 """Name of the record in which rosbag2 keeps a bag's metadata.yaml."""
@@ -35,10 +35,10 @@ class Topic:
     """A topic of a bag that is written.
 
     Attributes:
-        name: Of the topic.
-        type_name: Of its messages.
-        encoding: Of its messages: "cdr".
-        metadata: Of its channel: `offered_qos_profiles` as YAML, and `topic_type_hash`.
+        name: Name of the topic.
+        type_name: Type of its messages.
+        encoding: Encoding of its messages: "cdr".
+        metadata: Metadata of its channel: `offered_qos_profiles` as YAML, and `topic_type_hash`.
         channel: Number of its channel.
         count: Messages written.
     """
@@ -77,7 +77,7 @@ class _LateFile:
         return written
 
     def tell(self) -> int:
-        """Where the next write goes."""
+        """Return the position at which the next write goes."""
         return self._stream.tell()
 
     def flush(self) -> None:
@@ -126,8 +126,8 @@ class BagWriter:
 
     Args:
         path: The file; one that exists is overwritten.
-        distro: Of ROS 2; empty where it is not known.
-        file_name: Name of the file in its metadata; none means that of `path`.
+        distro: Distribution of ROS 2; empty if it is not known.
+        file_name: Name of the file in its metadata. By default, it is that of `path`.
 
     Attributes:
         topics: What was added.
@@ -155,8 +155,8 @@ class BagWriter:
         """Add a topic.
 
         Args:
-            name: Of the topic.
-            type_name: Of its messages.
+            name: Name of the topic.
+            type_name: Type of its messages.
             definition: Text of the type and of all types in it.
             type_hash: `RIHS01_…`.
             qos: What it is offered with.
@@ -190,7 +190,7 @@ class BagWriter:
             topic: One that was added.
             stamp: Time [ns] at which it was received.
             data: Its CDR bytes.
-            published: Time [ns] at which it was published; none means the same.
+            published: Time [ns] at which it was published. By default, it is the same.
         """
         self._first = stamp if self._first is None else min(self._first, stamp)
         self._last = max(self._last, stamp)
@@ -239,7 +239,7 @@ class BagWriter:
                 _LOGGER.warning("%s; its last chunk is lost", error)
 
     def _metadata(self, custom: Mapping[str, str]) -> str:
-        """The bag's metadata.yaml, as rosbag2 of the distribution has it."""
+        """Return the bag's metadata.yaml, as rosbag2 of the distribution has it."""
         old = self.distro in OLD_BAGS
         name = self.file_name or self.path.name
         start = {"nanoseconds_since_epoch": self._first or 0}
@@ -272,7 +272,7 @@ class BagWriter:
 
 
 def _describe(topic: Topic, *, old: bool) -> dict[str, object]:
-    """A topic in the bag's metadata; up to Iron its QoS profiles are text there."""
+    """Return a topic in the bag's metadata; up to Iron its QoS profiles are text there."""
     profiles = topic.metadata.get("offered_qos_profiles", "")
     facts: dict[str, object] = {
         "name": topic.name,

@@ -14,7 +14,7 @@ from trundle.costmap import Costmap
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Goal, Pose2D, Twist2D, wrap_angles
 from trundle.maps import OccupancyGrid
-from trundle.messages.distros import DEFAULT, Distro
+from trundle.messages.codec import DEFAULT, Distro
 from trundle.mission import Episode, Observer, Outcome, RunInfo, Scenario, Step
 from trundle.mission.metrics import compute_metrics, measure_truth
 from trundle.mission.trajectory import Trajectory
@@ -41,7 +41,7 @@ class RunFromBag:
         steps: What they get of every row.
         episode: What they get at the end.
         grid: The map.
-        scenario: What repeats the run; None where the bag is not trundle's own.
+        scenario: The scenario that repeats the run; None if the bag is not trundle's own.
         topics: Names of the topics that were read.
         remarks: What was left out, or taken to be so, and why.
     """
@@ -76,7 +76,8 @@ def read_run(
 
     Args:
         path: A .mcap or .db3 file, or the folder of a rosbag2.
-        robot: What was driven: its footprint counts for clearances. None means the recording's own, or nova_carter.
+        robot: The robot that was driven, whose footprint counts for clearances. By default, it is the recording's own,
+            or nova_carter.
         names: Names of topics where the usual ones, and their types, do not tell.
         distro: The distribution of which message types are where the bag has no definitions of them: .db3 files.
 
@@ -121,7 +122,7 @@ class _Maker:
         self._goals, self._goal_times = self._find_goals()
 
     def make(self) -> RunFromBag:
-        """Everything of it."""
+        """Return everything of it."""
         info = self._make_info()
         trajectory = self._make_trajectory()
         episode = self._make_episode(info, trajectory)
@@ -163,7 +164,7 @@ class _Maker:
         )
 
     def _make_paths(self) -> list[tuple[float, Path]]:
-        """The plans in the map frame, with their times."""
+        """Return the plans in the map frame, with their times."""
         made: list[tuple[float, Path]] = []
         for time, frame, poses in self._content.paths:
             placed = self._rows.place(poses, frame, time)
@@ -174,7 +175,7 @@ class _Maker:
         return made
 
     def _find_goals(self) -> tuple[tuple[Goal, ...], list[float]]:
-        """The goals with the times from which they hold: as recorded, as sent, or the ends of the plans."""
+        """Return the goals with the times from which they hold: as recorded, as sent, or the ends of the plans."""
         sent = [
             (time - self._rows.began, placed[0])
             for time, frame, pose in self._content.goals
@@ -246,7 +247,7 @@ class _Maker:
         )
 
     def _judge(self, trajectory: Trajectory) -> tuple[Outcome, str, int]:
-        """How a run ended that has no record of its end: by where the robot was at the end of the recording."""
+        """Judge how a run ended that has no record of its end, by where the robot was at the end of the recording."""
         seconds = float(trajectory.time[-1])
         if not self._goals:
             return Outcome.FINISHED, f"the recording ends after {seconds:.1f} s; it has no goal", 0
@@ -289,7 +290,7 @@ class _Maker:
             )
 
     def _scans_by_row(self) -> dict[int, tuple[Scan, ...]]:
-        """The scans that arrived since the row before."""
+        """Return the scans that arrived since the row before."""
         rows, found = self._rows, dict[int, list[Scan]]()
         mounts: dict[str, FloatArray | None] = {}
         for topic, message in self._content.scans:
@@ -313,7 +314,7 @@ class _Maker:
         return {row: tuple(scans) for row, scans in found.items()}
 
     def _movers_by_row(self) -> list[tuple]:
-        """The movers at each row: the last that were recorded."""
+        """Return the movers at each row: the last that were recorded."""
         known = self._content.movers
         times = np.array([time for time, _ in known]) - self._rows.began
         last = np.searchsorted(times, self._rows.times + 1e-6, side="right") - 1

@@ -10,7 +10,7 @@ from pathlib import Path
 from mcap.records import Channel, Message, Metadata, Schema
 
 from trundle.errors import InputError
-from trundle.messages.distros import DEFAULT, Distro
+from trundle.messages.codec import DEFAULT, Distro
 from trundle.recording.bag_reader import BagReader, BagTopic
 from trundle.recording.extra import check_extra
 from trundle.recording.records import BagRecords, has_end
@@ -24,10 +24,10 @@ class BagInfo:
 
     Attributes:
         path: The file or the folder.
-        size_bytes: Of all its files.
+        size_bytes: Size of all its files together.
         begin_s, end_s: Times of the first and the last message [s].
         topics: Its topics, sorted by name.
-        damage: Why it cannot be read to its end; None where it is complete.
+        damage: Why it cannot be read to its end; None if it is complete.
         record: The settings and the end of its run, in trundle's recordings; else None.
     """
 
@@ -45,7 +45,7 @@ class BagInfo:
         return sum(topic.count for topic in self.topics)
 
     def as_dict(self) -> Mapping[str, object]:
-        """Everything as plain values, for JSON."""
+        """Return everything as plain values, for JSON."""
         record = self.record
         ended = None if record is None else record.episode
         return {

@@ -16,7 +16,7 @@ from trundle.errors import InputError, OutputError, UnknownNameError
 from trundle.files.writing import cannot_write, output_path
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
-from trundle.messages.distros import DEFAULT, DISTROS, Distro
+from trundle.messages.codec import DEFAULT, DISTROS, Distro
 from trundle.mission import Episode, RunInfo, Scenario, Step
 from trundle.recording.extra import check_extra
 from trundle.recording.run_record import END_RECORD, RUN_RECORD, describe_run
@@ -29,7 +29,7 @@ FLUSH_S = 1.0
 
 
 def partial_name(path: Path) -> Path:
-    """Name of a recording that is being written: `run.partial.mcap` for `run.mcap`."""
+    """Return the name of a recording that is being written: `run.partial.mcap` for `run.mcap`."""
     return path.with_suffix(f".partial{path.suffix}")
 
 
@@ -169,7 +169,7 @@ def check_free(path: Path) -> None:
 
 
 def known_cells(costmap: Costmap | None) -> OccupancyGrid | None:
-    """What a costmap says about the map: its occupied, unknown and free cells."""
+    """Return what a costmap says about the map: its occupied, unknown and free cells."""
     if costmap is None:
         return None
     import numpy as np
@@ -181,7 +181,7 @@ def known_cells(costmap: Costmap | None) -> OccupancyGrid | None:
 
 
 def _without_infinity(values: Mapping[str, object]) -> dict[str, object]:
-    """Values of an episode, with None for numbers that JSON does not have."""
+    """Return values of an episode, with None for numbers that JSON does not have."""
     return {
         name: None if isinstance(value, float) and not math.isfinite(value) else value for name, value in values.items()
     }

@@ -104,7 +104,7 @@ def open_bag_file(path: Path) -> BinaryIO:
 
 
 def has_end(path: Path) -> bool:
-    """Whether an MCAP file ends as a complete one does.
+    """Return whether an MCAP file ends as a complete one does.
 
     Raises:
         InputError: If it cannot be opened, or is not an MCAP file.
@@ -116,7 +116,7 @@ def has_end(path: Path) -> bool:
 
 
 def _open_chunk(chunk: Chunk) -> list[McapRecord]:
-    """The records in a chunk, which are checked against its checksum."""
+    """Return the records in a chunk, which are checked against its checksum."""
     size = chunk.uncompressed_size
     if chunk.compression == "zstd":
         size = max(size, zstandard.frame_content_size(chunk.data))

@@ -28,7 +28,7 @@ class Recovered:
         messages: Number of its messages.
         end_s: Time of the last message [s].
         duration_s: From the first to the last message [s].
-        damage: What is wrong with the source; None where it was complete.
+        damage: What is wrong with the source; None if it was complete.
     """
 
     path: Path
@@ -39,7 +39,7 @@ class Recovered:
 
 
 def recovered_name(path: Path) -> Path:
-    """Name of the recovered file: `run.mcap` of `run.partial.mcap`, else `name.recovered.mcap`."""
+    """Return the name of the recovered file: `run.mcap` of `run.partial.mcap`, else `name.recovered.mcap`."""
     stem = path.stem
     if stem.endswith(PARTIAL):
         return path.with_name(f"{stem.removesuffix(PARTIAL)}{path.suffix}")
@@ -55,7 +55,7 @@ def recover(
 
     Args:
         path: The recording: an MCAP file of any writer.
-        out: The new file; None means `run.mcap` for `run.partial.mcap`, and `name.recovered.mcap` for others.
+        out: The new file. By default, it is `run.mcap` for `run.partial.mcap`, and `name.recovered.mcap` for others.
         overwrite: Replace the new file if it exists.
 
     Raises:
@@ -95,7 +95,7 @@ class _Copy:
 
     @property
     def messages(self) -> int:
-        """How many were copied."""
+        """Number of messages that were copied."""
         return sum(topic.count for topic in self.bag.topics)
 
     @property

@@ -47,7 +47,7 @@ class RunRecord:
         run: Its settings.
         robot: The robot.
         scenario: What repeats the run, or None.
-        episode: Its episode as `Episode.as_dict` has it; None where the run did not end.
+        episode: Its episode as `Episode.as_dict` has it; None if the run did not end.
     """
 
     distro: str
@@ -58,7 +58,7 @@ class RunRecord:
 
 
 def describe_run(run: RunInfo, scenario: Scenario | None, distro: str) -> dict[str, str]:
-    """The settings of a run as a metadata record."""
+    """Return the settings of a run as a metadata record."""
     facts = RunFacts(
         name=run.name,
         planner=run.planner,
@@ -96,7 +96,7 @@ def read_record(path: Path) -> RunRecord | None:
 
 
 def parse_records(path: Path, records: Mapping[str, Mapping[str, str]]) -> RunRecord | None:
-    """What metadata records by name say about a run; see `read_record`."""
+    """Read what the metadata records, by name, say about a run; see `read_record`."""
     facts = records.get(RUN_RECORD)
     if facts is None:
         return None

@@ -9,11 +9,9 @@ from typing import Any
 from trundle.costmap import Costmap
 from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
-from trundle.messages.codec import Codec
-from trundle.messages.distros import Distro
-from trundle.messages.makers import MessageMaker
+from trundle.messages.codec import Codec, Distro
+from trundle.messages.makers import MessageMaker, scan_topic
 from trundle.messages.qos import CLOCK, LATCHED, SENSOR, TRANSFORMS, Qos
-from trundle.messages.topic_names import scan_topic
 from trundle.mission import Step
 from trundle.observation import Scan
 from trundle.recording.bag_writer import BagWriter, Topic
@@ -41,7 +39,7 @@ class RunTopics:
     Args:
         path: The file.
         robot: The robot that is driven.
-        distro: Of ROS 2.
+        distro: Distribution of ROS 2.
 
     Attributes:
         bag: What they are written to.
@@ -71,7 +69,7 @@ class RunTopics:
         self._sent = self._add("/cmd_vel", self._make.command_type, _COMMAND)
 
     def _add(self, name: str, type_name: str, qos: Qos) -> Topic:
-        """A topic; it is added when it is first needed, and only once."""
+        """Return a topic; it is added when it is first needed, and only once."""
         topic = self._topics.get(name)
         if topic is None:
             codec = self._codec

@@ -42,7 +42,7 @@ class TransformTree:
         return tuple(sorted({*self._edges, *(edge.parent for edge in self._edges.values())}))
 
     def chain(self, frame: str, ancestor: str) -> list[str] | None:
-        """The frames from `frame` up to, and without, `ancestor`; None where it is not above it."""
+        """Return the frames from `frame` up to, and without, `ancestor`; None where it is not above it."""
         found: list[str] = []
         while frame != ancestor:
             edge = self._edges.get(frame)
@@ -53,12 +53,12 @@ class TransformTree:
         return found
 
     def times(self, frame: str) -> FloatArray:
-        """Times [s] at which the pose of a frame in its parent was sent, increasing; empty where it is static."""
+        """Return the times [s] at which a frame's pose in its parent was sent, increasing; empty if it is static."""
         edge = self._edges[frame]
         return np.zeros(0) if edge.is_static else np.unique(np.array(edge.times))
 
     def poses(self, frame: str, ancestor: str, times: FloatArray) -> FloatArray:
-        """Poses (x, y, yaw) of a frame in one above it at some times [s], interpolated; shape (N, 3).
+        """Return poses (x, y, yaw) of a frame in one above it at some times [s], interpolated; shape (N, 3).
 
         Before the first and after the last transform the nearest one holds.
         """
@@ -71,7 +71,7 @@ class TransformTree:
         return found
 
     def static(self, frame: str, ancestor: str) -> FloatArray | None:
-        """Pose of a frame that is fixed to one above it, shape (4, 4); None where it is not."""
+        """Return the pose of a frame that is fixed to one above it, shape (4, 4); None where it is not."""
         chain = self.chain(frame, ancestor)
         if chain is None:
             return None
@@ -93,7 +93,7 @@ class TransformTree:
 
 
 def _compose(outer: FloatArray, inner: FloatArray) -> FloatArray:
-    """Poses `outer @ inner`, row by row, shape (N, 3)."""
+    """Return poses `outer @ inner`, row by row, shape (N, 3)."""
     cos, sin = np.cos(outer[:, 2]), np.sin(outer[:, 2])
     return np.column_stack(
         [

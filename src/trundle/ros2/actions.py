@@ -19,13 +19,13 @@ class ActionGoal:
     """A goal that was accepted; any thread may report on it.
 
     Args:
-        handle: Of the transport.
+        handle: The transport's handle of the goal.
         request: The message of the goal.
-        type_name: Of the action.
+        type_name: The action's type.
         types: The messages.
 
     Attributes:
-        id: Of the goal, 16 bytes.
+        id: UUID of the goal, 16 bytes.
         request: The message of the goal.
         is_over: Whether it has a result.
     """
@@ -46,15 +46,15 @@ class ActionGoal:
             self._handle.publish_feedback(self._make("Feedback", fields))
 
     def succeed(self, **fields: Any) -> None:
-        """End it as succeeded, with these fields of the result."""
+        """End the goal as succeeded, with these fields of the result."""
         self._end(self._handle.succeed, fields)
 
     def abort(self, **fields: Any) -> None:
-        """End it as aborted."""
+        """End the goal as aborted."""
         self._end(self._handle.abort, fields)
 
     def canceled(self, **fields: Any) -> None:
-        """End it as cancelled."""
+        """End the goal as cancelled."""
         self._end(self._handle.canceled, fields)
 
     def _end(self, end: Callable[[bytes], None], fields: dict[str, Any]) -> None:
@@ -70,7 +70,7 @@ class Action(Protocol):
     """Serves an action; the listening thread calls it."""
 
     def accepts(self, request: Any) -> bool:
-        """Whether a goal with this message is accepted."""
+        """Return whether a goal with this message is accepted."""
         ...
 
     def accepted(self, goal: ActionGoal) -> None:
@@ -78,7 +78,7 @@ class Action(Protocol):
         ...
 
     def cancel(self, goal: ActionGoal) -> bool:
-        """Whether a goal will be cancelled as its client asks; it is ended later with `goal.canceled`."""
+        """Return whether a goal will be cancelled as its client asks; it is ended later with `goal.canceled`."""
         ...
 
 
@@ -86,7 +86,7 @@ class GoalAdapter:
     """Passes the goals of a transport, in bytes, to an action.
 
     Args:
-        type_name: Of the action.
+        type_name: The action's type.
         action: What serves it.
         types: The messages.
         warn: Reports what is refused: its kind, and the text.
@@ -97,7 +97,7 @@ class GoalAdapter:
         self._goals: dict[bytes, ActionGoal] = {}
 
     def accepts(self, data: bytes) -> bool:
-        """Whether a goal is accepted."""
+        """Return whether a goal is accepted."""
         try:
             return self._action.accepts(self._types.decode(f"{self._type_name}_Goal", data))
         except TrundleError as error:
@@ -120,6 +120,6 @@ class GoalAdapter:
             made.abort()
 
     def cancel(self, goal: GoalHandle) -> bool:
-        """Whether a goal will be cancelled."""
+        """Return whether a goal will be cancelled."""
         made = self._goals.get(goal.id)
         return made is not None and not made.is_over and self._action.cancel(made)

@@ -17,9 +17,7 @@ from trundle.ros2.names import Names
 from trundle.ros2.navigation.role import NavigatorRole
 from trundle.ros2.outputs.robot import RobotOutputs
 from trundle.ros2.profile import Profile
-from trundle.ros2.role import BridgeContext, Driver, Role, RoleName
-from trundle.ros2.simulation.clock import SimulationClock
-from trundle.ros2.simulation.live_driver import LiveDriver
+from trundle.ros2.role import BridgeContext, Driver, LiveDriver, Role, RoleName, SimulationClock
 from trundle.ros2.simulation.role import SimulatorRole
 from trundle.ros2.simulation.services import SimulationServices
 from trundle.ros2.wire import Record, Wire
@@ -49,9 +47,9 @@ class Bridge:
         profile: Names of topics, frames and sensors: a profile, or the name of one.
         speed: How fast the run passes relative to real time, 0.1 to 50, or infinity for as fast as it can.
         record: Keeps what goes over the wire.
-        driver: Drives and steers the runs, where a page does; none drives them at `speed`.
+        driver: Drives and steers the runs, as a page does. If None, they are driven at `speed`.
         observers: Makes what else follows each run.
-        report: Gets warnings and remarks; none means the log.
+        report: Gets warnings and remarks. If None, the log does.
 
     Attributes:
         wire: What is published, heard and served.
@@ -134,7 +132,7 @@ class Bridge:
 
 
 def build_mission(scenario: Scenario, profile: Profile) -> Mission:
-    """The scenario on its simulator, with the lidars and the start of a profile where it does not say otherwise.
+    """Start the scenario on its simulator, with the lidars and the start of a profile where it does not say otherwise.
 
     Raises:
         InputError: If it cannot be used.

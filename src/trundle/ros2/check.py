@@ -17,16 +17,17 @@ from trundle.ros2.transport.transport import Transport
 
 _CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
 _EVERY_CLOCK = Qos(100, "best_effort")
-"""Those of several clocks that come at once, too."""
+"""It is as deep as this for several clocks whose messages come at once."""
+
 _LOOK_S = 0.1
 
 
 def check_setup(settings: Settings, python: str | None = None) -> Iterator[Finding]:
-    """The environment, and which transports can be used.
+    """Report the environment, and which transports can be used.
 
     Args:
-        settings: As they were read.
-        python: The Python of the sourced ROS; none means to look for one.
+        settings: The settings, as they were read.
+        python: The Python of the sourced ROS. If None, it is looked for.
     """
     variables = ", ".join(f"{name}={value}" for name, value in settings.variables)
     yield Finding("domain", "ok", f"{settings.domain} ({_source(settings, 'domain', 'ROS_DOMAIN_ID')})")
@@ -35,7 +36,9 @@ def check_setup(settings: Settings, python: str | None = None) -> Iterator[Findi
     yield Finding("environment", "ok", variables or "no variable of ROS is set")
     for note in settings.notes:
         yield Finding("environment", "note", note)
-    yield from _check_transports(python)
+    no_dds, no_rclpy = why_not("dds"), why_not("rclpy", python=python)
+    yield Finding("rclpy", "note" if no_rclpy else "ok", no_rclpy or "topics, services and actions")
+    yield Finding("dds", "note" if no_dds else "ok", no_dds or "topics alone, without a ROS installation")
 
 
 def _source(settings: Settings, name: str, variable: str) -> str:
@@ -44,14 +47,8 @@ def _source(settings: Settings, name: str, variable: str) -> str:
     return f"from {variable}" if variable in dict(settings.variables) else "the default"
 
 
-def _check_transports(python: str | None) -> Iterator[Finding]:
-    no_dds, no_rclpy = why_not("dds"), why_not("rclpy", python=python)
-    yield Finding("rclpy", "note" if no_rclpy else "ok", no_rclpy or "topics, services and actions")
-    yield Finding("dds", "note" if no_dds else "ok", no_dds or "topics alone, without a ROS installation")
-
-
 def check_network(transport: Transport, *, wait_s: float) -> Iterator[Finding]:
-    """Who is on the network, and what does not fit together.
+    """Report who is on the network, and what does not fit together.
 
     Args:
         transport: A node that publishes nothing.

@@ -6,10 +6,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from trundle.messages.codec import Codec
-from trundle.messages.distros import DISTROS, Distro
+from trundle.messages.codec import DISTROS, Codec, Distro
 from trundle.messages.qos import Qos
-from trundle.ros2.transport.graph import Endpoint, Graph
+from trundle.ros2.transport.transport import Endpoint, Graph
 
 Status = Literal["ok", "note", "problem"]
 
@@ -72,7 +71,7 @@ class ClockSeen:
 
 
 def find_nodes(graph: Graph) -> Iterator[Finding]:
-    """Who is there."""
+    """Find who is there."""
     others = _other_nodes(graph)
     foreign = [one for one in graph.endpoints if not one.ours]
     if others:
@@ -91,7 +90,7 @@ def find_nodes(graph: Graph) -> Iterator[Finding]:
 
 
 def find_clock(graph: Graph, seen: ClockSeen) -> Iterator[Finding]:
-    """Whether there is one clock that moves, and who follows it."""
+    """Find whether there is one clock that moves, and who follows it."""
     sources = [one for one in graph.publishers(CLOCK_TOPIC) if not one.ours]
     waiting = sorted({one.node for one in graph.subscriptions(CLOCK_TOPIC) if not one.ours and one.node})
     if not sources:
@@ -160,7 +159,7 @@ def _judge_clock(sources: Sequence[Endpoint], seen: ClockSeen) -> Finding:
 
 
 def find_unmatched(graph: Graph) -> Iterator[Finding]:
-    """Topics that are read and not published, or published and not read."""
+    """Find topics that are read and not published, or published and not read."""
     unheard: list[str] = []
     waiting: list[str] = []
     for topic, types in graph.topics().items():
@@ -198,7 +197,7 @@ def _nobody_publishes(graph: Graph, topic: str, readers: Sequence[Endpoint]) -> 
 
 
 def find_commands(graph: Graph) -> Iterator[Finding]:
-    """Topics of commands that have several sources."""
+    """Find topics of commands that have several sources."""
     for topic in graph.topics():
         writers = [one for one in graph.publishers(topic) if one.type_name in _COMMANDS]
         if topic.endswith("cmd_vel") and len(writers) > 1 and graph.subscriptions(topic):
@@ -211,38 +210,33 @@ def find_commands(graph: Graph) -> Iterator[Finding]:
 
 
 def find_qos(graph: Graph) -> Iterator[Finding]:
-    """Publishers and subscriptions of a topic whose QoS does not fit together."""
+    """Find publishers and subscriptions of a topic whose QoS does not fit together."""
     for topic in graph.topics():
         for reader in graph.subscriptions(topic):
             for writer in graph.publishers(topic):
-                reasons = list(_misfits(writer.qos, reader.qos))
-                if reasons and writer.type_name == reader.type_name:
+                misfits = dict(_misfits(writer.qos, reader.qos))
+                if misfits and writer.type_name == reader.type_name:
                     yield Finding(
                         topic,
                         "problem",
-                        f"{_node(reader)} gets nothing from {_node(writer)}: {' and '.join(reasons)}",
-                        _advise_on_qos(writer.qos, reader.qos),
+                        f"{_node(reader)} gets nothing from {_node(writer)}: {' and '.join(misfits)}",
+                        f"Let the reader ask for {' and '.join(misfits.values())}",
                     )
 
 
-def _misfits(offered: Qos, wanted: Qos) -> Iterator[str]:
+def _misfits(offered: Qos, wanted: Qos) -> Iterator[tuple[str, str]]:
+    """Yield what does not fit together, each with what the reader should ask for."""
     if offered.reliability == "best_effort" and wanted.reliability == "reliable":
-        yield "it asks for reliable, and best effort is offered"
+        yield (
+            "it asks for reliable, and best effort is offered",
+            "best effort (RViz: Topic > Reliability Policy; in code: qos_profile_sensor_data)",
+        )
     if offered.durability == "volatile" and wanted.durability == "transient_local":
-        yield "it asks for transient local, and volatile is offered"
-
-
-def _advise_on_qos(offered: Qos, wanted: Qos) -> str:
-    changes: list[str] = []
-    if offered.reliability == "best_effort" and wanted.reliability == "reliable":
-        changes.append("best effort (RViz: Topic > Reliability Policy; in code: qos_profile_sensor_data)")
-    if offered.durability == "volatile" and wanted.durability == "transient_local":
-        changes.append("volatile (RViz: Topic > Durability Policy)")
-    return f"Let the reader ask for {' and '.join(changes)}"
+        yield "it asks for transient local, and volatile is offered", "volatile (RViz: Topic > Durability Policy)"
 
 
 def find_types(graph: Graph, distro: Distro) -> Iterator[Finding]:
-    """Topics whose ends have different types, and types that are those of another distribution."""
+    """Find topics whose ends have different types, and types that are those of another distribution."""
     for topic, types in graph.topics().items():
         writers = {one.type_name for one in graph.publishers(topic)}
         readers = [one for one in graph.subscriptions(topic) if one.type_name not in writers]
@@ -263,7 +257,13 @@ def find_types(graph: Graph, distro: Distro) -> Iterator[Finding]:
 
 
 def _find_hashes(graph: Graph, distro: Distro) -> Iterator[Finding]:
-    hash_in = _Hashes()
+    codecs: dict[Distro, Codec] = {}
+
+    def hash_in(distro: Distro, type_name: str) -> str:
+        if distro not in codecs:
+            codecs[distro] = Codec(distro)
+        return codecs[distro].type_hash(type_name) if type_name in codecs[distro] else ""
+
     strange: dict[str, set[str]] = {}
     silent: set[str] = set()
     for one in graph.endpoints:
@@ -293,21 +293,8 @@ def _find_hashes(graph: Graph, distro: Distro) -> Iterator[Finding]:
         )
 
 
-class _Hashes:
-    """Hashes of types by distribution; "" where it has no such type."""
-
-    def __init__(self) -> None:
-        self._codecs: dict[Distro, Codec] = {}
-
-    def __call__(self, distro: Distro, type_name: str) -> str:
-        if distro not in self._codecs:
-            self._codecs[distro] = Codec(distro)
-        codec = self._codecs[distro]
-        return codec.type_hash(type_name) if type_name in codec else ""
-
-
 def find_unanswered(graph: Graph) -> Iterator[Finding]:
-    """Services and actions that somebody asks for and nobody serves."""
+    """Find services and actions that somebody asks for and nobody serves."""
     served = {(one.kind.split()[0], one.name) for one in graph.offers if one.kind.endswith("server")}
     for one in graph.offers:
         what = one.kind.split()[0]
@@ -342,6 +329,6 @@ def _types(endpoints: Sequence[Endpoint]) -> str:
 
 
 def _list(names: Sequence[str], most: int = 6) -> str:
-    """Names with commas, of which there may be many."""
+    """Join names with commas, and count those that are too many."""
     shown = ", ".join(names[:most])
     return f"{shown} and {len(names) - most} more" if len(names) > most else shown

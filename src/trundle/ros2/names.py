@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from typing import Self
 
 from trundle.errors import InputError
 
@@ -24,14 +23,14 @@ class Names:
 
     Args:
         node: Name of the node.
-        namespace: Of the node, such as "robot1" or "/fleet/robot1"; empty means none.
+        namespace: Namespace of the node, such as "robot1" or "/fleet/robot1"; empty for none.
         remaps: Pairs (from, to), or texts "from:=to" as after `--ros-args -r`; `__ns:=/robot1` and `__node:=name` set
             the namespace and the node's name. The first one that fits a name is used.
         frame_prefix: Before every frame but the map's, as robot_state_publisher's parameter: "robot1/".
 
     Attributes:
         node: Name of the node.
-        namespace: With a leading slash; "/" where there is none.
+        namespace: Its namespace, with a leading slash; "/" without one.
 
     Raises:
         InputError: If a name is not one that ROS allows.
@@ -58,13 +57,8 @@ class Names:
         self.frame_prefix = frame_prefix
         self._remaps = [(self.expand(name), self.expand(to)) for name, to in pairs if not name.startswith("__")]
 
-    @classmethod
-    def plain(cls) -> Self:
-        """Those of a node named trundle, without a namespace or remaps."""
-        return cls()
-
     def resolve(self, name: str) -> str:
-        """The full name of a topic, a service or an action, such as "/robot1/scan".
+        """Return the full name of a topic, a service or an action, such as "/robot1/scan".
 
         Raises:
             InputError: If ROS does not allow the name.
@@ -73,11 +67,11 @@ class Names:
         return next((to for name, to in self._remaps if name == full), full)
 
     def frame(self, name: str) -> str:
-        """A frame with the prefix."""
+        """Return a frame with the prefix."""
         return self.frame_prefix + name
 
     def expand(self, name: str) -> str:
-        """The full name without remaps.
+        """Return the full name without remaps.
 
         Raises:
             InputError: If ROS does not allow the name.
@@ -103,10 +97,10 @@ class Names:
 
 
 def read_remap(remap: str | tuple[str, str]) -> tuple[str, str]:
-    """A remap from "from:=to", or from a pair.
+    """Read a remap from "from:=to", or from a pair.
 
     Raises:
-        InputError: If it is none.
+        InputError: If it is not a remap.
     """
     pair = tuple(remap.split(":=")) if isinstance(remap, str) else tuple(remap)
     if len(pair) != 2 or not all(pair):

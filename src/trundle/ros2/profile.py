@@ -16,16 +16,16 @@ from trundle.robots import Robot
 from trundle.robots.parts import Lidar
 
 OptionalName: TypeAlias = str | None
-"""A topic; none is not published."""
+"""Name of a topic. If None, it is not published."""
 
 
 class Frames(Config):
     """Names of frames.
 
     Attributes:
-        map: Of the map.
-        odom: Of the odometry.
-        base: Of the robot, on the floor between its drive wheels: trundle's base_link.
+        map: Frame of the map.
+        odom: Frame of the odometry.
+        base: Frame of the robot, on the floor between its drive wheels: trundle's base_link.
         also_base: Other frames that a command may be stamped with, besides the base.
     """
 
@@ -36,7 +36,7 @@ class Frames(Config):
 
 
 class Topics(Config):
-    """Names of topics; one that is relative gets the namespace. None means that it is not published.
+    """Names of topics; a relative one gets the namespace. If it is None, the topic is not published.
 
     Attributes:
         clock: The simulated time.
@@ -62,11 +62,11 @@ class Sensor(Config):
     """How a lidar is published.
 
     Attributes:
-        frame: Its frame; none means its name, as the exported URDF has it.
-        scan: Topic of its scans; none is not published.
-        points: Topic of its points; none is not published.
-        rings: Elevation of each ring of the points [deg], the lowest first; none means the level ring of the scans.
-            Each ring has the beams of the lidar, and costs 3 µs for each of them.
+        frame: Its frame. If None, it has its name, as in the exported URDF.
+        scan: Topic of its scans. If None, they are not published.
+        points: Topic of its points. If None, they are not published.
+        rings: Elevation of each ring of the points [deg], the lowest first. If empty, there is the level ring of the
+            scans. Each ring has the beams of the lidar, and costs 3 µs for each of them.
     """
 
     frame: str | None = None
@@ -93,7 +93,7 @@ class Profile(Config):
     """What is published and heard, and under which names.
 
     Attributes:
-        robot: The robot that it is for, by its catalogue name; none means any.
+        robot: The robot that it is for, by its catalogue name. If None, it is for any.
         start: Where launch files expect the robot to start; used where the scenario says nothing, and it fits there.
         frames: Names of frames.
         topics: Names of topics.
@@ -126,7 +126,7 @@ class Profile(Config):
 
     @classmethod
     def load(cls, name: str) -> Profile:
-        """A profile by its name, or from a YAML file.
+        """Load a profile by its name, or from a YAML file.
 
         Raises:
             UnknownNameError: If there is none of that name.
@@ -140,12 +140,12 @@ class Profile(Config):
         return load_config(found[name], cls)
 
     def fit(self, robot: Robot) -> Robot:
-        """The robot with the lidars of the profile."""
+        """Return the robot with the lidars of the profile."""
         missing = {name: lidar for name, lidar in self.lidars.items() if name not in robot.lidars}
         return robot.model_copy(update={"lidars": {**robot.lidars, **missing}}) if missing else robot
 
     def sensors_of(self, robot: Robot) -> dict[str, Sensor]:
-        """How each lidar of a robot is published, with all names filled in."""
+        """Return how each lidar of a robot is published, with all names filled in."""
         listed = self.sensors
         others = [name for name in robot.lidars if name not in listed and not self.only_listed]
         found: dict[str, Sensor] = {}
@@ -160,12 +160,12 @@ class Profile(Config):
 
 
 def profile_names() -> list[str]:
-    """Names of the profiles, sorted."""
+    """Return the names of the profiles, sorted."""
     return sorted(_files())
 
 
 def link_of(lidar: str) -> str:
-    """Name of a lidar's link in the exported URDF."""
+    """Return the name of a lidar's link in the exported URDF."""
     return lidar if "lidar" in lidar else f"lidar_{lidar}"
 
 

@@ -11,7 +11,7 @@ from typing import Protocol, Self
 
 from trundle.errors import InputError, OutputError
 from trundle.files.writing import cannot_write, output_path
-from trundle.messages.distros import Distro
+from trundle.messages.codec import Distro
 from trundle.messages.qos import Qos
 from trundle.recording.bag_writer import BagWriter, Topic
 from trundle.recording.extra import check_extra
@@ -30,11 +30,11 @@ class Descriptions(Protocol):
     """What describes message types, as `Codec` does."""
 
     def definition(self, type_name: str) -> str:
-        """The text of a type and of all types in it."""
+        """Return the text of a type and of all types in it."""
         ...
 
     def type_hash(self, type_name: str) -> str:
-        """The hash of a type, `RIHS01_…`."""
+        """Return the hash of a type, `RIHS01_…`."""
         ...
 
 
@@ -107,7 +107,7 @@ class WireRecord:
 
         Args:
             topic: Its full name.
-            type_name: Of the message.
+            type_name: Type of the message.
             qos: What it was offered with, or what it was asked for with.
             data: Its CDR bytes with their header.
             time: Simulated time [s].
@@ -140,7 +140,7 @@ class WireRecord:
             raise cannot_write(self.path, error) from error
 
     def _since_start(self, time: float) -> float:
-        """The time in the recording, in which what came before a reset lies before what comes after it."""
+        """Return the time in the recording, in which what came before a reset lies before what comes after it."""
         if time < self._last - _RESET_S:
             self._base += self._last
             self._flushed_at -= self._last

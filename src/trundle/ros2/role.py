@@ -1,4 +1,4 @@
-"""`Role`: what the bridge is for: a simulator that others drive, or a navigator that drives itself."""
+"""`Role`: what the bridge is for; and `BridgeContext`: the time, the run and the network that a role plugs into."""
 
 from __future__ import annotations
 
@@ -8,13 +8,11 @@ from typing import Literal, Protocol, TypeAlias
 
 from trundle.geometry import Pose2D
 from trundle.messages import MessageMaker
-from trundle.mission import Episode, LiveStatus, Mission, Observer, Session, Steering
+from trundle.mission import Episode, LiveRun, LiveStatus, Mission, Observer, Session, Steering
 from trundle.mission.simulation import SessionOptions
 from trundle.navigation import Agent
 from trundle.observation import Observation
 from trundle.ros2.profile import Profile
-from trundle.ros2.simulation.clock import SimulationClock
-from trundle.ros2.simulation.periods import PeriodCounter
 from trundle.ros2.wire import Wire
 
 RoleName: TypeAlias = Literal["simulator", "navigator"]
@@ -22,6 +20,70 @@ RoleName: TypeAlias = Literal["simulator", "navigator"]
 
 _KEPT_S = 60.0
 """What the episode at the end has of the run [s]: it may take days."""
+
+JUMP_S = 1.0
+"""After a restart the clock goes on at the next full multiple of this [s], so that the time never goes back."""
+
+
+class SimulationClock:
+    """Time [s] on the network: that of the run, plus that of the runs before.
+
+    The thread that drives the run sets it; any thread reads it.
+
+    Attributes:
+        now: The time now [s].
+        offset: What is added to the time of the present run [s].
+    """
+
+    def __init__(self) -> None:
+        self.now = 0.0
+        self.offset = 0.0
+        self._begun = False
+        self._from_zero = False
+
+    def begin(self) -> None:
+        """Begin a run: the first one at 0; the next ones at the next full `JUMP_S`, or at 0 after `start_over`."""
+        if self._from_zero or not self._begun:
+            self.offset = 0.0
+        else:
+            self.offset = (self.now // JUMP_S + 1.0) * JUMP_S
+        self._begun, self._from_zero = True, False
+        self.now = self.offset
+
+    def start_over(self) -> None:
+        """Let the next run begin at 0, for a client that resets the time."""
+        self._from_zero = True
+
+    def set(self, time: float) -> float:
+        """Set the time [s] since the start of the run, and return the time on the network."""
+        self.now = now = self.offset + time
+        return now
+
+
+class PeriodCounter:
+    """Counts control periods over all runs; the thread that drives adds, the listening thread waits.
+
+    Attributes:
+        count: How many were driven.
+        runs: How many runs have begun.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.runs = 0
+        self._awaited: tuple[int, Callable[[], None]] | None = None
+
+    def add(self) -> None:
+        """Count a control period that was driven."""
+        self.count += 1
+        awaited = self._awaited
+        if awaited is not None and self.count >= awaited[0]:
+            self._awaited = None
+            awaited[1]()
+
+    def expect(self, count: int, call: Callable[[], None]) -> None:
+        """Call this, in the thread that drives, once so many were driven in all; it replaces what was expected."""
+        self._awaited = count, call
 
 
 class Driver(Protocol):
@@ -42,6 +104,32 @@ class Driver(Protocol):
         ...
 
 
+class LiveDriver:
+    """Drives sessions at a speed relative to real time, and again after restarts.
+
+    Args:
+        speed: How fast the first run passes, 0.1 to 50, or infinity for as fast as it can.
+
+    Attributes:
+        steering: Where the session of each run takes its directives from.
+    """
+
+    def __init__(self, *, speed: float = 1.0) -> None:
+        self.steering = Steering()
+        self._speed = speed
+        self._live: LiveRun | None = None
+
+    @property
+    def status(self) -> LiveStatus:
+        """What runs now."""
+        return LiveStatus("idle", speed=self._speed) if self._live is None else self._live.status
+
+    def drive(self, make_session: Callable[[int | None], Session]) -> Episode:
+        """Drive to the end, and again after each restart; see `LiveRun`."""
+        self._live = LiveRun(make_session, self.steering, speed=self._speed)
+        return self._live.run()
+
+
 @dataclass(slots=True)
 class BridgeContext:
     """What a role plugs into.
@@ -54,7 +142,7 @@ class BridgeContext:
         driver: Drives and steers.
         origin: Where the odometry of the simulator began in this run: the frame `odom` on the network begins there.
         periods: Counts control periods and runs.
-        session: The present run; None before the first one.
+        session: The present run, or None before the first one.
         maker: Makes messages of trundle's values.
     """
 
@@ -72,7 +160,7 @@ class BridgeContext:
         self.maker = MessageMaker(self.wire.types.codec)
 
     def odometry(self, observation: Observation) -> Pose2D:
-        """Pose of the base in the frame `odom` on the network, which begins at (0, 0, 0) in every run."""
+        """Return the pose of the base in the frame `odom` on the network, which begins at (0, 0, 0) in every run."""
         return self.origin.inverse() @ observation.odometry
 
     def begin_session(
@@ -83,7 +171,7 @@ class BridgeContext:
         Args:
             agent: What drives the robot.
             observers: What follows the run.
-            seed: Of the run; none means the scenario's.
+            seed: Seed of the run. If None, it is the scenario's.
             options: What stands between the simulator and the agent.
         """
         scenario = self.mission.scenario
@@ -116,14 +204,14 @@ class Role(Protocol):
 
         Args:
             observers: What else follows the run.
-            seed: Of the run; none means the scenario's.
+            seed: Seed of the run. If None, it is the scenario's.
         """
         ...
 
     def lost(self, why: str) -> None:
-        """The other side is lost, for this reason; or it is back (""). Called in the listening thread."""
+        """Take note, in the listening thread, that the other side is lost for this reason, or back ("")."""
         ...
 
     def close(self) -> None:
-        """The bridge ends."""
+        """End what the role has begun: the bridge ends."""
         ...

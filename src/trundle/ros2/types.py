@@ -20,7 +20,7 @@ class Types:
     """The codec of a distribution, and what only the other side knows: packages such as nav2_msgs, by their text.
 
     Args:
-        codec: Of the transport's distribution.
+        codec: The codec of the transport's distribution.
         transport: Asked for the types that the codec does not have.
     """
 
@@ -54,7 +54,7 @@ class Types:
         return self.kind(type_name)(**values)
 
     def kind(self, type_name: str) -> Any:
-        """The class of a type; its constants are attributes.
+        """Return the class of a type; its constants are attributes.
 
         Raises:
             UnknownNameError: If there is no such type.
@@ -63,7 +63,7 @@ class Types:
         return self.codec.kind(type_name)
 
     def knows(self, type_name: str) -> bool:
-        """Whether there is such a type; the other side is asked once.
+        """Return whether there is such a type; the other side is asked once.
 
         Raises:
             InputError: If the other side has it, and its text cannot be read.
@@ -81,15 +81,15 @@ class Types:
             return True
 
     def has(self, type_name: str, field: str) -> bool:
-        """Whether there is such a type, and it has this field."""
+        """Return whether there is such a type, and it has this field."""
         return self.knows(type_name) and field in self.codec.fields(type_name)
 
     def constant(self, type_name: str, name: str, default: int = 0) -> int:
-        """A constant of a type, such as an error code, or `default` where this distribution does not have it."""
+        """Return a constant of a type, such as an error code, or `default` where this distribution does not have it."""
         return getattr(self.kind(type_name), name, default) if self.knows(type_name) else default
 
     def encode(self, message: Any) -> bytes:
-        """The CDR bytes of a message.
+        """Return the CDR bytes of a message.
 
         Raises:
             InputError: If a field has a value that its type cannot hold.
@@ -110,7 +110,7 @@ class Types:
         return self.codec.decode(type_name, data)
 
     def definition(self, type_name: str) -> str:
-        """The text of a type and of all in it, as a bag's schema has it.
+        """Return the text of a type and of all in it, as a bag's schema has it.
 
         Raises:
             UnknownNameError: If there is no such type.
@@ -119,7 +119,7 @@ class Types:
         return self.codec.definition(type_name)
 
     def type_hash(self, type_name: str) -> str:
-        """The hash of a type, `RIHS01_…`.
+        """Return the hash of a type, `RIHS01_…`.
 
         Raises:
             UnknownNameError: If there is no such type.
@@ -141,7 +141,7 @@ class Types:
         return self._makers[type_name]
 
     def _maker(self, type_name: str, name: str, desc: Any) -> Callable[[], Any]:
-        """Makes the default of a field."""
+        """Return what makes the default of a field."""
         from rosbags.interfaces import Nodetype
 
         if (type_name, name) in _DEFAULTS:
@@ -180,7 +180,7 @@ _BASES: dict[str, Callable[[], Any]] = {
 
 
 def _dtype(element: Any) -> np.dtype[Any] | None:
-    """What an array of a field's elements is made of; None where rosbags has a list."""
+    """Return what an array of a field's elements is made of; None where rosbags has a list."""
     from rosbags.interfaces import Nodetype
 
     what, detail = element

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from trundle.errors import TrundleError
 from trundle.messages.qos import Qos
 from trundle.ros2.actions import Action, GoalAdapter
-from trundle.ros2.warnings import Warnings
+from trundle.ros2.bad_input import Warnings
 
 if TYPE_CHECKING:
     from trundle.ros2.names import Names
@@ -27,7 +27,10 @@ MOST_A_SECOND = 500
 """Messages of one topic that are handled in a second [real time]; a node that sends more floods, and is reported."""
 
 _FLOOD_PAUSE_S = 0.02
+"""How long the listening thread rests after a round with a flood, so that the run gets the processor [s]."""
+
 _ENDS_S = 1.0
+"""How long `close` waits for the listening thread [s]."""
 
 
 class Record(Protocol):
@@ -43,7 +46,7 @@ class Outlet:
 
     Attributes:
         topic: Its full name.
-        type_name: Of its messages.
+        type_name: Type of its messages.
         qos: What it is offered with.
         is_wanted: Whether a message would reach anybody: there are readers, late readers get it, or it is recorded.
     """
@@ -86,7 +89,7 @@ class Inlet:
 
     Attributes:
         topic: Its full name.
-        type_name: Of its messages.
+        type_name: Type of its messages.
         qos: What it is read with.
         received: How many messages came.
     """
@@ -105,7 +108,7 @@ class Inlet:
         return self._subscription.matched
 
     def take(self, wire: Wire) -> bool:
-        """Handle what came; whether there was more than is handled in a second."""
+        """Handle what came, and return whether it was more than is handled in a second."""
         floods = False
         for sample in self._subscription.take():
             self.received += 1
@@ -116,18 +119,9 @@ class Inlet:
             if self._count > MOST_A_SECOND:
                 floods = True
                 self._warn_of_flood(sample.source, wire)
-                continue
-            self._handle(sample.data, sample.source, wire)
+            else:
+                self._handle(sample.data, sample.source, wire)
         return floods
-
-    def _warn_of_type(self, source: str, error: TrundleError, wire: Wire) -> None:
-        wire.warn(
-            f"{self.topic}: not a {self.type_name}",
-            lambda: (
-                f"{wire.describe_source(source)} sent on {self.topic} what is not a {self.type_name} of "
-                f"{wire.types.distro}: {error}; it is dropped: give --distro as the other side has it"
-            ),
-        )
 
     def _warn_of_flood(self, source: str, wire: Wire) -> None:
         wire.warn(
@@ -144,7 +138,14 @@ class Inlet:
         try:
             message = wire.types.decode(self.type_name, data)
         except TrundleError as error:
-            self._warn_of_type(source, error, wire)
+            reason = str(error)
+            wire.warn(
+                f"{self.topic}: not a {self.type_name}",
+                lambda: (
+                    f"{wire.describe_source(source)} sent on {self.topic} what is not a {self.type_name} of "
+                    f"{wire.types.distro}: {reason}; it is dropped: give --distro as the other side has it"
+                ),
+            )
             return
         try:
             self._handler(message, source)
@@ -165,8 +166,8 @@ class Wire:
         transport: What carries the bytes.
         types: The messages.
         names: Makes full names of those that are given.
-        record: Keeps what goes over the wire; none keeps nothing.
-        report: Gets warnings; none means the log.
+        record: Keeps what goes over the wire. If None, nothing is kept.
+        report: Gets warnings. If None, the log does.
 
     Attributes:
         now: Simulated time [s] on the network's clock, for the stamps of the record.
@@ -221,7 +222,7 @@ class Wire:
 
         Args:
             topic: Its name.
-            type_name: Of its messages.
+            type_name: Type of its messages.
             qos: What is asked for.
             handler: Gets each message and who sent it ("" where that is not known). What it raises of `TrundleError`
                 is reported once for each kind.
@@ -262,7 +263,7 @@ class Wire:
         return True
 
     def act(self, name: str, type_name: str, action: Action) -> bool:
-        """Serve an action; whether the transport can serve it.
+        """Serve an action, and return whether the transport can.
 
         Args:
             name: Its name.
@@ -277,7 +278,7 @@ class Wire:
         return True
 
     def _can_serve(self, full: str, part: str) -> bool:
-        """Whether the transport has services, and the other side the type of this part; else the name is missing."""
+        """Return whether transport and other side can serve this; if not, the name is added to `missing`."""
         if self.transport.has_services and self.types.knows(part):
             return True
         self.missing.append(full)
@@ -324,12 +325,15 @@ class Wire:
         self.warnings.warn(kind, text)
 
     def take_topics(self) -> bool:
-        """Handle the messages that arrived; whether a topic is flooded. For handlers that wait in the wire's thread."""
+        """Handle the messages that arrived, and return whether a topic is flooded.
+
+        It is also for handlers that wait in the wire's thread.
+        """
         floods = [inlet.take(self) for inlet in tuple(self.inlets)]
         return any(floods)
 
     def describe_source(self, source: str) -> str:
-        """Who a message comes from, in words."""
+        """Return who a message comes from, in words."""
         if not source:
             return "a publisher"
         try:

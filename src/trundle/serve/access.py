@@ -15,7 +15,7 @@ LOOPBACK = frozenset({"localhost", "127.0.0.1", "::1"})
 
 
 def is_loopback(host: str) -> bool:
-    """Whether a host to bind to is this machine only."""
+    """Return whether a host to bind to is this machine only."""
     try:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
@@ -30,7 +30,7 @@ class Access:
 
     Args:
         host: What the server is bound to.
-        token: The secret of the printed address; None means a new one.
+        token: The secret of the printed address. By default, a new one is made.
     """
 
     def __init__(self, host: str, token: str | None = None) -> None:
@@ -45,11 +45,11 @@ class Access:
             self._any_address = host in ("", "0.0.0.0", "::")
 
     def has_token(self, given: str) -> bool:
-        """Whether this is the token, compared in constant time."""
+        """Return whether this is the token, compared in constant time."""
         return hmac.compare_digest(given.encode(), self.token.encode())
 
     def has_cookie(self, cookies: Sequence[str]) -> bool:
-        """Whether the Cookie headers carry the token."""
+        """Return whether the Cookie headers carry the token."""
         for header in cookies:
             try:
                 found = SimpleCookie(header).get(self.cookie)
@@ -60,11 +60,11 @@ class Access:
         return False
 
     def set_cookie(self) -> str:
-        """The Set-Cookie header that stands for the token from now on."""
+        """Return the Set-Cookie header that stands for the token from now on."""
         return f"{self.cookie}={self.token}; Path=/; HttpOnly; SameSite=Strict"
 
     def allows_host(self, hosts: Sequence[str]) -> bool:
-        """Whether the one Host header names this server."""
+        """Return whether the one Host header names this server."""
         if len(hosts) != 1:
             return False
         name = _host_name(f"//{hosts[0]}")
@@ -73,7 +73,7 @@ class Access:
         return name in self._names or (self._any_address and _is_address(name))
 
     def allows_origin(self, origins: Sequence[str], host: str, *, required: bool) -> bool:
-        """Whether the page that sends the request came from this server: its Origin is the Host.
+        """Return whether the page that sends the request came from this server: its Origin is the Host.
 
         Args:
             origins: The Origin headers.
@@ -89,7 +89,7 @@ class Access:
 
 
 def _host_name(url: str) -> str | None:
-    """The name in `//name:port`, in lower case; None where it is not of that form."""
+    """Return the name in `//name:port`, in lower case, or None if it is not of that form."""
     try:
         parts = urlsplit(url)
         _ = parts.port  # raises if it is no port

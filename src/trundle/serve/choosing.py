@@ -30,7 +30,7 @@ class Choices:
     """The names that a page may choose from. Files come from the command line alone.
 
     Args:
-        base: The scenario that the choices change; None where there are none.
+        base: The scenario that the choices change; None if there is nothing to choose.
 
     Attributes:
         worlds: Names of worlds, that of the scenario first.
@@ -50,7 +50,7 @@ class Choices:
         self.controllers = _with_first(base.controller.name, controller_names())
 
     def as_dict(self) -> dict[str, list[str]]:
-        """As the page gets them."""
+        """Return the choices as the page gets them."""
         return {name: list(getattr(self, name)) for name in ("worlds", "robots", "planners", "controllers")}
 
     def check(self, message: Setup | Preview) -> None:
@@ -66,12 +66,12 @@ class Choices:
 
 
 def place_of(scenario: Scenario) -> str:
-    """The name of a scenario's world, or its map."""
+    """Return the name of a scenario's world, or its map."""
     return (scenario.map or "") if scenario.world is None else scenario.world.name
 
 
 def choose(base: Scenario, message: Setup | Preview) -> Scenario:
-    """The scenario of a page's choice, whose names were checked.
+    """Return the scenario of a page's choice, whose names were checked.
 
     Raises:
         ScenarioError: If it cannot be used.

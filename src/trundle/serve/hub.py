@@ -1,4 +1,4 @@
-"""`Hub`: who is connected and who drives; passes on what pages ask for."""
+"""`Hub`: knows who is connected and who drives, and passes on what pages ask for."""
 
 from __future__ import annotations
 
@@ -12,22 +12,23 @@ from trundle.errors import InputError
 from trundle.mission import LiveStatus
 from trundle.serve.choosing import Choices
 from trundle.serve.clients import Client
-from trundle.serve.encoding import encode_message
-from trundle.serve.messages import Drive, Message, Ping, parse_message
-from trundle.serve.show import Show
-from trundle.serve.wheel import Wheel
+from trundle.serve.driver_lock import DriverLock
+from trundle.serve.messages import Drive, Message, Ping, encode_message, parse_message
+from trundle.serve.run_feed import RunFeed
 
 MAX_CLIENTS = 64
+"""Each client costs its socket and what waits to be sent; everything else is encoded once for all."""
+
 _MOST_MISTAKES = 20
 """A client that has sent so many messages that cannot be read is disconnected."""
 
 
 class Controls(Protocol):
-    """What carries out what the driver asks for. Called in the server's thread: it must not block."""
+    """Carries out what the driver asks for. It is called in the server's thread, and must not block."""
 
     @property
     def status(self) -> LiveStatus:
-        """What runs now."""
+        """State of what runs now."""
         ...
 
     def handle(self, message: Message, client: int, refuse: Callable[[str], None]) -> None:
@@ -35,53 +36,53 @@ class Controls(Protocol):
         ...
 
     def let_go(self, client: int) -> None:
-        """The driver has gone or handed over: what it drives by hand stops."""
+        """Stop what the driver drives by hand, because it has gone or handed over."""
         ...
 
 
 class TooManyMessagesError(InputError):
-    """A client that sends too much, or what cannot be read, and is to be disconnected."""
+    """Raised for a client that sends too much, or what cannot be read; it is to be disconnected."""
 
 
 class Hub:
-    """Between one run and many pages.
+    """Stands between one run and many pages.
 
     `present` and `announce` may be called by any thread; the rest is the server's.
 
     Args:
         choices: What a page can choose from.
-        source: What the server was started with, for the page; None where it was started with nothing.
+        source: What the server was started with, for the page; None if it was started with nothing.
 
     Attributes:
         choices: What a page can choose from.
         controls: What carries out what pages ask for; to be set before the server starts.
         folders: Folders of runs by number, whose files are served.
-        show: What is shown now.
+        feed: What is shown now.
         joined: How many clients there have been.
     """
 
     def __init__(self, *, choices: Choices, source: str | None = None) -> None:
         self.controls: Controls | None = None
         self.folders: dict[int, Path] = {}
-        self.show: Show | None = None
+        self.feed: RunFeed | None = None
         self.joined = 0
         self.left_s = time.monotonic()
         self.choices = choices
         self._source = source
         self._clients: dict[int, Client] = {}
         self._mistakes: dict[int, int] = {}
-        self._wheel = Wheel()
+        self._lock = DriverLock()
         self._announced: deque[tuple[int | None, str]] = deque(maxlen=256)
 
     def __len__(self) -> int:
-        """How many clients are connected."""
+        """Return how many clients are connected."""
         return len(self._clients)
 
     # Any thread -----------------------------------------------------------------------------------------------------
 
-    def present(self, show: Show) -> None:
+    def present(self, feed: RunFeed) -> None:
         """Show this from now on; a client gets all of it."""
-        self.show = show
+        self.feed = feed
 
     def announce(self, text: str, *, to: int | None = None) -> None:
         """Send an error in words to one client, or to all."""
@@ -95,21 +96,21 @@ class Hub:
         return len(self._clients) >= MAX_CLIENTS
 
     def connect(self) -> Client:
-        """A page has connected."""
+        """Add a page that has connected."""
         self.joined += 1
         client = Client(self.joined)
         self._clients[client.number] = client
         self._mistakes[client.number] = 0
-        self._wheel.join(client.number)
+        self._lock.join(client.number)
         client.reply(self._hello(client))
         self._tell_drivers()
         return client
 
     def disconnect(self, client: Client) -> None:
-        """A page has gone."""
+        """Remove a page that has gone."""
         del self._clients[client.number], self._mistakes[client.number]
         self.left_s = time.monotonic()
-        if self._wheel.leave(client.number):
+        if self._lock.leave(client.number):
             self._controls.let_go(client.number)
         self._tell_drivers()
 
@@ -140,11 +141,11 @@ class Hub:
             for client in self._clients.values():
                 if to is None or client.number == to:
                     client.reply(text)
-        before = self._wheel.driver
-        if self._wheel.expire(time.monotonic()):
+        before = self._lock.driver
+        if self._lock.expire(time.monotonic()):
             self._hand_over(before)
-        if self.show is not None:
-            self.show.encode(self._controls.status, watched=bool(self._clients))
+        if self.feed is not None:
+            self.feed.encode(self._controls.status, watched=bool(self._clients))
         for client in self._clients.values():
             client.wake.set()
 
@@ -159,28 +160,28 @@ class Hub:
             client.reply(encode_message("pong", echo=message.echo))
         elif isinstance(message, Drive):
             self._steer(client, message)
-        elif client.number != self._wheel.driver:
+        elif client.number != self._lock.driver:
             client.reply(encode_message("error", text="another page drives: ask to take over first"))
         else:
             self._controls.handle(message, client.number, lambda why: self.announce(why, to=client.number))
 
     def _steer(self, client: Client, message: Drive) -> None:
-        before = self._wheel.driver
+        before = self._lock.driver
         if message.answer is None:
-            changed = self._wheel.ask(client.number, time.monotonic())
+            changed = self._lock.ask(client.number, time.monotonic())
         else:
-            changed = self._wheel.answer(client.number, message.answer)
+            changed = self._lock.answer(client.number, message.answer)
         if changed:
             self._hand_over(before)
 
     def _hand_over(self, before: int | None) -> None:
-        if before is not None and before != self._wheel.driver:
+        if before is not None and before != self._lock.driver:
             self._controls.let_go(before)
         self._tell_drivers()
 
     def _tell_drivers(self) -> None:
-        wheel = self._wheel
-        text = encode_message("drivers", driver=wheel.driver, request=wheel.request, clients=len(wheel))
+        lock = self._lock
+        text = encode_message("drivers", driver=lock.driver, request=lock.request, clients=len(lock))
         for client in self._clients.values():
             client.reply(text)
 
@@ -188,9 +189,9 @@ class Hub:
         return encode_message(
             "hello",
             client=client.number,
-            driver=self._wheel.driver,
-            clients=len(self._wheel),
-            you_drive=self._wheel.driver == client.number,
+            driver=self._lock.driver,
+            clients=len(self._lock),
+            you_drive=self._lock.driver == client.number,
             choices=self.choices.as_dict(),
             state=self._controls.status.state,
             source=self._source,

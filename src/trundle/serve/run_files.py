@@ -11,7 +11,7 @@ from html import escape
 from pathlib import Path
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.\-]{0,99}")
-"""Of a file that is served: one name, without separators, which does not begin with a dot."""
+"""Names of files that are served: one name, without separators, which does not begin with a dot."""
 
 MAX_FILE_BYTES = 128 * 2**20
 
@@ -74,7 +74,7 @@ def read_run_file(folder: Path, name: str) -> ServedFile:
 
 
 def list_run_files(number: int, folder: Path) -> str:
-    """A page with links to the files of a run's folder."""
+    """Return a page with links to the files of a run's folder."""
     with os.scandir(folder) as entries:
         names = sorted(
             entry.name for entry in entries if entry.is_file(follow_symlinks=False) and _NAME.fullmatch(entry.name)
@@ -88,7 +88,11 @@ def list_run_files(number: int, folder: Path) -> str:
 
 
 def find_run_file(folders: Mapping[int, Path], path: str) -> tuple[int, Path, str] | None:
-    """The run's number, its folder and the file's name ("" for the list) of `/runs/<n>/<name>`; None if it is not."""
+    """Split `/runs/<n>/<name>` into the run's number, its folder and the file's name, which is "" for the list.
+
+    Returns:
+        These, or None if the path is no such path.
+    """
     found = re.fullmatch(r"/runs/([0-9]{1,6})/([^/]*)", path)
     if found is None or int(found[1]) not in folders:
         return None

@@ -36,12 +36,16 @@ MAX_STRANGERS = 128
 """Connections without, most of which have not said yet what they want; one more closes the oldest of them."""
 
 MAX_BODIES_BYTES = 256 * 2**20
-"""Of all answers that wait to be read."""
+"""Size of all answers together that wait to be read, at most."""
 
 TICK_S = 0.05
+"""Period [s] of encoding what is new: a control period at 20 Hz, so that each step in real time can be a frame."""
+
 _IDLE_TICK_S = 0.5
+"""The same while no page is connected: then only the log is encoded, so that it does not pile up."""
+
 HANDSHAKE_S = 5.0
-_PING_S = 10.0
+_PING_S = 10.0  # a page that went without a word, such as a closed lid, is noticed after two of these
 _CLOSE_S = 2.0
 _START_S = 10.0
 
@@ -56,7 +60,7 @@ _BASE_HEADERS = {
 _NOTHING = "default-src 'none'; frame-ancestors 'none'"
 _TOO_MANY = "too many connections are open: close other pages of this server"
 _SANDBOX = "sandbox allow-scripts allow-downloads; frame-ancestors 'none'"
-"""Of a report: its scripts run, but not as pages of this server, whose cookie would let them drive."""
+"""Policy of a report: its scripts run, but not as pages of this server, whose cookie would let them drive."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,8 +83,8 @@ class PageServer:
         hub: What the page shows and asks.
         page: The page.
         host: What to bind to.
-        port: The port; 0 means a free one.
-        access: Who may connect; None means a new token for this host.
+        port: The port. If 0, a free one is taken.
+        access: Decides who may connect. By default, it has a new token for this host.
 
     Attributes:
         host: What it is bound to.
@@ -178,7 +182,7 @@ class PageServer:
             await asyncio.sleep(max(0.2 * period, period - (time.monotonic() - began)))
 
     async def _talk(self, connection: ServerConnection) -> None:
-        """One page, from its connection to its end."""
+        """Talk to one page, from its connection to its end."""
         if self._hub.is_full:
             await connection.close(1013, "too many pages are connected")
             return
@@ -200,13 +204,13 @@ class PageServer:
             while True:
                 await client.wake.wait()
                 client.wake.clear()
-                while (text := client.take(self._hub.show)) is not None:
+                while (text := client.take(self._hub.feed)) is not None:
                     await connection.send(fragments(text) if is_long(text) else text)
 
     # HTTP -----------------------------------------------------------------------------------------------------------
 
     def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
-        """The answer to a request; None for a page that may open its WebSocket."""
+        """Return the answer to a request; None for a page that may open its WebSocket."""
         opened = cast("_Connection", connection)
         response = self._route(opened, request)
         if response is not None and not opened.hold(len(response.body)):
@@ -273,7 +277,7 @@ class _Connections:
     Attributes:
         strangers: Those without cookie or token, the oldest first.
         owners: Those with one.
-        bytes: Of answers that wait to be read.
+        bytes: Size of the answers that wait to be read.
     """
 
     def __init__(self) -> None:
@@ -372,7 +376,7 @@ def _explain_bind(error: OSError, host: str, port: int) -> str:
 
 
 def _silent_logger() -> logging.Logger:
-    """For websockets: what foreign clients do wrong is nothing for the terminal."""
+    """Return a logger for websockets that prints nothing: what foreign clients do wrong is nothing for the terminal."""
     logger = logging.getLogger("trundle.serve.sockets")
     logger.propagate = False
     logger.setLevel(logging.CRITICAL + 1)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Callable
 from typing import TypeAlias
@@ -25,9 +24,8 @@ from trundle.mission import (
     StepOnce,
 )
 from trundle.mission.steering.directives import Directive
-from trundle.serve import messages
-from trundle.serve.messages import Message
-from trundle.serve.show import page_name
+from trundle.serve.messages import Message, Order
+from trundle.serve.run_feed import page_name
 
 MAX_BOXES, MAX_GOALS = 100, 200
 """How many a page may add to one run."""
@@ -39,7 +37,7 @@ class Steerer:
     """Drives a run, and again after restarts, and steers it as the page says.
 
     Args:
-        speed: Of the first run relative to real time; infinity for as fast as it can.
+        speed: Speed of the first run relative to real time; infinity for as fast as it can.
         restarts: Whether a page may restart it.
 
     Attributes:
@@ -57,7 +55,7 @@ class Steerer:
 
     @property
     def status(self) -> LiveStatus:
-        """What runs now."""
+        """State of what runs now."""
         return LiveStatus("idle") if self._live is None else self._live.status
 
     @property
@@ -89,7 +87,7 @@ class Steerer:
     def handle(self, message: Message, client: int, refuse: Refuse) -> None:
         """Give what the driver asks for to the run; `refuse` gets the reason where that cannot be done."""
         now = self.steering.run  # before it is known that this one runs: another one may begin now
-        run = message.run if isinstance(message, messages.Order) and message.run is not None else now
+        run = message.run if isinstance(message, Order) and message.run is not None else now
         try:
             if not self.runs:
                 raise InputError("nothing runs now")
@@ -109,32 +107,26 @@ class Steerer:
             self.steering.put(Manual(), by=page_name(client), run=run)
 
     def _directive(self, message: Message, client: int, run: int) -> Directive:
-        match message:
-            case messages.SetPause(paused=paused):
-                return Pause(paused)
-            case messages.OneStep():
-                return StepOnce()
-            case messages.SetSpeed(factor=factor):
-                return Speed(math.inf if factor == "max" else float(factor))
-            case messages.NewGoal(pose=(x, y, yaw), append=append):
+        """Return the directive of a message, as far as this client may give it."""
+        match message.directive if isinstance(message, Order) else None:
+            case SetGoal() as directive:
                 self._count("goals", MAX_GOALS)
                 self._by_hand = None
-                return SetGoal((x, y) if yaw is None else (x, y, yaw), append)
-            case messages.ManualCommand(v=v, w=w):
+            case Manual() as directive:
                 self._by_hand = client, run
-                return Manual(v, w)
-            case messages.ReleaseCommand():
+            case Release() as directive:
                 self._by_hand = None
-                return Release()
-            case messages.NewBox(x=x, y=y, yaw=yaw, size=size):
+            case DropBox() as directive:
                 self._count("boxes", MAX_BOXES)
-                return DropBox(x, y, yaw, size)
-            case messages.RestartRun(seed=seed) if self._restarts:
-                return Restart(seed)
-            case messages.EndRun():
-                return End(f"ended by {page_name(client)}")
+            case End():
+                directive = End(f"ended by {page_name(client)}")
+            case Restart() as directive if self._restarts:
+                pass
+            case Pause() | StepOnce() | Speed() as directive:
+                pass
             case _:
                 raise InputError("this cannot be done while something runs: end it first")
+        return directive
 
     def _count(self, what: str, most: int) -> None:
         run, counts = self._added

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from trundle.mission import Episode, Observer, RunInfo, Steering, Step
 from trundle.page.scene import solid_instances
-from trundle.serve.encoding import encode_message
 from trundle.serve.hub import Hub
-from trundle.serve.show import Show, scene_message
+from trundle.serve.messages import encode_message
+from trundle.serve.run_feed import RunFeed, scene_message
 from trundle.worlds import World
 
 REPORT = "report.html"
@@ -20,10 +20,10 @@ class Watch:
 
     Args:
         hub: Where the pages are.
-        number: Of the run, from 1.
-        folder: Where the run is recorded, so that pages get its files; None where it is not.
+        number: Number of the run, from 1.
+        folder: Where the run is recorded, so that pages get its files; None if it is not recorded.
         world: The simulated world now, with what was added to it.
-        steering: What the pages steer it by; None where they cannot.
+        steering: The steering through which pages steer it; None if they cannot.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class Watch:
         steering: Steering | None = None,
     ) -> None:
         self._hub, self._number, self._folder, self._world, self._steering = hub, number, folder, world, steering
-        self._show: Show | None = None
+        self._feed: RunFeed | None = None
         self._solids = 0
 
     @property
@@ -53,22 +53,22 @@ class Watch:
         if self._folder is not None:
             self._hub.folders[self._number] = self._folder.resolve()
         orders = None if self._steering is None else self._steering.run
-        self._show = Show(self._number, scene, run, orders)
-        self._hub.present(self._show)
+        self._feed = RunFeed(self._number, scene, run, orders)
+        self._hub.present(self._feed)
 
     def on_step(self, step: Step) -> None:
         """Hand over the step, and what was added to the world."""
-        show = self._show
-        if show is None:
+        feed = self._feed
+        if feed is None:
             return
-        if step.steering is not None and step.steering.boxes > len(show.solids):
-            self._add_solids(show)
-        show.add(step)
+        if step.steering is not None and step.steering.boxes > len(feed.solids):
+            self._add_solids(feed)
+        feed.add(step)
 
     def on_end(self, episode: Episode) -> None:
         """Hand over the end; the outcome is shown once it is `recorded`."""
-        if self._show is not None:
-            self._show.add(episode)
+        if self._feed is not None:
+            self._feed.add(episode)
 
     @property
     def recorded(self) -> Observer:
@@ -76,11 +76,11 @@ class Watch:
         return _Recorded(self._tell_end)
 
     def _tell_end(self, episode: Episode) -> None:
-        show, folder = self._show, self._folder
-        if show is None:
+        feed, folder = self._feed, self._folder
+        if feed is None:
             return
         has_report = folder is not None and (folder / REPORT).is_file()
-        show.end = encode_message(
+        feed.end = encode_message(
             "end",
             outcome=episode.outcome.value,
             message=episode.message,
@@ -89,12 +89,12 @@ class Watch:
             replay=f"/runs/{self._number}/{REPORT}" if has_report else None,
         )
 
-    def _add_solids(self, show: Show) -> None:
+    def _add_solids(self, feed: RunFeed) -> None:
         world = None if self._world is None else self._world()
         if world is None:
             return
         for solid in world.solids[self._solids :]:
-            show.solids.append(encode_message("solid", instances=solid_instances([solid])))
+            feed.solids.append(encode_message("solid", instances=solid_instances([solid])))
         self._solids = len(world.solids)
 
 

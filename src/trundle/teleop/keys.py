@@ -13,7 +13,7 @@ DEAD_MAN_S = 0.3
 """How long a key press is active. A held key repeats faster than this; after a release the robot stops."""
 
 SPEED_SHARE = 0.6
-"""Share of the robot's maximum speeds that a key commands."""
+"""Share of the robot's maximum speeds that a key commands: a key is on or off, so the fastest is hard to steer."""
 
 _ARROWS = {b"A": "i", b"B": "k", b"C": "l", b"D": "j"}
 _FORWARD = {"i": 1.0, "w": 1.0, "k": -1.0, "s": -1.0}

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from trundle.mission import Observer
     from trundle.record.drive_log import DriveLog
     from trundle.sim import Simulator
-    from trundle.teleop.text_map import TextMap
+    from trundle.teleop.screen import TextMap
 
 _HELP = """\
 w/s, i/k or up/down: forward, back
@@ -67,7 +67,7 @@ class TerminalKeys:
 
     Args:
         drive: Converts the keys.
-        descriptor: Of the terminal.
+        descriptor: File descriptor of the terminal.
     """
 
     def __init__(self, drive: KeyDrive, descriptor: int) -> None:
@@ -76,7 +76,7 @@ class TerminalKeys:
         self._rest = b""
 
     def read(self) -> Twist2D | None:
-        """The command of the keys that were typed until now; None when the driver has left."""
+        """Return the command of the keys that were typed until now; None when the driver has left."""
         data, ended = _read_typed(self._descriptor)
         keys, self._rest = split_keys(self._rest + data)
         now = time.monotonic()
@@ -110,7 +110,7 @@ def drive_by_keys(
 
 
 def _read_typed(descriptor: int) -> tuple[bytes, bool]:
-    """The bytes that were typed until now; the second value says that the terminal was closed."""
+    """Return the bytes that were typed until now; the second value says that the terminal was closed."""
     data = b""
     while select.select([descriptor], [], [], 0.0)[0]:
         try:

@@ -8,14 +8,14 @@ from trundle.lazy import lazy_names
 
 if TYPE_CHECKING:
     from trundle.viewer.cameras import Camera
-    from trundle.viewer.offscreen import Picture, render
+    from trundle.viewer.scene import Picture, render
 
 __getattr__ = lazy_names(
     __name__,
     {
         "Camera": "trundle.viewer.cameras",
-        "Picture": "trundle.viewer.offscreen",
-        "render": "trundle.viewer.offscreen",
+        "Picture": "trundle.viewer.scene",
+        "render": "trundle.viewer.scene",
     },
 )
 

@@ -49,14 +49,14 @@ class Camera:
         return math.dist(self.eye, self.target)
 
     def angles(self) -> tuple[float, float]:
-        """Azimuth and elevation of the line of sight [rad]; straight up or down the azimuth is north."""
+        """Return azimuth and elevation of the line of sight [rad]; straight up or down the azimuth is north."""
         dx, dy, dz = (to - at for to, at in zip(self.target, self.eye, strict=True))
         across = math.hypot(dx, dy)
         azimuth = math.atan2(dy, dx) if across > 1e-9 * abs(dz) else math.pi / 2.0
         return azimuth, math.atan2(dz, across)
 
     def axes(self) -> FloatArray:
-        """Unit vectors right, up and forward in the map frame, shape (3, 3), one a row."""
+        """Return unit vectors right, up and forward in the map frame, shape (3, 3), one a row."""
         return _axes(*self.angles())
 
 
@@ -95,12 +95,12 @@ def aim(name: str, world: World, robot: Robot, pose: Pose2D, aspect: float, is_c
 
 
 def _first_clear(cameras: list[Camera], points: list[tuple[float, float, float]], is_clear: IsClear) -> Camera:
-    """The first camera that sees all points [m]; the last if none does."""
+    """Return the first camera that sees all points [m]; the last if none does."""
     return next((camera for camera in cameras if all(is_clear(point, camera.eye) for point in points)), cameras[-1])
 
 
 def _sides(robot: Robot, pose: Pose2D) -> list[tuple[float, float, float]]:
-    """Points on both sides of a robot, just above it [m]."""
+    """Return points on both sides of a robot, just above it [m]."""
     low, high = robot.outline.min(axis=0), robot.outline.max(axis=0)
     x = float(low[0] + high[0]) / 2.0
     points = pose.transform_points([(x, float(low[1])), (x, float(high[1]))])
@@ -108,7 +108,7 @@ def _sides(robot: Robot, pose: Pose2D) -> list[tuple[float, float, float]]:
 
 
 def _reach(robot: Robot) -> float:
-    """Size of a robot [m], by which views of it scale."""
+    """Return the size of a robot [m], by which views of it scale."""
     return max(*robot.planar.size, robot.body.height)
 
 
@@ -139,7 +139,7 @@ def _camera_at(
 
 
 def _extent(world: World, robot: Robot, pose: Pose2D) -> tuple[FloatArray, FloatArray]:
-    """Bounds [m] of what an overview shows: the world, or if it is empty the robot with some floor around it."""
+    """Return bounds [m] of what an overview shows: the world, or if it is empty the robot with some floor around it."""
     if world.solids:
         return world.bounds
     around = 1.5 * _reach(robot)

@@ -24,7 +24,7 @@ _MAX_DEVICES = 32
 
 
 class GlContext(Protocol):
-    """What MuJoCo's EGL and OSMesa contexts share."""
+    """Has the methods that MuJoCo's EGL and OSMesa contexts share."""
 
     def make_current(self) -> None:
         """Direct this thread's OpenGL calls to it."""
@@ -78,7 +78,7 @@ def open_context(kind: GlKind, width: int, height: int) -> GlContext:
 
 
 def _egl_works() -> bool:
-    """Whether EGL initialises one of its devices, queried without PyOpenGL, which can be set up only once."""
+    """Return whether EGL initialises one of its devices, queried without PyOpenGL, which can be set up only once."""
     if not _loads("libOpenGL.so.0", "libGL.so.1"):
         return False
     try:

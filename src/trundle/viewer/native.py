@@ -1,4 +1,4 @@
-"""MuJoCo's own window: shows a robot in a world, and reads the keys for teleoperation."""
+"""MuJoCo's own window: shows a robot in a world or a run, and reads the keys for teleoperation."""
 
 from __future__ import annotations
 
@@ -10,21 +10,26 @@ import threading
 import time
 import warnings
 from collections.abc import Sequence
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import mujoco
 import numpy.typing as npt
 
-from trundle.errors import SimulationError
+from trundle.errors import InputError, SimulationError
 from trundle.geometry import Pose2D
 from trundle.robots import Robot
 from trundle.sim import RobotState
 from trundle.sim.mover_history import MoverHistory
 from trundle.viewer.cameras import Camera
-from trundle.viewer.moving import movers_at_start
 from trundle.viewer.route import goal_radius, mark_route
-from trundle.viewer.stage import AT_REST, SHOWN_GROUPS, Stage
+from trundle.viewer.scene_model import AT_REST, SHOWN_GROUPS, SceneModel, movers_at_start
 from trundle.worlds import World
+
+if TYPE_CHECKING:
+    from trundle.mission import Episode, RunInfo, Step
+    from trundle.path import Path
+    from trundle.robots import Robot
+    from trundle.worlds import World
 
 _KEYS = {265: "up", 264: "down", 263: "left", 262: "right", 32: "stop"}
 """GLFW's codes of the keys that drive. Letters are in use: the window toggles its display with them."""
@@ -35,7 +40,7 @@ _SHADOWS_M = 40.0
 
 
 def has_screen() -> bool:
-    """Whether a window with OpenGL can be opened here, tried with a hidden one."""
+    """Return whether a window with OpenGL can be opened here, tried with a hidden one."""
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return False
     import glfw
@@ -58,7 +63,7 @@ class NativeWindow:
     Args:
         world: The world.
         robot: The robot.
-        pose: Its pose, map frame; None means the world's first seed point, or the origin.
+        pose: Its pose, map frame. By default, it is the world's first seed point, or the origin.
         chase: Keep the camera behind the robot; otherwise it starts close to its front and is moved by the mouse.
 
     Raises:
@@ -75,14 +80,14 @@ class NativeWindow:
         if pose is None:
             pose = world.seeds[0] if world.seeds else (0.0, 0.0)
         pose = Pose2D.of(pose)
-        self._stage = Stage(world, robot, size=(1280, 720), samples=4, shadow_size=4096)
-        self._stage.place(pose, AT_REST, movers_at_start(world, robot, pose))
+        self._scene = SceneModel(world, robot, size=(1280, 720), samples=4, shadow_size=4096)
+        self._scene.place(pose, AT_REST, movers_at_start(world, robot, pose))
         self._movers = MoverHistory()
         self._chase = chase
-        self._stage.model.vis.map.shadowclip = _SHADOWS_M / self._stage.model.stat.extent
-        camera = self._stage.aim("chase" if chase else "robot", pose)
+        self._scene.model.vis.map.shadowclip = _SHADOWS_M / self._scene.model.stat.extent
+        camera = self._scene.aim("chase" if chase else "robot", pose)
         self._keys: queue.SimpleQueue[str] = queue.SimpleQueue()
-        model, data = self._stage.model, self._stage.data
+        model, data = self._scene.model, self._scene.data
         others = set(threading.enumerate())
         self._handle: Any = mujoco.viewer.launch_passive(
             model, data, key_callback=self._on_key, show_left_ui=False, show_right_ui=False
@@ -104,16 +109,16 @@ class NativeWindow:
         self._movers.add(state.time, state.movers)
         if self.is_open:
             with self._handle.lock():
-                self._stage.place(pose, state.wheel_positions, self._movers.at(state.time))
+                self._scene.place(pose, state.wheel_positions, self._movers.at(state.time))
                 if self._chase:
-                    self._point(self._stage.aim("chase", pose))
+                    self._point(self._scene.aim("chase", pose))
             self._handle.sync()
 
     def mark_route(self, path: npt.ArrayLike | None, goal: Pose2D | None) -> None:
         """Show a path (waypoints [m], map frame, shape (N, 2) or more columns) and a goal on the floor, or neither."""
         if self.is_open:
             with self._handle.lock():
-                mark_route(self._handle.user_scn, path, goal, goal_radius(self._stage.robot.circumscribed_radius))
+                mark_route(self._handle.user_scn, path, goal, goal_radius(self._scene.robot.circumscribed_radius))
             self._handle.sync()
 
     def read_keys(self) -> list[str]:
@@ -152,3 +157,57 @@ class NativeWindow:
         view.lookat[:] = camera.target
         view.distance = camera.distance
         view.azimuth, view.elevation = math.degrees(azimuth), math.degrees(elevation)
+
+
+def open_window(world: World, robot: Robot, pose: Pose2D) -> NativeWindow:
+    """Open a window on a robot that drives; the camera stays behind it.
+
+    Raises:
+        InputError: If there is no screen.
+    """
+    if not has_screen():
+        raise InputError("--view needs a screen with OpenGL, but none was found; run without it")
+    return NativeWindow(world, robot, pose, chase=True)
+
+
+class Watcher:
+    """Shows a run in a window, with its path and its goal.
+
+    If the window is closed, the run continues without it.
+
+    Args:
+        window: The window.
+        paces: Whether it holds the run back to real time; otherwise something else sets its speed.
+    """
+
+    def __init__(self, window: NativeWindow, *, paces: bool = True) -> None:
+        self._window, self._paces = window, paces
+        self._began = 0.0
+        self._run: RunInfo | None = None
+        self._shown: tuple[Path | None, int] = (None, -1)
+
+    def on_start(self, run: RunInfo) -> None:
+        """Start the clock."""
+        self._run, self._shown = run, (None, -1)
+        self._began = time.monotonic()
+
+    def on_step(self, step: Step) -> None:
+        """Show the robot, and wait until real time has caught up."""
+        if not self._window.is_open:
+            return
+        self._mark(step)
+        self._window.show(step.state)
+        if self._paces:
+            time.sleep(max(0.0, self._began + step.state.time - time.monotonic()))
+
+    def on_end(self, episode: Episode) -> None:
+        """Leave the last picture as it is."""
+
+    def _mark(self, step: Step) -> None:
+        """Show the path that it follows and the goal that it drives to, if they have changed."""
+        if self._run is None or (self._shown[0] is step.path and self._shown[1] == step.goal):
+            return
+        self._shown = (step.path, step.goal)
+        goals = self._run.goals
+        goal = Pose2D.of(goals[min(step.goal, len(goals) - 1)]) if goals else None
+        self._window.mark_route(None if step.path is None else step.path.poses, goal)

@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from trundle.viewer.cameras import Camera
 from trundle.viewer.gl import GlKind, find_gl, open_context
+from trundle.viewer.scene_model import SHOWN_GROUPS
 from trundle.viewer.software import SoftwarePainter
-from trundle.viewer.stage import SHOWN_GROUPS
 
 RendererKind = Literal["egl", "osmesa", "software"]
 Pixels = npt.NDArray[np.uint8]

@@ -38,7 +38,7 @@ def path_pieces(path: npt.ArrayLike) -> list[tuple[FloatArray, FloatArray]]:
 
 
 def goal_radius(circumscribed_radius: float) -> float:
-    """Radius [m] of the disc that marks a goal of a robot."""
+    """Return the radius [m] of the disc that marks a goal of a robot."""
     return max(0.08, 0.5 * circumscribed_radius)
 
 
@@ -70,7 +70,7 @@ def mark_route(scene: mujoco.MjvScene, path: npt.ArrayLike | None, goal: Pose2D 
 
 
 def _next_geom(scene: mujoco.MjvScene) -> mujoco.MjvGeom | None:
-    """The next geom of a scene, or None if it is full."""
+    """Return the next geom of a scene, or None if it is full."""
     if scene.ngeom >= scene.maxgeom:
         return None
     scene.ngeom += 1
@@ -78,7 +78,7 @@ def _next_geom(scene: mujoco.MjvScene) -> mujoco.MjvGeom | None:
 
 
 def _corners(points: FloatArray) -> FloatArray:
-    """Points [m] of a line without repeated ones and those on a straight part, shape (N, 2)."""
+    """Return points [m] of a line without repeated ones and those on a straight part, shape (N, 2)."""
     steps = np.diff(points, axis=0)
     moved = np.hypot(steps[:, 0], steps[:, 1]) > 1e-6
     points = np.concatenate([points[:1], points[1:][moved]])

@@ -169,7 +169,7 @@ class SoftwarePainter:
         shadows: _Shadows,
         pixel: float,
     ) -> FloatArray:
-        """Colours (N, 3) at the intersections of rays."""
+        """Return colours (N, 3) at the intersections of rays."""
         lengths = np.linalg.norm(rays, axis=1)
         rise = np.clip(rays[:, 2] / lengths * 1.6, 0.0, 1.0) ** 0.7
         colors = _SKY_LOW + rise[:, None] * (_SKY_HIGH - _SKY_LOW)
@@ -190,7 +190,7 @@ class SoftwarePainter:
 
 
 def _samples(seen: npt.NDArray[np.int32], finer: int) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.bool_]]:
-    """Which samples to shade (flat indices), and which pixels show more than one triangle and so need all of theirs."""
+    """Return which samples to shade (flat indices), and which pixels show several triangles, so need all of theirs."""
     rows, cols = seen.shape[0] // finer, seen.shape[1] // finer
     samples = seen.reshape(rows, finer, cols, finer)
     mixed = (samples != samples[:, :1, :, :1]).any(axis=(1, 3))
@@ -201,7 +201,7 @@ def _samples(seen: npt.NDArray[np.int32], finer: int) -> tuple[npt.NDArray[np.in
 
 
 def _floor_lines(points: FloatArray, pixels: FloatArray) -> FloatArray:
-    """Brightness of a floor at points [m], with a line every metre that fades where it is thinner than a pixel [m]."""
+    """Return the brightness of a floor at points [m]; its lines, every metre, fade where they are below a pixel [m]."""
     to_line = np.abs(points[:, :2] - np.round(points[:, :2])).min(axis=1)
     blur = np.maximum(_LINE_WIDTH, pixels)
     return 1.0 - _LINE_DARK * np.clip(1.5 - to_line / blur, 0.0, 1.0) * _LINE_WIDTH / blur

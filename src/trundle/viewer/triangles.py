@@ -28,13 +28,13 @@ class Triangles:
     geoms: npt.NDArray[np.int32]
 
     def placed(self, data: mujoco.MjData) -> FloatArray:
-        """Corners in the map frame [m], shape (N, 3, 3)."""
+        """Return corners in the map frame [m], shape (N, 3, 3)."""
         rotations = data.geom_xmat.reshape(-1, 3, 3)[self.geoms]
         return np.einsum("nij,nkj->nki", rotations, self.corners) + data.geom_xpos[self.geoms][:, None, :]
 
 
 def model_triangles(model: mujoco.MjModel, groups: npt.NDArray[np.bool_]) -> Triangles:
-    """Triangles of all geoms of the given groups except planes, which are infinite."""
+    """Return triangles of all geoms of the given groups except planes, which are infinite."""
     parts: list[FloatArray] = [np.zeros((0, 3, 3))]
     geoms: list[npt.NDArray[np.int32]] = [np.zeros(0, dtype=np.int32)]
     for geom in np.flatnonzero(groups[model.geom_group]):
@@ -74,7 +74,7 @@ def _mesh(model: mujoco.MjModel, mesh: int) -> FloatArray:
 
 
 def _cells(model: mujoco.MjModel, field: int) -> FloatArray:
-    """A height field of blocked cells (see `world_parts.cell_heights`) as walls with flat tops, which it represents."""
+    """Return a height field of blocked cells (`world_parts.cell_heights`) as the walls with flat tops that it is."""
     rows, cols = int(model.hfield_nrow[field]), int(model.hfield_ncol[field])
     first = model.hfield_adr[field]
     blocked = model.hfield_data[first : first + rows * cols].reshape(rows, cols) > 0.5
@@ -97,13 +97,13 @@ def _cells(model: mujoco.MjModel, field: int) -> FloatArray:
 
 
 def _turns(cells: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """Where a cell differs from the one before it in its column, shape (rows + 1, cols)."""
+    """Return where a cell differs from the one before it in its column, shape (rows + 1, cols)."""
     padded = np.pad(cells, ((1, 1), (0, 0)))
     return padded[1:] != padded[:-1]
 
 
 def _runs(cells: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Row, first column and column after the last of every run of set cells in a row."""
+    """Return row, first column and column after the last of every run of set cells in a row."""
     turns = np.diff(np.pad(cells, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     rows, starts = np.nonzero(turns == 1)
     _, ends = np.nonzero(turns == -1)
@@ -111,7 +111,7 @@ def _runs(cells: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.int64], npt.NDAr
 
 
 def _quads(*corners: tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike]) -> FloatArray:
-    """Two triangles for each quadrilateral; a corner's coordinates are arrays of shape (N,) or single numbers."""
+    """Return two triangles for each quadrilateral; a corner's coordinates are arrays of shape (N,) or numbers."""
     a, b, c, d = (np.stack(np.broadcast_arrays(*corner), axis=-1).astype(np.float64) for corner in corners)
     return np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
 
@@ -135,7 +135,7 @@ def _circle(count: int) -> tuple[FloatArray, FloatArray]:
 
 
 def _unit_cylinder() -> FloatArray:
-    """The side (2 × `_AROUND` triangles), then both ends."""
+    """Return the side (2 × `_AROUND` triangles), then both ends."""
     x, y = _circle(_AROUND)
     here, there = (x[:-1], y[:-1]), (x[1:], y[1:])
     side = _quads((*here, -1.0), (*there, -1.0), (*there, 1.0), (*here, 1.0))

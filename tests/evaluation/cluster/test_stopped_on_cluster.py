@@ -21,7 +21,7 @@ _END_S = 60.0
 def _runs_episodes(pids: set[int]) -> bool:
     for pid in pids:
         try:
-            if b"trundle/evaluation/pool" in Path(f"/proc/{pid}/cmdline").read_bytes():
+            if b"trundle.evaluation.pool" in Path(f"/proc/{pid}/cmdline").read_bytes():
                 return True
         except OSError:
             continue

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trundle.evaluation.episode.trail import MOST_POINTS, simplify
+from trundle.evaluation.row import MOST_POINTS, simplify
 from trundle.mission.metrics import distances_to_polyline
 
 

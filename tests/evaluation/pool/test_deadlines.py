@@ -1,7 +1,7 @@
 import pytest
 
-from trundle.evaluation.pool import deadlines as module
-from trundle.evaluation.pool.deadlines import Deadlines
+from trundle.evaluation.pool import workers as module
+from trundle.evaluation.pool.workers import Deadlines
 
 
 @pytest.fixture

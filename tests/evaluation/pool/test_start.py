@@ -9,7 +9,7 @@ import pytest
 from support.pool_tasks import Ask, CrashingSetup, Echo, FailingSetup, FailingSetupOnce, Large, Planted
 from support.pools import make_pool, value_of
 from trundle.errors import InputError, MissingExtraError
-from trundle.evaluation.pool import PoolSetupError, child
+from trundle.evaluation.pool import PoolSetupError
 
 SCRIPT = """
 import sys
@@ -127,19 +127,3 @@ def test_too_few_descriptors_are_reported():
 def test_a_task_of_any_size_reaches_its_workers(size, fork):
     with make_pool(Large(size), fork=fork) as pool:
         assert value_of(pool, None) == size
-
-
-@pytest.mark.parametrize("mode", ["serve", "work"])
-@pytest.mark.parametrize(
-    ("sent", "said"),
-    [
-        (b"", "0 of the 8 bytes of its length arrived"),
-        ((9).to_bytes(8, "big") + b"123", "3 of its 9 bytes arrived"),
-        ((3).to_bytes(8, "big") + b"123", "it cannot be unpickled: UnpicklingError"),
-    ],
-)
-def test_a_start_message_that_cannot_be_read_is_named(mode, sent, said):
-    done = subprocess.run([sys.executable, child.__file__, mode], input=sent, capture_output=True, check=False)
-    assert done.returncode == 1
-    assert f"the start message cannot be read: {said}" in done.stderr.decode()
-    assert len(done.stderr.splitlines()) == 1

@@ -6,8 +6,7 @@ from support.public_worlds import dynabarn_world
 from trundle.errors import InputError, UnknownNameError, WorldError
 from trundle.evaluation.episode import EpisodeTask
 from trundle.evaluation.public.conditions import Conditions
-from trundle.evaluation.public.dynabarn import GOAL, START, check_levels, dynabarn_suite
-from trundle.evaluation.public.figures import dynabarn_figures
+from trundle.evaluation.public.dynabarn import GOAL, START, check_levels, dynabarn_figures, dynabarn_suite
 from trundle.evaluation.statistics import Table
 
 KINEMATIC = Conditions(seeds=2, backends=["kinematic"], drift=False)

@@ -8,7 +8,7 @@ from trundle.evaluation.report.summary import count_outcomes, summarise
 from trundle.evaluation.statistics.gates import Gate
 from trundle.evaluation.statistics.intervals import wilson
 from trundle.evaluation.statistics.table import Table
-from trundle.evaluation.store.columns import decode_row, encode_row
+from trundle.evaluation.store.row_encoding import decode_row, encode_row
 
 
 def test_it_has_the_figures_of_all_rows_and_of_each_group():

@@ -2,7 +2,7 @@ import shlex
 from dataclasses import replace
 
 from support.evaluation_rows import make_rows
-from trundle.evaluation.report.table import table_lines
+from trundle.evaluation.report.text import table_lines
 
 
 def test_each_failed_row_has_its_cause_and_the_command_that_runs_it_again():

@@ -5,9 +5,9 @@ import pytest
 
 from support.evaluation_rows import make_rows
 from trundle.errors import InputError
-from trundle.evaluation.report.comparison_text import comparison_lines, verdict
+from trundle.evaluation.report.text import comparison_lines, verdict
 from trundle.evaluation.statistics.comparison import compare, compare_within
-from trundle.evaluation.statistics.paired import mcnemar_exact
+from trundle.evaluation.statistics.paired_tests import mcnemar_exact
 from trundle.evaluation.statistics.table import Table
 
 

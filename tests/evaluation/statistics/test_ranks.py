@@ -5,7 +5,7 @@ import pytest
 import scipy
 
 from trundle.errors import InputError
-from trundle.evaluation.statistics.ranks import mean_ranks, rank_correlation
+from trundle.evaluation.statistics.intervals import mean_ranks, rank_correlation
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -18,7 +18,7 @@ from trundle.errors import InputError, MissingExtraError, OutputError
 from trundle.evaluation.report.summary import summarise
 from trundle.evaluation.statistics.comparison import compare
 from trundle.evaluation.statistics.table import Table as StatisticsTable
-from trundle.evaluation.store import Store, code_versions, columns, parts
+from trundle.evaluation.store import Store, code_versions, parts, row_encoding
 from trundle.evaluation.store.code import describe_differences
 
 KILL_AT_EVERY_STEP = """
@@ -205,7 +205,7 @@ def test_lines_that_hold_no_row_are_named_put_aside_and_run_again(tmp_path, monk
         monkeypatch.setattr(parts, "find_spec", lambda _: None)
     open_store(tmp_path).close()
     journal = tmp_path / "journal.jsonl"
-    rows = [columns.encode_row(make_row(index)) for index in range(5)]
+    rows = [row_encoding.encode_row(make_row(index)) for index in range(5)]
     damaged = b"".join(line + b"\n" for line in damaged_lines())
     journal.write_bytes(b"".join([*rows[:2], damaged, rows[4]]))
     assert read_rows(tmp_path) == [make_row(index) for index in (0, 1, 4)]
@@ -392,11 +392,11 @@ def test_a_folder_from_before_the_figures_of_sensing_is_read_and_continued(
     """Its parts and its journal lack the columns; rows written since have them."""
     new = ("standing_contacts", "unseen_contacts", "position_error_m", "monitor_stops")
     with monkeypatch.context() as before:
-        older = {name: kind for name, kind in columns.SQL_TYPES.items() if name not in new}
+        older = {name: kind for name, kind in row_encoding.SQL_TYPES.items() if name not in new}
         before.setattr(parts, "SQL_TYPES", older)
         write_rows(tmp_path / "e", range(6), part_rows=4)
     assert list((tmp_path / "e" / "parts").glob("*.parquet"))
-    line = json.loads(columns.encode_row(make_row(6)))
+    line = json.loads(row_encoding.encode_row(make_row(6)))
     old_line = json.dumps({name: value for name, value in line.items() if name not in new})
     (tmp_path / "e" / "journal.jsonl").write_text(f"{old_line}\n")
     since = dict.fromkeys(new, 3)

@@ -1,6 +1,6 @@
 """The time on the network over restarts."""
 
-from trundle.ros2.simulation.clock import JUMP_S, SimulationClock
+from trundle.ros2.role import JUMP_S, SimulationClock
 
 
 def test_the_first_run_begins_at_zero() -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from trundle.geometry import Pose2D, Twist2D
 from trundle.messages import Codec, MessageMaker
-from trundle.ros2.outputs.stencil import Stencil, mark, mark_stamp
+from trundle.ros2.outputs.output import Stencil, mark, mark_stamp
 
 
 @pytest.fixture(scope="module", params=["humble", "jazzy", "kilted", "lyrical"])

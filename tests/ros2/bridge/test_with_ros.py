@@ -13,7 +13,7 @@ import pytest
 from ros2.bridge.conftest import Served, wait_for
 from ros2.conftest import JAZZY, Ros
 from trundle.messages import Codec
-from trundle.messages.distros import STAMPED_COMMANDS
+from trundle.messages.codec import STAMPED_COMMANDS
 from trundle.mission import Scenario
 from trundle.ros2.bridge import Bridge
 from trundle.ros2.names import Names

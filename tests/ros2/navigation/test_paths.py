@@ -7,8 +7,8 @@ import pytest
 
 from ros2.navigation.conftest import wait_for
 from trundle.path import Path
-from trundle.ros2.navigation.actions.follow import drivable
-from trundle.ros2.navigation.actions.plans import dense
+from trundle.ros2.navigation.driving import drivable
+from trundle.ros2.navigation.plans import dense
 
 UP = [(1.5, 1.5), (1.5, 2.5), (1.5, 3.5), (2.5, 4.0)]
 

@@ -7,9 +7,9 @@ from ros2.navigation.conftest import wait_for
 from trundle.costmap import LETHAL, NO_INFORMATION, Costmap
 from trundle.geometry import Pose2D
 from trundle.mission import DropBox
-from trundle.ros2.navigation.actions.refusals import REFUSED_ACTIONS, REFUSED_SERVICES
-from trundle.ros2.navigation.lifecycle import MANAGERS, NODES
-from trundle.ros2.navigation.local_window import local_window
+from trundle.ros2.navigation.costmap_outputs import local_window
+from trundle.ros2.navigation.refusals import REFUSED_ACTIONS, REFUSED_SERVICES
+from trundle.ros2.navigation.services import MANAGERS, NODES
 
 GET_STATE, MANAGE = "lifecycle_msgs/srv/GetState", "nav2_msgs/srv/ManageLifecycleNodes"
 STARTUP, PAUSE, RESUME, RESET, SHUTDOWN = range(5)

@@ -10,8 +10,7 @@ from cyclopts import App, Parameter
 
 from trundle.cli.evaluate.public import DriveOptions, OutputOptions, read_numbers, run_benchmark
 from trundle.evaluation import Suite
-from trundle.evaluation.public.barn import barn_suite
-from trundle.evaluation.public.figures import barn_figures
+from trundle.evaluation.public.barn import barn_figures, barn_suite
 
 app = App(
     name="barn",

@@ -7,7 +7,7 @@ from cyclopts import App
 from trundle.cli.shared import options, output
 from trundle.cli.shared.given import check_given
 from trundle.evaluation import Evaluation
-from trundle.evaluation.report.comparison_text import comparison_lines
+from trundle.evaluation.report.text import comparison_lines
 from trundle.files.kinds import EVALUATION
 
 app = App(

@@ -10,8 +10,7 @@ from cyclopts import App, Parameter
 
 from trundle.cli.evaluate.public import DriveOptions, OutputOptions, read_numbers, run_benchmark
 from trundle.evaluation import Suite
-from trundle.evaluation.public.dynabarn import check_levels, dynabarn_suite
-from trundle.evaluation.public.figures import dynabarn_figures
+from trundle.evaluation.public.dynabarn import check_levels, dynabarn_figures, dynabarn_suite
 
 app = App(
     name="dynabarn",

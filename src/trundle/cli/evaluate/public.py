@@ -16,10 +16,10 @@ from trundle.cli.shared.output import remark
 from trundle.errors import InputError, OutputError
 from trundle.evaluation import Evaluation, Suite
 from trundle.evaluation.public.conditions import Conditions, benchmark_robot, write_robot
-from trundle.evaluation.report.table import table_lines
+from trundle.evaluation.report.text import table_lines
 from trundle.evaluation.statistics import Table
 from trundle.evaluation.statistics.table import ARRIVED
-from trundle.evaluation.store.layout import MANIFEST, check_free_for_evaluation
+from trundle.evaluation.store.folder import MANIFEST, check_free_for_evaluation
 from trundle.files.choice import Choice
 from trundle.files.opening import exists
 from trundle.files.writing import make_folder, new_folder

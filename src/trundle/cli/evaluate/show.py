@@ -11,7 +11,7 @@ from trundle.cli.shared import options, output
 from trundle.cli.shared.given import check_given
 from trundle.errors import UnknownNameError
 from trundle.evaluation import Evaluation
-from trundle.evaluation.report.table import table_lines
+from trundle.evaluation.report.text import table_lines
 from trundle.files.kinds import EVALUATION
 
 app = App(

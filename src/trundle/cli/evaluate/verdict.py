@@ -12,7 +12,7 @@ from trundle.cli.shared import output
 from trundle.errors import InputError
 from trundle.evaluation import Evaluation
 from trundle.evaluation.report.summary import describe_missing
-from trundle.evaluation.report.table import clean
+from trundle.evaluation.report.text import clean
 
 _DURATION = re.compile(r"(?:(\d+)h)?(?:(\d+)m(?:in)?)?(?:(\d+(?:\.\d*)?)s)?")
 _LONGEST_S = 3.6e6

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from trundle.mission import Episode, Metrics, Mission, Observer, RunInfo, Scenario
     from trundle.record.run_folder import RunFolder, WriteExtra
     from trundle.record.video import MakeFrames
-    from trundle.viewer.scene_frames import SceneFrames
+    from trundle.viewer.scene import SceneFrames
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,21 +108,21 @@ def _run(mission: Mission, observers: Sequence[Observer], shown: Presentation) -
 
 def _drive_in_browser(scenario: Scenario, shown: Presentation, recorder: _Recorder, opened: ExitStack) -> Episode:
     """Show it in the browser, until it has ended and the page is closed."""
-    from trundle.serve.desk import Desk
+    from trundle.serve.run_service import RunService
 
     page = opened.enter_context(browser.serving(scenario, source=scenario.title))
     browser.announce(page, quiet=shown.quiet)
     recorder.narrate("Building the world, its map and the simulation")
     speed = 1.0 if shown.speed is None else shown.speed
-    desk = opened.enter_context(Desk(page.hub, scenario, recorder, recorder.record_failure, speed=speed))
+    service = opened.enter_context(RunService(page.hub, scenario, recorder, recorder.record_failure, speed=speed))
     try:
-        desk.drive(scenario)
+        service.drive(scenario)
     except BaseException as error:
         if not is_of_plugin(error):
             raise
-        desk.tell(error)
-    browser.linger(page, lambda is_over: desk.serve(until=is_over), quiet=shown.quiet)
-    return desk.last_episode()
+        service.tell(error)
+    browser.linger(page, lambda is_over: service.serve(until=is_over), quiet=shown.quiet)
+    return service.last_episode()
 
 
 class _Recorder:
@@ -142,7 +142,7 @@ class _Recorder:
         shown = self._shown
         observers: list[Observer] = []
         if shown.view:
-            from trundle.viewer.watcher import Watcher, open_window
+            from trundle.viewer.native import Watcher, open_window
 
             window = opened.enter_context(open_window(mission.world, mission.robot, mission.start))
             observers.append(Watcher(window, paces=shown.speed is None and not shown.browser))
@@ -182,7 +182,7 @@ class _Recorder:
 
     def record_failure(self, error: BaseException, scenario: Scenario) -> None:
         """Write the folder of a run in which a plug-in raised before it began, where its own was to be."""
-        from trundle.record.failed_run import record_failure
+        from trundle.record.run_folder import record_failure
 
         folder = self._folder
         out = self._out if folder is None or folder.record is not None else folder.path
@@ -223,7 +223,7 @@ def _scene_frames(mission: Mission, *, quiet: bool) -> MakeFrames | None:
         return None
 
     def make(_run: RunInfo, episode: Episode) -> SceneFrames:
-        from trundle.viewer.scene_frames import SceneFrames
+        from trundle.viewer.scene import SceneFrames
 
         return SceneFrames(mission, episode)
 
@@ -236,7 +236,7 @@ def _write_map(mission: Mission) -> WriteExtra:
 
 def _write_scene(mission: Mission) -> WriteExtra:
     def write(path: Path, episode: Episode) -> None:
-        from trundle.viewer.offscreen import render
+        from trundle.viewer.scene import render
 
         picture = render(
             mission.world,

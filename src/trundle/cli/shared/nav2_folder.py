@@ -11,7 +11,7 @@ from trundle.errors import InputError
 
 if TYPE_CHECKING:
     from trundle.cli.shared.scenarios import ScenarioOptions
-    from trundle.messages.distros import Distro
+    from trundle.messages.codec import Distro
 
 FORMAT = "nav2"
 """Of `trundle export --to`."""
@@ -21,7 +21,7 @@ def export(
     source: str, given: ScenarioOptions, out: Path | None, distro: Distro | None, *, json: bool, quiet: bool
 ) -> int:
     """Write the folder; see `export_nav2` for the errors."""
-    from trundle.messages.distros import DEFAULT
+    from trundle.messages.codec import DEFAULT
     from trundle.nav2 import describe_remarks, export_nav2
     from trundle.nav2.export import LAUNCH, REMARKS
 

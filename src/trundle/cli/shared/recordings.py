@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Self
 from trundle.errors import InputError
 
 if TYPE_CHECKING:
-    from trundle.messages.distros import Distro
+    from trundle.messages.codec import Distro
     from trundle.mission import Observer, Scenario
     from trundle.mission.fields import RecordChoice
     from trundle.record.run_folder import WriteExtra
@@ -83,7 +83,7 @@ class FolderRecording:
         """The observers that record a run into a folder that was claimed."""
         if self._choice is None:
             return []
-        from trundle.messages.distros import DEFAULT
+        from trundle.messages.codec import DEFAULT
         from trundle.recording import Recorder
 
         distro = self._choice.distro or DEFAULT

@@ -1,4 +1,4 @@
-"""Connecting to a Ray cluster, or starting one on this machine."""
+"""The exception of evaluations on a cluster."""
 
 from __future__ import annotations
 
@@ -13,8 +13,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import ModuleType
 
-from trundle.errors import InputError, MissingExtraError
-from trundle.evaluation.cluster.errors import ClusterError
+from trundle.errors import InputError, MissingExtraError, TrundleError
+
+
+class ClusterError(TrundleError):
+    """A cluster that cannot be reached or used, or has no nodes left."""
+
 
 AUTO = "auto"
 """The address that starts a cluster on this machine."""

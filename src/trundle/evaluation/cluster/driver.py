@@ -14,8 +14,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from trundle.evaluation.cluster.connection import connect
-from trundle.evaluation.cluster.errors import ClusterError
+from trundle.evaluation.cluster.connection import ClusterError, connect
 from trundle.evaluation.cluster.node import MakeSource, Node, ShardDone
 from trundle.evaluation.store.code import describe_differences
 from trundle.evaluation.store.remote import is_remote
@@ -25,8 +24,11 @@ SHARD = 500
 """Episodes that a node runs before it writes a part; those of a lost node's shard run again."""
 
 _LOOK_S = 2.0
+"""Time between two looks for nodes that have joined [s]."""
 _PATIENCE_S = 60.0
+"""How long a cluster may be without a node [s]: one that is replaced takes a while to start."""
 _MOST_LOSSES = 3
+"""Nodes that may be lost with one shard, and starts that may fail on one node: more are no accident."""
 
 Shard = Sequence[int]
 
@@ -51,15 +53,15 @@ def run_on_cluster(
 
     Args:
         make_source: Makes what runs the episodes on a node, given the number of workers.
-        indices: Of the episodes; read as nodes get free.
+        indices: Numbers of the episodes; they are read as nodes get free.
         out: The folder of the evaluation, which all nodes share, or the URI of an object store.
-        address: Of the cluster, or `auto`; see `connect`.
-        versions: Of the code here; a node with other code is refused.
+        address: Address of the cluster, or `auto`; see `connect`.
+        versions: Versions of the code here; a node with other code is refused.
         packages: Further packages that `versions` lists.
         mixed: Use nodes with other code.
         shard: Episodes that a node gets at a time.
-        workers: Worker processes on each node; None means one for each of its CPUs.
-        until: When to end, in terms of `time.monotonic` [s]; None means when all is done.
+        workers: Worker processes on each node; by default one for each of its CPUs.
+        until: When to end, in terms of `time.monotonic` [s]; by default when all is done.
 
     Raises:
         InputError: If the address is none.
@@ -69,13 +71,13 @@ def run_on_cluster(
     todo = _Todo(iter(indices), shard)
     place = str(out) if is_remote(out) else str(Path(out).absolute())
     with connect(address) as ray, _token(out) as token:
-        crew = _Crew(ray, (make_source, place), workers, (token, tuple(packages)))
-        while crew.is_busy or (todo and not _is_over(until)):
-            crew.hire()
-            for member in crew.idle():
+        actors = _Actors(ray, (make_source, place), workers, (token, tuple(packages)))
+        while actors.is_busy or (todo and not _is_over(until)):
+            actors.start_missing()
+            for actor in actors.idle():
                 if todo and not _is_over(until):
-                    crew.give(member, todo.take(), until)
-            for done in crew.wait(None if mixed else versions):
+                    actors.give(actor, todo.take(), until)
+            for done in actors.wait(None if mixed else versions):
                 if isinstance(done, ShardDone):
                     yield done
                 else:
@@ -116,31 +118,31 @@ class _Todo:
 
 
 @dataclass(slots=True, eq=False)
-class _Member:
+class _NodeActor:
     """An actor on a node, with what it does now: it starts, has a shard, or is idle."""
 
     node: str
     name: str
-    actor: Any
+    handle: Any
     is_ready: bool = False
     work: _Work | None = None
 
 
 @dataclass(slots=True, eq=False)
-class _Crew:
+class _Actors:
     """The actors, at most one on each node."""
 
     ray: ModuleType
     what: tuple[MakeSource, str]
     workers: int | None
     first_call: tuple[str | None, tuple[str, ...]]
-    _members: dict[str, _Member] = field(default_factory=dict)
-    _waiting: dict[Any, _Member] = field(default_factory=dict)
+    _by_node: dict[str, _NodeActor] = field(default_factory=dict)
+    _waiting: dict[Any, _NodeActor] = field(default_factory=dict)
     _failed_starts: dict[str, int] = field(default_factory=dict)
     _looked: float = -_LOOK_S
-    _last_member: float = field(default_factory=time.monotonic)
+    _last_seen: float = field(default_factory=time.monotonic)
 
-    def hire(self) -> None:
+    def start_missing(self) -> None:
         """Start an actor on each node that has none, also on nodes that have joined since.
 
         Raises:
@@ -152,30 +154,30 @@ class _Crew:
         self._looked = now
         for node in self.ray.nodes():
             cpus = int(node["Resources"].get("CPU", 0))
-            if node["Alive"] and cpus >= 1 and node["NodeID"] not in self._members:
+            if node["Alive"] and cpus >= 1 and node["NodeID"] not in self._by_node:
                 self._start(node["NodeID"], f"{node['NodeManagerHostname']} ({node['NodeManagerAddress']})", cpus)
-        if self._members:
-            self._last_member = now
-        elif now - self._last_member > _PATIENCE_S:
+        if self._by_node:
+            self._last_seen = now
+        elif now - self._last_seen > _PATIENCE_S:
             raise ClusterError(
                 "the cluster has no node with a CPU left; the rows of finished shards are kept: give the same command "
                 "to continue when it has"
             )
 
-    def idle(self) -> list[_Member]:
-        """Those that wait for a shard."""
-        return [member for member in self._members.values() if member.is_ready and member.work is None]
+    def idle(self) -> list[_NodeActor]:
+        """Return the actors that wait for a shard."""
+        return [actor for actor in self._by_node.values() if actor.is_ready and actor.work is None]
 
     @property
     def is_busy(self) -> bool:
-        """Whether one has a shard."""
-        return any(member.work is not None for member in self._members.values())
+        """Whether an actor has a shard."""
+        return any(actor.work is not None for actor in self._by_node.values())
 
-    def give(self, member: _Member, work: _Work, until: float | None) -> None:
+    def give(self, actor: _NodeActor, work: _Work, until: float | None) -> None:
         """Let a node run a shard, or what it can of it until then."""
-        member.work = work
+        actor.work = work
         left_s = None if until is None else max(0.0, until - time.monotonic())
-        self._waiting[member.actor.run.remote(work.shard, left_s)] = member
+        self._waiting[actor.handle.run.remote(work.shard, left_s)] = actor
 
     def wait(self, versions: Mapping[str, str] | None) -> Iterator[ShardDone | _Work]:
         """Wait a little for answers: shards that are done, and shards of nodes that were lost.
@@ -188,65 +190,67 @@ class _Crew:
             return
         answers, _ = self.ray.wait(list(self._waiting), timeout=_LOOK_S)
         for answer in answers:
-            member = self._waiting.pop(answer)
-            work, member.work = member.work, None
+            actor = self._waiting.pop(answer)
+            work, actor.work = actor.work, None
             try:
                 value = self.ray.get(answer)
             except self.ray.exceptions.RayTaskError as error:
-                raise ClusterError(f"on the node {member.name}: {error.cause}") from error
+                raise ClusterError(f"on the node {actor.name}: {error.cause}") from error
             except self.ray.exceptions.RayError as error:
-                self._lose(member, error)
+                self._lose(actor, error)
                 if work is not None:
-                    yield self._reassigned(work, member)
+                    yield self._reassigned(work, actor)
                 continue
             if work is not None:
                 yield value
             else:
-                self._admit(member, value, versions)
+                self._admit(actor, value, versions)
 
     def _start(self, node: str, name: str, cpus: int) -> None:
         from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy  # pyright: ignore[reportMissingImports]
 
         strategy = NodeAffinitySchedulingStrategy(node, soft=False)
         options = {"num_cpus": cpus, "scheduling_strategy": strategy, "max_restarts": 0, "max_task_retries": 0}
-        actor = self.ray.remote(Node).options(**options).remote(*self.what, uuid.uuid4().hex[:10], self.workers or cpus)
-        member = _Member(node, name, actor)
-        self._members[node] = member
-        self._waiting[actor.start.remote(*self.first_call)] = member
+        handle = (
+            self.ray.remote(Node).options(**options).remote(*self.what, uuid.uuid4().hex[:10], self.workers or cpus)
+        )
+        actor = _NodeActor(node, name, handle)
+        self._by_node[node] = actor
+        self._waiting[handle.start.remote(*self.first_call)] = actor
 
-    def _admit(self, member: _Member, found: Mapping[str, str], versions: Mapping[str, str] | None) -> None:
+    def _admit(self, actor: _NodeActor, found: Mapping[str, str], versions: Mapping[str, str] | None) -> None:
         differences = "" if versions is None else describe_differences(versions, found)
         if differences:
             raise ClusterError(
-                f"the node {member.name} runs other code ({differences}); install the same there, or give --mixed"
+                f"the node {actor.name} runs other code ({differences}); install the same there, or give --mixed"
             )
-        member.is_ready = True
+        actor.is_ready = True
 
-    def _lose(self, member: _Member, error: Exception) -> None:
+    def _lose(self, actor: _NodeActor, error: Exception) -> None:
         """Forget an actor; one that cannot start on a node that is alive is not tried for ever."""
-        del self._members[member.node]
-        self.ray.kill(member.actor)
+        del self._by_node[actor.node]
+        self.ray.kill(actor.handle)
         alive = {node["NodeID"] for node in self.ray.nodes() if node["Alive"]}
-        if member.is_ready or member.node not in alive:
+        if actor.is_ready or actor.node not in alive:
             return
-        self._failed_starts[member.node] = self._failed_starts.get(member.node, 0) + 1
-        if self._failed_starts[member.node] >= _MOST_LOSSES:
+        self._failed_starts[actor.node] = self._failed_starts.get(actor.node, 0) + 1
+        if self._failed_starts[actor.node] >= _MOST_LOSSES:
             text = str(error).strip().splitlines()
-            raise ClusterError(f"the node {member.name} cannot be used: {text[-1] if text else error!r}") from error
+            raise ClusterError(f"the node {actor.name} cannot be used: {text[-1] if text else error!r}") from error
 
-    def _reassigned(self, work: _Work, member: _Member) -> _Work:
+    def _reassigned(self, work: _Work, actor: _NodeActor) -> _Work:
         work.losses += 1
         if work.losses >= _MOST_LOSSES:
             raise ClusterError(
                 f"{_MOST_LOSSES} nodes were lost while they ran the episodes {work.shard[0]} to {work.shard[-1]}, the "
-                f"last one {member.name}; perhaps they need more memory than it has: limits.memory_mb"
+                f"last one {actor.name}; perhaps they need more memory than it has: limits.memory_mb"
             )
         return work
 
 
 @contextmanager
 def _token(out: str | Path) -> Iterator[str | None]:
-    """A file in the folder by which a node sees that it is the same there."""
+    """Write a file into the folder by which a node sees that it is the same there."""
     if is_remote(out):
         yield None
         return

@@ -1,4 +1,4 @@
-"""What runs on each node of a cluster: the local pool on shards, whose rows it writes as its own parts."""
+"""`Node`: runs shards of an evaluation in the pool of one machine, and writes their rows as its own parts."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -13,10 +14,10 @@ from typing import Protocol
 from trundle.errors import OutputError
 from trundle.evaluation.row import Row
 from trundle.evaluation.store.code import code_versions
-from trundle.evaluation.store.columns import encode_row
-from trundle.evaluation.store.layout import PARTS
-from trundle.evaluation.store.parts import connect, list_parts, write_part
+from trundle.evaluation.store.folder import PARTS
+from trundle.evaluation.store.parts import PartWriter, connect
 from trundle.evaluation.store.remote import RemoteFolder, is_remote
+from trundle.evaluation.store.row_encoding import encode_row
 
 
 class RowSource(Protocol):
@@ -27,7 +28,7 @@ class RowSource(Protocol):
         ...
 
     def in_flight_s(self) -> tuple[float, ...]:
-        """For how long the episodes have been driven that have begun and not ended [s]."""
+        """Return for how long the episodes have been driven that have begun and not ended [s]."""
         ...
 
     def close(self) -> None:
@@ -41,7 +42,7 @@ MakeSource = Callable[[int], RowSource]
 
 @dataclass(frozen=True, slots=True)
 class ShardDone:
-    """What the driver learns of a shard: its rows are in a part.
+    """A shard whose rows are in a part: what the driver learns of it.
 
     Attributes:
         episodes: How many it has.
@@ -62,7 +63,7 @@ class Node:
     Args:
         make_source: Makes what runs the episodes.
         out: The folder of the evaluation, which all nodes share, or the URI of an object store.
-        tag: Of the parts that it writes; no other node has it.
+        tag: Part of the names of the parts that it writes; no other node has it.
         workers: Processes of its pool.
     """
 
@@ -100,7 +101,7 @@ class Node:
 
         Args:
             indices: Their numbers in the suite.
-            left_s: Time [s] after which those that have not ended are left; None means without limit.
+            left_s: Time [s] after which those that have not ended are left; by default there is no limit.
 
         Raises:
             OutputError: If the part cannot be written.
@@ -118,18 +119,19 @@ class Node:
                     outcomes[row.outcome] += 1
                     errors += [row.index] if row.outcome == "error" else []
             if outcomes:
-                self._write(lines, Path(name))
+                self._write_part(lines, outcomes.total())
         left = self._source.in_flight_s() if limit else ()
         return ShardDone(outcomes.total(), dict(outcomes), tuple(errors), left)
 
-    def _write(self, lines: Path, scratch: Path) -> None:
+    def _write_part(self, lines: Path, count: int) -> None:
+        """Write rows as a part into the folder, or beside their lines and from there into the object store."""
         self._shards += 1
-        tag = f"-{self._tag}s{self._shards}"
-        with connect("writing Parquet files") as database:
-            if not is_remote(self._out):
-                write_part(database, lines, Path(self._out), tag)
-                return
-            (scratch / PARTS).mkdir()
-            write_part(database, lines, scratch, tag)
-        for part in list_parts(scratch):
-            RemoteFolder(self._out).put(part, f"{PARTS}/{part.name}")
+        remote = RemoteFolder(self._out) if is_remote(self._out) else None
+        folder = Path(self._out)
+        if remote is not None:
+            folder = lines.parent
+            (folder / PARTS).mkdir()
+        with closing(PartWriter(folder, f"-{self._tag}s{self._shards}")) as parts:
+            part = parts.write(lines, count)
+        if remote is not None:
+            remote.put(part, f"{PARTS}/{part.name}")

@@ -17,10 +17,10 @@ from trundle.worlds import World
 
 MOST_PLACES = 4
 MOST_CELLS = 20_000_000
-"""Of the maps that are kept."""
+"""Cells of all maps that are kept, which bounds the memory of a worker."""
 
 _MOST_SIMULATORS = 2
-"""That are kept for a place."""
+"""Simulators that are kept for a place."""
 
 _REPEATABLE = ("kinematic", "mujoco")
 """Backends that `reset` puts back bit for bit, so that one simulator serves many episodes."""
@@ -41,11 +41,11 @@ class KeptPlace:
     _costmaps: dict[str, Costmap] = field(default_factory=dict)
 
     def sampling_costmap(self) -> Costmap:
-        """The map as any robot like this sees it by default: missions are sampled on it, whatever a suite crosses."""
+        """Return the costmap with default settings: missions are sampled on it, whatever a suite crosses."""
         return self.costmap(CostmapSettings())
 
     def costmap(self, settings: CostmapSettings, assumed: Assumed | None = None) -> Costmap:
-        """The map as the robot sees it with these settings, and with what its software takes it for."""
+        """Return the map as the robot sees it with these settings, and with what its software takes it for."""
         outline = None if assumed is None else assumed.footprint
         key = json.dumps([settings.model_dump(mode="json"), outline])
         if key not in self._costmaps:
@@ -55,7 +55,7 @@ class KeptPlace:
         return self._costmaps[key]
 
     def simulator(self, scenario: Scenario, world: World) -> Simulator:
-        """A simulator for a scenario in the world of this place, or in one with more in it.
+        """Return a simulator for a scenario in the world of this place, or in one with more in it.
 
         It is one that ran before where that makes no difference.
         """
@@ -101,7 +101,7 @@ class Places:
         return len(self._kept)
 
     def get(self, scenario: Scenario) -> KeptPlace:
-        """The place of a scenario.
+        """Return the place of a scenario.
 
         Raises:
             UnknownNameError: If a name is not known; the nearest is offered.

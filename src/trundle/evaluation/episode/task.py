@@ -11,9 +11,8 @@ from trundle.control.controller import CONTROLLERS
 from trundle.costmap import CostmapSettings
 from trundle.errors import InputError, PlanningError
 from trundle.evaluation.episode.places import KeptPlace, Places
-from trundle.evaluation.episode.trail import simplify
 from trundle.evaluation.public.reference import load_reference
-from trundle.evaluation.row import Row
+from trundle.evaluation.row import Row, simplify
 from trundle.evaluation.suite import EpisodeSpec, Suite
 from trundle.evaluation.suite.identity import digest, mission_hash, short
 from trundle.evaluation.suite.vary import move_start
@@ -227,7 +226,7 @@ class EpisodeTask:
 
 
 def parts_of(spec: EpisodeSpec) -> tuple[str, str, str]:
-    """What is set up for an episode, in words: its place, planner and controller there, and simulator there.
+    """Name what is set up for an episode: its place, planner and controller there, and simulator there.
 
     A part that cannot be set up for one episode cannot be for another that needs the same.
     """

@@ -1,7 +1,6 @@
-"""The script that a pool starts: a warm server that only imports and then forks workers, or a single worker.
+"""What the processes of a pool begin with: a warm server that only imports and then forks workers, or a single worker.
 
-Nothing of trundle is imported before the search path is the pool's. The pool sends the start message
-on standard input first: its length in `LENGTH_BYTES` bytes, and a pickle.
+`guard/start.py` calls these functions, with the start message.
 """
 
 from __future__ import annotations
@@ -12,7 +11,6 @@ import gc
 import importlib
 import json
 import os
-import pickle
 import selectors
 import signal
 import socket
@@ -25,40 +23,26 @@ _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
 _MESSAGE_BYTES = 1 << 16
 _SWEEP_S = 0.5
 
-LENGTH_BYTES = 8
-"""Of the length of the start message, the highest byte first."""
+
+def serve(start: dict[str, Any]) -> None:
+    """Be the server: import, then fork workers until the pool is gone.
+
+    Args:
+        start: What `launch.describe_start` gives, and `descriptors`: the socket to the pool.
+    """
+    (control,) = start["descriptors"]
+    _Server(socket.socket(fileno=control), start).serve()
 
 
-def main() -> None:
-    """Be what the first argument says."""
-    mode, *numbers = sys.argv[1:]
-    start = _read_start()
-    sys.path[:] = start["path"]
-    if mode == "serve":
-        _Server(socket.socket(fileno=int(numbers[0])), start).serve()
-    else:
-        sock, output, dump = (int(number) for number in numbers)
-        _end_with_input(os.dup(0))
-        _work(socket.socket(fileno=sock), output, dump, start)
+def work(start: dict[str, Any]) -> NoReturn:
+    """Be a worker that was not forked from a server.
 
-
-def _read_start() -> dict[str, Any]:
-    """Read the start message; a pipe gives a long one in pieces."""
-    with os.fdopen(0, "rb", closefd=False) as stream:
-        head = stream.read(LENGTH_BYTES)
-        size = int.from_bytes(head, "big")
-        content = stream.read(size)
-    problem = ""
-    if len(head) < LENGTH_BYTES:
-        problem = f"{len(head)} of the {LENGTH_BYTES} bytes of its length arrived"
-    elif len(content) < size:
-        problem = f"{len(content):,} of its {size:,} bytes arrived"
-    else:
-        try:
-            return pickle.loads(content)
-        except Exception as error:  # noqa: BLE001 - a damaged pickle raises anything
-            problem = f"it cannot be unpickled: {type(error).__name__}: {error}"
-    sys.exit(f"the start message cannot be read: {problem}")
+    Args:
+        start: What `launch.describe_start` gives, and `descriptors`: a worker's ends of its socket and pipes.
+    """
+    sock, output, dump = start["descriptors"]
+    _end_with_input(os.dup(0))
+    _work(socket.socket(fileno=sock), output, dump, start)
 
 
 class _Server:
@@ -68,7 +52,7 @@ class _Server:
         self._control = control
         self._start = start
         self._workers: dict[int, int] = {}
-        """Process numbers, by the pool's number of the worker."""
+        """The process numbers, by the pool's numbers of the workers."""
 
     def serve(self) -> None:
         """Fork workers until the pool is gone."""
@@ -98,7 +82,7 @@ class _Server:
                     self._end()
 
     def _answer(self, wake: tuple[int, int], selector: selectors.BaseSelector) -> bool:
-        """Do what the pool asks; False if it is gone."""
+        """Do what the pool asks; return False if the pool is gone."""
         content, given, _, _ = socket.recv_fds(self._control, _MESSAGE_BYTES, 3)
         if not content:
             return False
@@ -237,7 +221,3 @@ def _children() -> list[int]:
             return [int(word) for word in file.read().split()]
     except OSError:
         return []
-
-
-if __name__ == "__main__":
-    main()

@@ -9,14 +9,14 @@ from collections.abc import Iterator
 JOB, READY, UNREADY, NOTE, VALUE, FAULT = b"J", b"R", b"U", b"N", b"V", b"F"
 
 MOST_BYTES = 64 << 20
-"""Of a message: a worker that wants to send more gets an error instead."""
+"""The longest message: a worker that wants to send more gets an error instead."""
 
 _HEAD = struct.Struct("!cI")
 _CHUNK = 1 << 16
 
 
 def pack(kind: bytes, content: bytes) -> bytes:
-    """A message as it is sent."""
+    """Return a message as it is sent."""
     return _HEAD.pack(kind, len(content)) + content
 
 
@@ -60,7 +60,7 @@ class Inbox:
         return len(part) or None
 
     def messages(self) -> Iterator[tuple[bytes, bytes]]:
-        """Those that have arrived."""
+        """Yield the messages that have arrived."""
         while len(self._bytes) >= _HEAD.size:
             kind, size = _HEAD.unpack_from(self._bytes)
             end = _HEAD.size + size

@@ -7,7 +7,7 @@ import enum
 import os
 import pickle
 import socket
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from trundle.errors import InputError
@@ -15,19 +15,21 @@ from trundle.evaluation.pool import framing
 
 _TAIL_BYTES = 4096
 _DUMP_BYTES = 1 << 18
+"""How much is kept: the end of what a worker prints, which has the reason, and the beginning of a dump, which has the
+innermost frames."""
 _CHUNK = 1 << 16
 _MOST_JOB_BYTES = 4000
 """Less than any socket keeps, so that sending never waits."""
 
 
 class State(enum.Enum):
-    """What a worker is at."""
+    """The state of a worker."""
 
     STARTING = enum.auto()
     IDLE = enum.auto()
     BUSY = enum.auto()
     LATE = enum.auto()
-    """Past its deadline: it is asked where it is, and then killed."""
+    """It is past its deadline: it is asked where it is, and then killed."""
     LOST = enum.auto()
     """Its socket has ended."""
     KILLED = enum.auto()
@@ -37,11 +39,11 @@ class Handle:
     """One worker.
 
     Attributes:
-        number: The pool's; no two workers have the same.
-        sock: To the worker; does not block.
-        output: Pipe of what it prints.
-        dump: Pipe of what faulthandler writes.
-        state: What it is at.
+        number: Its number in the pool; no two workers have the same.
+        sock: Socket to the worker, which does not block.
+        output: Pipe with what it prints.
+        dump: Pipe with what faulthandler writes.
+        state: Its state.
         job: The job that it has, if any, as the pool keeps it.
         has_served: Whether it has done a job.
         main_thread: Its identifier, once the worker is ready.
@@ -102,7 +104,7 @@ class Handle:
         return messages, size
 
     def noted(self) -> Mapping[str, Any] | None:
-        """The last note; None also if it cannot be read here."""
+        """Return the last note; None if there is none, or if it cannot be read here."""
         if self._note is None:
             return None
         try:
@@ -112,18 +114,22 @@ class Handle:
 
     def read_output(self) -> bool:
         """Keep the end of what it has printed; False at the end of the stream."""
-        return _read_all(self.output, self._keep_output)
+        part, is_open = _read_available(self.output)
+        self.tail = (self.tail + part)[-_TAIL_BYTES:]
+        return is_open
 
     def read_dump(self) -> bool:
         """Keep what faulthandler has written; False at the end of the stream."""
-        return _read_all(self.dump, self._keep_dump)
+        part, is_open = _read_available(self.dump)
+        self.dumped = (self.dumped + part)[:_DUMP_BYTES]
+        return is_open
 
     def describe_output(self) -> str:
-        """End of what it printed, as text."""
+        """Return the end of what it printed, as text."""
         return self.tail.decode(errors="replace")
 
     def describe_dump(self) -> str:
-        """What faulthandler wrote, as text."""
+        """Return what faulthandler wrote, as text."""
         return self.dumped.decode(errors="replace")
 
     def close(self) -> None:
@@ -132,21 +138,19 @@ class Handle:
         os.close(self.output)
         os.close(self.dump)
 
-    def _keep_output(self, part: bytes) -> None:
-        self.tail = (self.tail + part)[-_TAIL_BYTES:]
 
-    def _keep_dump(self, part: bytes) -> None:
-        self.dumped = (self.dumped + part)[:_DUMP_BYTES]
+def _read_available(number: int) -> tuple[bytes, bool]:
+    """Read what has arrived on a pipe, and whether there may be more.
 
-
-def _read_all(number: int, keep: Callable[[bytes], None]) -> bool:
-    """Read what is there; False at the end of the stream. One that never stops printing is left for the next time."""
+    One that never stops printing is left for the next time.
+    """
+    parts: list[bytes] = []
     for _ in range(16):
         try:
             part = os.read(number, _CHUNK)
         except BlockingIOError:
-            return True
-        keep(part)
+            break
+        parts.append(part)
         if len(part) < _CHUNK:
-            return bool(part)
-    return True
+            return b"".join(parts), bool(part)
+    return b"".join(parts), True

@@ -6,7 +6,6 @@ import contextlib
 import json
 import logging
 import os
-import pickle
 import signal
 import socket
 import subprocess
@@ -14,17 +13,16 @@ import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import IO, Any, Protocol
+from typing import IO, Any
 
-from trundle.evaluation.pool import child as code
+from trundle.evaluation.pool.failures import describe_status
 from trundle.evaluation.pool.outcome import PoolSetupError
-from trundle.evaluation.pool.words import describe_status
+from trundle.guard import process as processes
 
 logger = logging.getLogger(__name__)
 
 CAN_FORK = sys.platform == "linux"
-"""Whether workers are forked from a warm server; elsewhere system libraries do not survive a fork."""
+"""Workers are forked from a warm server on Linux; elsewhere system libraries do not survive a fork."""
 
 ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
@@ -37,12 +35,13 @@ ONE_THREAD = {
     "TRUNDLE_THREADS": "1",
     "MALLOC_ARENA_MAX": "2",
 }
-"""Set before anything is imported: there is a worker for each core already."""
+"""Variables that are set before anything is imported: there is a worker for each core already."""
 
 _SAME_HASHES = {"PYTHONHASHSEED": "0"}
-"""So that code which depends on the order of a set does the same in every worker."""
+"""With the same hashes, code that depends on the order of a set does the same in every worker."""
 
 _END_S = 1.5
+"""How long the server has to kill all workers and end [s], three times as long as it sweeps."""
 _TAIL = 4096
 
 
@@ -55,11 +54,11 @@ class WorkerEnds:
     dump: int
 
     def numbers(self) -> tuple[int, int, int]:
-        """Their descriptors."""
+        """Return their descriptors."""
         return self.sock.fileno(), self.output, self.dump
 
     def close(self) -> None:
-        """Close them here."""
+        """Close them in this process."""
         self.sock.close()
         os.close(self.output)
         os.close(self.dump)
@@ -77,41 +76,11 @@ class LauncherGoneError(Exception):
     """The server has ended, and all workers with it; a new one has to be started."""
 
 
-class Launcher(Protocol):
-    """Starts and kills worker processes."""
-
-    def fileno(self) -> int | None:
-        """What becomes readable when there is something to `collect`; None if it has to be asked now and then."""
-        ...
-
-    def start(self, worker: int, ends: WorkerEnds) -> None:
-        """Start a worker, which takes over its ends."""
-        ...
-
-    def send_signal(self, worker: int, number: int) -> None:
-        """Signal a worker; if it is to be killed, then with its process group."""
-        ...
-
-    def collect(self) -> list[Ended]:
-        """Those that have ended since."""
-        ...
-
-    def processes(self) -> Mapping[int, int]:
-        """Process numbers by worker, where they are known here."""
-        ...
-
-    def close(self) -> None:
-        """Kill everything at once."""
-        ...
-
-
 def describe_start(
     task: bytes, preload: Sequence[str], memory_bytes: int | None, ends_itself_s: float | None
 ) -> dict[str, Any]:
-    """What a child is sent first."""
+    """Return the start message of the server or of a worker, without what its launcher adds."""
     return {
-        "path": [entry or os.getcwd() for entry in sys.path],  # noqa: PTH109 - a string is what the path holds
-        "parent": os.getpid(),
         "preload": list(preload),
         "task": task,
         "memory_bytes": memory_bytes,
@@ -127,32 +96,31 @@ class ForkServer:
         self._said: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the server
         try:
             with theirs:
-                keep = (theirs.fileno(),)
-                self._process = _popen(["serve", str(keep[0])], keep, environment, self._said.fileno())
+                self._process = _start_python("serve", start, (theirs.fileno(),), environment, self._said.fileno())
         except BaseException:
             self._control.close()
             self._said.close()
             raise
+        processes.close_input(self._process)
         self._ready = False
-        _send_start(self._process, start)
 
     def fileno(self) -> int:
-        """Of the socket to the server."""
+        """Return what becomes readable when there is something to `collect`: the socket to the server."""
         return self._control.fileno()
 
     def start(self, worker: int, ends: WorkerEnds) -> None:
-        """Fork a worker; it comes once the server has imported everything."""
+        """Fork a worker, which takes over its ends; it comes once the server has imported everything."""
         try:
             self._request({"do": "start", "worker": worker}, ends.numbers())
         finally:
             ends.close()
 
     def send_signal(self, worker: int, number: int) -> None:
-        """Have the server signal it; nothing happens if it has ended."""
+        """Have the server signal a worker, if it has not ended; one that is to be killed with its process group."""
         self._request({"do": "signal", "worker": worker, "signal": int(number)}, ())
 
     def collect(self) -> list[Ended]:
-        """Those that have ended since.
+        """Return the workers that have ended since the last call.
 
         Raises:
             LauncherGoneError: If the server itself has.
@@ -179,7 +147,7 @@ class ForkServer:
             self._ready = True
 
     def processes(self) -> Mapping[int, int]:
-        """None: the server knows them."""
+        """Return nothing: only the server knows the processes."""
         return {}
 
     def close(self) -> None:
@@ -208,9 +176,9 @@ class ForkServer:
         if status == -signal.SIGKILL:  # by somebody else: a new one may do better
             return
         self._said.seek(0)
-        said = self._said.read()[-_TAIL:].decode(errors="replace").strip().splitlines()[-1:]
-        reason = ": ".join([f"their server ended with {describe_status(status)} before it was ready", *said])
-        raise PoolSetupError(f"the workers cannot be started: {reason}")
+        said = processes.last_line(self._said.read()[-_TAIL:].decode(errors="replace"))
+        reason = f"their server ended with {describe_status(status)} before it was ready"
+        raise PoolSetupError(f"the workers cannot be started: {reason}{': ' if said else ''}{said}")
 
 
 class Spawner:
@@ -222,90 +190,71 @@ class Spawner:
         self._workers: dict[int, subprocess.Popen[bytes]] = {}
 
     def fileno(self) -> None:
-        """Processes that have ended are found by asking."""
+        """Return None: processes that have ended are found by asking."""
         return
 
     def start(self, worker: int, ends: WorkerEnds) -> None:
-        """Start a process."""
-        numbers = ends.numbers()
+        """Start a worker, which takes over its ends."""
         try:
-            process = _popen(["work", *map(str, numbers)], numbers, self._environment, ends.output)
+            # Its input stays open: the worker ends when that does.
+            process = _start_python("work", self._start, ends.numbers(), self._environment, ends.output)
         finally:
             ends.close()
-        _send_start(process, self._start, close=False)  # the worker ends when its input does
         self._workers[worker] = process
 
     def send_signal(self, worker: int, number: int) -> None:
-        """Signal it, if it has not ended."""
+        """Signal a worker, if it has not ended; one that is to be killed with its process group."""
         process = self._workers.get(worker)
         if process is None or process.poll() is not None:
             return
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            if number == signal.SIGKILL:
-                os.killpg(process.pid, number)
-            else:
-                process.send_signal(number)
+        if number == signal.SIGKILL:
+            processes.kill_group(process)
+        else:
+            process.send_signal(number)
 
     def collect(self) -> list[Ended]:
-        """Those that have ended since."""
+        """Return the workers that have ended since the last call."""
         ended = [Ended(worker, process.returncode) for worker, process in self._workers.items() if _has_ended(process)]
         for each in ended:
-            _close_input(self._workers.pop(each.worker))
+            processes.close_input(self._workers.pop(each.worker))
         return ended
 
     def processes(self) -> Mapping[int, int]:
-        """Process numbers by worker."""
+        """Return the process numbers by worker."""
         return {worker: process.pid for worker, process in self._workers.items()}
 
     def close(self) -> None:
-        """Kill all."""
+        """Kill all workers at once."""
         for worker, process in self._workers.items():
             self.send_signal(worker, signal.SIGKILL)
             process.wait()
-            _close_input(process)
+            processes.close_input(process)
         self._workers.clear()
 
 
-def _popen(
-    arguments: list[str], keep: tuple[int, ...], environment: Mapping[str, str], output: int
+Launcher = ForkServer | Spawner
+"""Starts and kills worker processes."""
+
+
+def _start_python(
+    function: str, start: Mapping[str, Any], descriptors: tuple[int, ...], environment: Mapping[str, str], output: int
 ) -> subprocess.Popen[bytes]:
-    if not sys.executable:
-        raise PoolSetupError("the workers cannot be started: this Python does not say where it is (sys.executable)")
     try:
-        return subprocess.Popen(
-            [sys.executable, "-P", os.fspath(Path(code.__file__)), *arguments],
-            stdin=subprocess.PIPE,
+        return processes.start_python(
+            f"trundle.evaluation.pool.child:{function}",
+            {**start, "descriptors": descriptors},
+            path=[entry or os.getcwd() for entry in sys.path],  # noqa: PTH109 - a string is what the path holds
+            environ={**ONE_THREAD, **_SAME_HASHES, **environment},
             stdout=output,
             stderr=output,
-            pass_fds=keep,
-            env={**os.environ, **ONE_THREAD, **_SAME_HASHES, **environment},
-            start_new_session=True,
+            pass_fds=descriptors,
         )
     except OSError as error:
         raise PoolSetupError(f"the workers cannot be started: {error.strerror or error}") from error
 
 
-def _send_start(process: subprocess.Popen[bytes], start: Mapping[str, Any], *, close: bool = True) -> None:
-    if process.stdin is None:
-        raise RuntimeError("the child has no standard input")
-    with contextlib.suppress(BrokenPipeError):  # it has ended, as will be found
-        content = pickle.dumps(dict(start))
-        process.stdin.write(len(content).to_bytes(code.LENGTH_BYTES, "big") + content)
-        process.stdin.flush()
-        if close:
-            process.stdin.close()
-
-
 def _has_ended(process: subprocess.Popen[bytes]) -> bool:
     if process.poll() is None:
         return False
-    # What it started may be left in its group.
-    with contextlib.suppress(ProcessLookupError, PermissionError):
-        os.killpg(process.pid, signal.SIGKILL)
+    processes.kill_group(process)  # what it started may be left
     return True
-
-
-def _close_input(process: subprocess.Popen[bytes]) -> None:
-    if process.stdin is not None:
-        with contextlib.suppress(OSError):
-            process.stdin.close()

@@ -9,17 +9,16 @@ import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from trundle.evaluation.pool.words import describe_error
+from trundle.evaluation.pool.tracebacks import describe_error
+from trundle.guard.process import says_out_of_memory
 
 HAS_LIMIT = sys.platform == "linux"
 """Whether the system keeps RLIMIT_AS; elsewhere the pool watches resident memory."""
 
-_SIGNS = ("bad_alloc", "MemoryError", "llocate memory", "Unable to allocate")
-
 
 @contextlib.contextmanager
 def lifted_limit() -> Iterator[None]:
-    """Without the limit for a while, so that an error can be reported."""
+    """Lift the limit for a while, so that an error can be reported."""
     if not HAS_LIMIT:
         yield
         return
@@ -35,16 +34,11 @@ def lifted_limit() -> Iterator[None]:
 
 def is_exhaustion(error: BaseException) -> bool:
     """Whether an exception, or what caused it, means that there was no memory left."""
-    return any(isinstance(each, MemoryError) or says_exhausted(describe_error(each)) for each in _chain(error))
-
-
-def says_exhausted(text: str) -> bool:
-    """Whether what a library says means that it got no memory."""
-    return any(sign in text for sign in _SIGNS)
+    return any(isinstance(each, MemoryError) or says_out_of_memory(describe_error(each)) for each in _chain(error))
 
 
 def count_oom_kills() -> int | None:
-    """How many processes the kernel has killed for want of memory; None where it does not say."""
+    """Return how many processes the kernel has killed for want of memory; None where it does not say."""
     with contextlib.suppress(OSError), open("/proc/vmstat", encoding="ascii") as lines:  # noqa: PTH123 - of the system
         for line in lines:
             if line.startswith("oom_kill "):
@@ -53,7 +47,7 @@ def count_oom_kills() -> int | None:
 
 
 def resident_bytes(pids: Iterable[int]) -> dict[int, int]:
-    """Resident memory of processes [bytes], by number; those that have ended are left out."""
+    """Return the resident memory of processes [bytes], by number; those that have ended are left out."""
     return _read_statm(pids) if Path("/proc/self/statm").exists() else _ask_ps(pids)
 
 
@@ -67,7 +61,7 @@ def _read_statm(pids: Iterable[int]) -> dict[int, int]:
 
 
 def _ask_ps(pids: Iterable[int]) -> dict[int, int]:
-    """The same on a system without /proc."""
+    """Ask `ps` for the same, on a system without /proc."""
     wanted = ",".join(str(pid) for pid in pids)
     if not wanted:
         return {}

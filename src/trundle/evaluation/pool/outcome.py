@@ -1,4 +1,4 @@
-"""What a pool is given and what it gives back."""
+"""The task and the jobs that a pool is given, and the outcomes that it gives back."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class PoolSetupError(TrundleError):
 
 
 class Task(Protocol):
-    """What workers do. It is pickled once; each worker has its own copy."""
+    """The work that workers do. A task is pickled once; each worker has its own copy."""
 
     def setup(self) -> None:
         """Called once in each worker, before its first job."""

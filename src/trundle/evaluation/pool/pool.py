@@ -12,25 +12,29 @@ from typing import Any, Self
 
 from trundle.errors import InputError, MissingExtraError
 from trundle.evaluation.pool import framing, memory
-from trundle.evaluation.pool.crew import Crew, Dumped, Event, Gone, Message
-from trundle.evaluation.pool.deadlines import Deadlines
+from trundle.evaluation.pool.failures import MOST_KILLS, Cause, FailureClassifier
 from trundle.evaluation.pool.handle import Handle, State
 from trundle.evaluation.pool.launch import CAN_FORK, describe_start
 from trundle.evaluation.pool.outcome import Done, Failed, Jobs, PoolSetupError, Task
-from trundle.evaluation.pool.places import describe_place
-from trundle.evaluation.pool.verdict import MOST_KILLS, Judge, Verdict
+from trundle.evaluation.pool.tracebacks import describe_place
+from trundle.evaluation.pool.workers import Deadlines, Dumped, Event, Gone, Message, Workers
 from trundle.values import check_count, check_number
 
 MOST_WORKERS = 4096
 
 SETUP_S = 300.0
-"""For starting a worker and the task's `setup` [s]."""
+"""Time limit for starting a worker and for the task's `setup` [s]: it imports and builds, on a busy machine."""
 
 _DUMP_S = 2.0
+"""How long a worker past its deadline has to write where it is [s]: native code may keep it from that."""
 _DUMPED_S = 0.05
+"""How long the rest of that may take once some of it has come [s]."""
 _LOST_S = 1.0
+"""How long a worker whose socket has ended has to end itself [s], so that its exit code says why."""
 _WATCH_S = 0.25
+"""Time between two looks at the memory of workers, where the system does not limit it [s]."""
 _MOST_UNREADY = 2
+"""Set-ups in a row that fail: one failure may be by chance, two are the task's."""
 
 
 @dataclass(slots=True)
@@ -54,12 +58,12 @@ class Pool:
     Args:
         task: What to do with each job. It is pickled, by cloudpickle where that is installed.
         workers: How many at most; no more are started than there are jobs.
-        deadline_s: Wall time of a job [s]; None means that it may take for ever.
-        memory_mb: By how much a worker may grow after its start [MB]; None means without limit.
+        deadline_s: Wall time of a job [s]. If None, a job may take for ever.
+        memory_mb: How much a worker may grow after its start [MB]. If None, there is no limit.
         preload: Modules that the server imports.
         retries: How often a job that hangs or takes too much memory is repeated.
         environment: Variables for the workers, besides those of this process.
-        fork: Fork workers from a server; None means on Linux.
+        fork: Whether workers are forked from a server; by default they are on Linux.
 
     Raises:
         InputError: If an argument is out of bounds.
@@ -92,8 +96,8 @@ class Pool:
             memory_bytes=None if watched else self._memory_bytes,
             ends_itself_s=None if fork else self._deadline_s,
         )
-        self._crew = Crew(start, dict(environment or {}), fork=fork)
-        self._judge = Judge(self._deadline_s, memory_mb)
+        self._workers = Workers(start, dict(environment or {}), fork=fork)
+        self._causes = FailureClassifier(self._deadline_s, memory_mb)
         self._deadlines = Deadlines()
         self._next_watch = 0.0 if watched else None
         self._source: Jobs | None = None
@@ -118,7 +122,7 @@ class Pool:
 
         Args:
             jobs: What to do.
-            until: When to end in the same way, in terms of `time.monotonic` [s]; None means when all is done.
+            until: When to end in the same way, in terms of `time.monotonic` [s]; by default when all is done.
 
         Raises:
             PoolSetupError: If workers cannot be started, or the task's `setup` failed twice.
@@ -133,7 +137,7 @@ class Pool:
             while self._in_flight:
                 if until is not None and time.monotonic() >= until:
                     return
-                for event in self._crew.wait(_earliest(self._soonest(), until)):
+                for event in self._workers.wait(_earliest(self._deadlines.soonest(), self._next_watch, until)):
                     self._attend(event)
                 self._end_late_ones()
                 self._watch_memory()
@@ -148,7 +152,7 @@ class Pool:
 
     def close(self) -> None:
         """Kill the workers; the pool can be used again, with new ones."""
-        self._crew.close()
+        self._workers.close()
         self._deadlines = Deadlines()
         self._idle.clear()
         self._again.clear()
@@ -159,8 +163,8 @@ class Pool:
         """Give jobs to free workers, and start workers for more."""
         while self._again and self._make_room():
             self._start_worker(self._again.popleft())
-        while self._source is not None and (self._idle or len(self._crew.handles) < self._most):
-            worker = self._idle[-1].number if self._idle else self._crew.next_number
+        while self._source is not None and (self._idle or len(self._workers.handles) < self._most):
+            worker = self._idle[-1].number if self._idle else self._workers.next_number
             try:
                 job = self._source.take(worker)
             except StopIteration:
@@ -172,16 +176,16 @@ class Pool:
                 self._start_worker(_Try(job))
 
     def _make_room(self) -> bool:
-        """Whether there can be one more worker; an idle one makes room."""
-        if len(self._crew.handles) < self._most:
+        """Return whether there can be one more worker; an idle one is killed for it."""
+        if len(self._workers.handles) < self._most:
             return True
         if not self._idle:
             return False
-        self._crew.kill(self._idle.pop())
+        self._workers.kill(self._idle.pop())
         return True
 
     def _start_worker(self, attempt: _Try) -> None:
-        handle = self._crew.start()
+        handle = self._workers.start()
         self._in_flight += 1
         self._send(handle, attempt)
         self._deadlines.set(handle.number, SETUP_S)
@@ -223,15 +227,15 @@ class Pool:
             self._deadlines.set(handle.number, self._deadline_s)
         elif kind == framing.UNREADY:
             text, frames = pickle.loads(content)
-            self._crew.kill(handle)
+            self._workers.kill(handle)
             self._take_unready(handle, _join(text, describe_place(frames)))
         elif kind == framing.VALUE:
             self._take_value(handle, attempt, content)
         else:
             exhausted, text, frames, is_worn = pickle.loads(content)
-            verdict = self._judge.of_exception(text, frames, exhausted=exhausted)
+            cause = self._causes.of_exception(text, frames, exhausted=exhausted)
             self._release(handle, is_worn=is_worn or exhausted)
-            self._conclude(handle, attempt, verdict)
+            self._conclude(handle, attempt, cause)
 
     def _take_value(self, handle: Handle, attempt: _Try, content: bytes) -> None:
         pickled, wall_s, cpu_s, is_worn = pickle.loads(content)
@@ -240,23 +244,23 @@ class Pool:
             value = pickle.loads(pickled)
         except Exception as error:  # noqa: BLE001 - classes may refuse in any way
             text = f"its result cannot be read here: {type(error).__name__}: {error}"
-            self._conclude(handle, attempt, Verdict("error", text))
+            self._conclude(handle, attempt, Cause("error", text))
             return
         self._outcomes.append(Done(attempt.job, value, wall_s, cpu_s, handle.number))
 
     def _release(self, handle: Handle, *, is_worn: bool) -> None:
-        """A worker has done its job: it takes another one, or is replaced."""
+        """Let a worker that has done its job take another one, or replace it."""
         self._in_flight -= 1
         self._deadlines.clear(handle.number)
         handle.job, handle.has_served = None, True
         if is_worn:
-            self._crew.kill(handle)
+            self._workers.kill(handle)
         else:
             handle.state = State.IDLE
             self._idle.append(handle)
 
     def _take_end(self, handle: Handle, status: int | None) -> None:
-        """A worker process has ended by itself, or somebody killed it."""
+        """Conclude the job of a worker process that has ended by itself, or that somebody killed."""
         state, attempt = handle.state, handle.job
         handle.state = State.KILLED
         self._deadlines.clear(handle.number)
@@ -264,15 +268,15 @@ class Pool:
             self._idle.remove(handle)
         if attempt is None:
             return
-        verdict = self._judge.of_end(status, handle.describe_dump(), handle.main_thread, handle.describe_output())
+        cause = self._causes.of_end(status, handle.describe_dump(), handle.main_thread, handle.describe_output())
         if state is State.STARTING:
-            self._take_unready(handle, _join(verdict.text, verdict.place), killed=verdict.killed)
+            self._take_unready(handle, _join(cause.text, cause.place), killed=cause.killed)
         else:
             self._in_flight -= 1
-            self._conclude(handle, attempt, verdict)
+            self._conclude(handle, attempt, cause)
 
     def _take_unready(self, handle: Handle, reason: str, *, killed: bool = False) -> None:
-        """A worker failed before its first job, which is for another one then."""
+        """Give the first job of a worker that failed before it to another one."""
         self._in_flight -= 1
         self._deadlines.clear(handle.number)
         attempt: _Try = handle.job
@@ -285,68 +289,64 @@ class Pool:
 
     def _end_late_ones(self) -> None:
         for number in self._deadlines.take_passed():
-            handle = self._crew.handles[number]
+            handle = self._workers.handles[number]
             if handle.state is State.BUSY:
                 handle.state = State.LATE
-                self._crew.ask_where(handle)
+                self._workers.ask_where(handle)
                 self._deadlines.set(number, _DUMP_S)
             elif handle.state is State.STARTING:
-                self._crew.kill(handle)
+                self._workers.kill(handle)
                 self._take_unready(handle, f"it took longer than {SETUP_S:g} s")
             elif handle.state is State.LATE:
                 self._conclude_hang(handle)
             else:
                 text = "the worker lost its connection to the pool: something closed its file descriptors"
-                self._kill_and_conclude(handle, Verdict("crashed", text))
+                self._kill_and_conclude(handle, Cause("crashed", text))
 
     def _watch_memory(self) -> None:
-        """Where the system has no limit on memory, look at what workers take now and then."""
+        """Look at the memory of workers now and then, where the system does not limit it."""
         if self._next_watch is None or self._memory_bytes is None or time.monotonic() < self._next_watch:
             return
-        numbers = {pid: number for number, pid in self._crew.processes().items()}
+        numbers = {pid: number for number, pid in self._workers.processes().items()}
         for pid, size in memory.resident_bytes(numbers).items():
-            handle = self._crew.handles.get(numbers[pid])
+            handle = self._workers.handles.get(numbers[pid])
             if handle is None or handle.state is not State.BUSY:
                 continue
             handle.base_bytes = min(size, handle.base_bytes or size)
             if size > handle.base_bytes + self._memory_bytes:
-                self._kill_and_conclude(handle, self._judge.of_growth())
+                self._kill_and_conclude(handle, self._causes.of_growth())
         self._next_watch = time.monotonic() + _WATCH_S
-
-    def _soonest(self) -> float | None:
-        """When to look again, whatever happens."""
-        return _earliest(self._deadlines.soonest(), self._next_watch)
 
     def _conclude_hang(self, handle: Handle) -> None:
         handle.read_dump()
-        self._kill_and_conclude(handle, self._judge.of_hang(handle.describe_dump(), handle.main_thread))
+        self._kill_and_conclude(handle, self._causes.of_hang(handle.describe_dump(), handle.main_thread))
 
-    def _kill_and_conclude(self, handle: Handle, verdict: Verdict) -> None:
+    def _kill_and_conclude(self, handle: Handle, cause: Cause) -> None:
         self._in_flight -= 1
         self._deadlines.clear(handle.number)
         handle.read_output()
-        self._crew.kill(handle)
+        self._workers.kill(handle)
         if handle.job is not None:
-            self._conclude(handle, handle.job, verdict)
+            self._conclude(handle, handle.job, cause)
 
-    def _conclude(self, handle: Handle, attempt: _Try, verdict: Verdict) -> None:
+    def _conclude(self, handle: Handle, attempt: _Try, cause: Cause) -> None:
         """Try a job again, or say that it failed."""
-        attempt.kills += verdict.killed
-        if verdict.killed:
+        attempt.kills += cause.killed
+        if cause.killed:
             repeat = attempt.kills <= MOST_KILLS
-        elif verdict.kind == "crashed":
+        elif cause.kind == "crashed":
             repeat = handle.has_served  # what it did before may be the cause
         else:
-            repeat = verdict.kind != "error" and attempt.attempts - attempt.kills <= self._retries
+            repeat = cause.kind != "error" and attempt.attempts - attempt.kills <= self._retries
         if repeat:
             self._again.append(attempt)
             return
         self._outcomes.append(
             Failed(
                 job=attempt.job,
-                kind=verdict.kind,
-                text=verdict.text,
-                place=verdict.place,
+                kind=cause.kind,
+                text=cause.text,
+                place=cause.place,
                 noted=handle.noted(),
                 attempts=attempt.attempts,
                 output=handle.describe_output(),
@@ -355,7 +355,7 @@ class Pool:
 
 
 class _InOrder:
-    """Jobs for whoever is free first."""
+    """Jobs that go to whichever worker is free first."""
 
     def __init__(self, jobs: Iterable[Any]) -> None:
         self._jobs = iter(jobs)

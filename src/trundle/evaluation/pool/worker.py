@@ -16,8 +16,7 @@ from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from trundle.evaluation.pool import framing, memory
-from trundle.evaluation.pool.places import frames_of
-from trundle.evaluation.pool.words import describe_error
+from trundle.evaluation.pool.tracebacks import describe_error, frames_of
 from trundle.guard.child import limit_growth
 
 DUMP_SIGNAL = signal.SIGUSR1
@@ -27,16 +26,17 @@ _MOST_LEFT = 8
 """Threads or processes that jobs may leave behind before the worker is replaced."""
 
 _SPARE_S = 30.0
+"""How long after its deadline a worker ends itself [s]. The pool kills it at the deadline, unless it is stopped."""
 
 
 @dataclass(frozen=True, slots=True)
 class WorkerStart:
-    """What a worker is told at its start.
+    """The settings of a worker.
 
     Attributes:
-        task: Pickled.
-        memory_bytes: By how much its address space may grow; None without a limit.
-        ends_itself_s: After so long a job the worker ends by itself; None where the server sees to that.
+        task: The pickled task.
+        memory_bytes: How much its address space may grow. If None, there is no limit.
+        ends_itself_s: How long a job may take [s] before the worker ends by itself. If None, the server sees to that.
     """
 
     task: bytes
@@ -45,10 +45,10 @@ class WorkerStart:
 
 
 def run_worker(sock: socket.socket, output: int, dump: int, start: WorkerStart) -> NoReturn:
-    """Be a worker.
+    """Set up the task, and do jobs until the pool has no more.
 
     Args:
-        sock: To the pool.
+        sock: Socket to the pool.
         output: Pipe for what is printed.
         dump: Pipe for what faulthandler writes.
         start: Task and limits.
@@ -130,7 +130,7 @@ class _Worker:
         return framing.pack(framing.FAULT, pickle.dumps((exhausted, describe_error(error), frames, self._is_worn())))
 
     def _is_worn(self) -> bool:
-        """Whether jobs have left so much behind that the worker should be replaced."""
+        """Return whether jobs have left so much behind that the worker should be replaced."""
         return (
             threading.active_count() > _MOST_LEFT
             or _count_children() > _MOST_LEFT
@@ -156,7 +156,7 @@ def _send(sock: socket.socket, kind: bytes, content: bytes) -> None:
 
 
 def _redirect(output: int) -> None:
-    """Print into the pool's pipe, read nothing."""
+    """Send what is printed to the pool's pipe, and leave nothing to read."""
     nowhere = os.open(os.devnull, os.O_RDONLY)
     for number, target in ((0, nowhere), (1, output), (2, output)):
         os.dup2(target, number)
@@ -185,7 +185,7 @@ def _flush() -> None:
 
 
 def _identify_standard() -> tuple[tuple[int, int] | None, ...]:
-    """Which files the first three descriptors are."""
+    """Identify the files of the first three descriptors, which a job may have replaced."""
     found: list[tuple[int, int] | None] = []
     for number in range(3):
         try:
@@ -197,7 +197,7 @@ def _identify_standard() -> tuple[tuple[int, int] | None, ...]:
 
 
 def _count_children() -> int:
-    """How many child processes there are; 0 where the system does not say."""
+    """Count the child processes; 0 where the system does not say."""
     try:
         with open("/proc/thread-self/children", encoding="ascii") as file:  # noqa: PTH123 - of the system
             return len(file.read().split())

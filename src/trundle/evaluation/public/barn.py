@@ -9,12 +9,17 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
 
 from trundle.errors import InputError
 from trundle.evaluation.public.conditions import Conditions
 from trundle.evaluation.public.reference import load_reference
+from trundle.evaluation.statistics import Table
+from trundle.evaluation.statistics.figures import mean_of_known
 from trundle.evaluation.suite import Suite
 from trundle.files.opening import is_file
 
@@ -32,8 +37,8 @@ def barn_suite(
 
     Args:
         folder: Holds `world_N.world` of each world, and its `path_N.npy` beside it or in `path_files`.
-        conditions: What drives, and how; None means the defaults.
-        numbers: Of the worlds to drive in; None means all that are there.
+        conditions: What drives, and how; by default `Conditions()`.
+        numbers: Numbers of the worlds to drive in; by default all that are there.
 
     Raises:
         InputError: If the folder holds no such worlds, or lacks one of `numbers` or a path.
@@ -50,6 +55,18 @@ def barn_suite(
         missions={"seeds": conditions.seeds, "listed": [{"start": START, "goal": GOAL}]},
         **conditions.suite_fields(),
     )
+
+
+def barn_figures(table: Table, rows: npt.NDArray[np.bool_] | None = None) -> Mapping[str, float | None]:
+    """Return the means of BARN: of the score over all runs, of the times [s] over those that arrived."""
+    every = np.ones(len(table), dtype=bool) if rows is None else rows
+    arrived = every & table.arrived
+    times, shortest = (table.numbers[name].astype(float) for name in ("time_s", "shortest_time_s"))
+    return {
+        "barn_score": mean_of_known(table.numbers["barn_score"][every]),
+        "mean_time_s": mean_of_known(times[arrived]),
+        "mean_shortest_time_s": mean_of_known(shortest[arrived]),
+    }
 
 
 def find_worlds(folder: str | os.PathLike[str], numbers: Sequence[int] | None = None) -> dict[int, tuple[Path, Path]]:

@@ -20,13 +20,13 @@ from trundle.robots.parts import Lidar
 
 TIME_LIMIT_S = 100.0
 ARRIVAL_RADIUS = 1.0
-"""Both benchmarks end a run here [s, m]."""
+"""Both benchmarks end a run after this time [s], and at this distance from the goal [m]."""
 
 DRIFT = {"walk": 0.005, "heading_walk": 0.005}
 """Random walk of the odometry [m/√m, rad/√m]."""
 
 BEAMS, FIELD_OF_VIEW, RANGE, RATE = 720, 1.5 * math.pi, 10.0, 20.0
-"""Of BARN's lidar, of whose 30 m the robot uses 10 m, and of whose 50 scans a second it uses 20."""
+"""BARN's lidar. The robot uses 10 m of its 30 m, and 20 of its 50 scans a second."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,9 +35,9 @@ class Conditions:
 
     Attributes:
         robots: Names or files.
-        seeds: Of the runs in each world, as in a suite.
-        planners: By name, or with options.
-        controllers: Likewise.
+        seeds: Seeds of the runs in each world, as in a suite.
+        planners: Planners by name, or with options.
+        controllers: Controllers by name, or with options.
         backends: Simulators, likewise.
         drift: Whether the robot only has odometry that drifts, by 5 mm and 5 mrad per √m; otherwise its true pose.
         scan_age_s: Age of the scans when they arrive [s].

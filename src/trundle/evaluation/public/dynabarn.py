@@ -8,11 +8,16 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
 
 from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation.public.conditions import Conditions
+from trundle.evaluation.statistics import Table
+from trundle.evaluation.statistics.figures import mean_of_known
 from trundle.evaluation.suite import Suite
 from trundle.worlds.dynabarn import LEVELS, load_dynabarn, read_dynabarn
 
@@ -39,9 +44,9 @@ def dynabarn_suite(
 
     Args:
         file: The file of the worlds; see `trundle.worlds.dynabarn`.
-        conditions: What drives, and how; None means the defaults.
-        numbers: Of the worlds to drive in; None means all that are there.
-        levels: Of the worlds to drive in: easy, medium and hard; None means all.
+        conditions: What drives, and how; by default five seeds, without drift and collision monitor.
+        numbers: Numbers of the worlds to drive in; by default all that are there.
+        levels: Levels of the worlds to drive in: easy, medium and hard; by default all.
 
     Raises:
         InputError: If the file is damaged or of another kind, or lacks one of `numbers`.
@@ -74,7 +79,7 @@ def dynabarn_suite(
 
 
 def check_levels(levels: Sequence[str]) -> tuple[str, ...]:
-    """The levels of some names.
+    """Return the levels of some names.
 
     Raises:
         UnknownNameError: If one is none.
@@ -83,3 +88,19 @@ def check_levels(levels: Sequence[str]) -> tuple[str, ...]:
     if unknown or not levels:
         raise UnknownNameError("level of DynaBARN", unknown[0] if unknown else "", LEVELS)
     return tuple(levels)
+
+
+def dynabarn_figures(table: Table) -> Mapping[str, float | None]:
+    """Return the shares of success of DynaBARN's levels, and the mean time [s] of the runs that arrived."""
+    shares = {
+        f"success_{level}": mean_of_known(table.arrived[of_level].astype(float))
+        for level, of_level in rows_by_level(table).items()
+    }
+    return {**shares, "mean_time_s": mean_of_known(table.numbers["time_s"][table.arrived])}
+
+
+def rows_by_level(table: Table) -> dict[str, npt.NDArray[np.bool_]]:
+    """Return which rows are of each of DynaBARN's levels, in order of appearance."""
+    worlds = table.named["world"]
+    levels = [name.partition("/")[0] for name in worlds.names]
+    return {level: np.array([each == level for each in levels])[worlds.codes] for level in dict.fromkeys(levels)}

@@ -22,10 +22,10 @@ _CELL = 0.15  # edge of a cell [m]
 _CORNER = (-4.575, 5.075)  # centre of cell (0, 0) [m]
 _MOST_CELLS = 100_000
 _SPEED = 2.0
-"""What the score calls the optimal time is the path's length over this speed [m/s], whatever the robot's limit is."""
+"""The score's optimal time is the path's length over this speed [m/s], whatever the robot's limit is."""
 
 _FASTEST, _SLOWEST = 2.0, 8.0
-"""In optimal times: a run counts as if it took at least and at most so long."""
+"""Bounds of a run's time, in optimal times: a shorter or longer run counts as if it took so long."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,7 +58,7 @@ class ReferencePath:
         The turns cost nothing in it. A run may be faster where it cuts the corners of the path's cells.
 
         Args:
-            limits: Of the robot.
+            limits: Limits of the robot.
             arrival_radius: The run ends, at any speed, where the path comes this close to its end [m].
         """
         distance = self._length_to_within(arrival_radius)

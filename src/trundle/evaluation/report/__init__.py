@@ -1,1 +1,1 @@
-"""What an evaluation says to people and to CI: report.html, junit.xml, summary.json and tables of text."""
+"""The reports of an evaluation for people and for CI: report.html, junit.xml, summary.json and tables of text."""

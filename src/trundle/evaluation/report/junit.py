@@ -8,8 +8,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from trundle.evaluation.report.commands import replay_command, short_id
-from trundle.evaluation.report.table import cause
+from trundle.evaluation.report.text import cause, replay_command, short_id
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics.gates import GateResult
 from trundle.evaluation.statistics.table import MOST_FAILED, Group, Table, group_rows
@@ -22,7 +21,7 @@ _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def write_junit(table: Table, folder: str, *, name: str, gates: Sequence[GateResult] = ()) -> str:
-    """The text of `junit.xml`.
+    """Return the text of `junit.xml`.
 
     At most 10,000 missions are listed, the failed ones first; every suite says how many there are in all. What is
     required makes a suite of its own.
@@ -30,7 +29,7 @@ def write_junit(table: Table, folder: str, *, name: str, gates: Sequence[GateRes
     Args:
         table: The rows.
         folder: The folder of the evaluation, for the commands.
-        name: Of the evaluation.
+        name: Name of the evaluation.
         gates: The results of what is required.
     """
     failed = {row.id: row for row in table.failed}

@@ -11,19 +11,19 @@ import numpy.typing as npt
 from trundle.evaluation.statistics.figures import FIGURES, Figure
 from trundle.evaluation.statistics.gates import GateResult
 from trundle.evaluation.statistics.intervals import wilson
-from trundle.evaluation.statistics.only_errors import find_only_errors
+from trundle.evaluation.statistics.pairing import find_only_errors
 from trundle.evaluation.statistics.table import LABELS, Table, group_rows
-from trundle.evaluation.store.manifest import Stopped
+from trundle.evaluation.store.folder import Stopped
 
 
 def summarise(
     table: Table, *, total: int | None = None, gates: Sequence[GateResult] = (), stopped: Stopped | None = None
 ) -> dict[str, Any]:
-    """The figures of an evaluation, and of each of its groups, as plain values.
+    """Return the figures of an evaluation, and of each of its groups, as plain values.
 
     Args:
         table: The rows so far.
-        total: How many episodes there are to be; none means those that there are.
+        total: How many episodes there are to be; by default those that have a row.
         gates: The results of what is required.
         stopped: Why not all episodes have a row, where that is known.
 
@@ -46,7 +46,7 @@ def summarise(
         "passed": all(gate.passed for gate in gates) if gates else None,
         "gates": [gate.as_dict() for gate in gates],
         "by_group": {
-            _key(group.labels): {
+            " ".join(f"{name}={group.labels[name]}" for name in LABELS if group.labels[name]): {
                 "labels": dict(group.labels),
                 "episodes": len(group.rows),
                 **_figures(table, group.rows),
@@ -92,7 +92,7 @@ def describe_missing(done: int, total: int, stopped: Mapping[str, Any] | None) -
 
 
 def count_outcomes(table: Table, rows: npt.NDArray[np.intp] | None = None) -> dict[str, int]:
-    """How many rows ended how: `arrived` first, then the others from the most frequent."""
+    """Return how many rows ended how: `arrived` first, then the others from the most frequent."""
     outcomes = table.named["outcome"]
     codes = outcomes.codes if rows is None else outcomes.codes[rows]
     counts = np.bincount(codes, minlength=len(outcomes.names))
@@ -101,13 +101,9 @@ def count_outcomes(table: Table, rows: npt.NDArray[np.intp] | None = None) -> di
 
 
 def count_complete(table: Table, rows: npt.NDArray[np.intp] | None = None) -> tuple[int, int]:
-    """In how many rows without a path the search was complete, and in how many it was not."""
+    """Return in how many rows without a path the search was complete, and in how many it was not."""
     complete = table.numbers["complete"] if rows is None else table.numbers["complete"][rows]
     return int((complete == 1.0).sum()), int((complete == 0.0).sum())
-
-
-def _key(labels: Mapping[str, str]) -> str:
-    return " ".join(f"{name}={labels[name]}" for name in LABELS if labels[name])
 
 
 def _figures(table: Table, rows: npt.NDArray[np.intp]) -> dict[str, Any]:

@@ -1,10 +1,9 @@
-"""What rows of an evaluation say: intervals, comparisons on the same missions, gates. Pure functions of numbers."""
+"""Statistics of an evaluation's rows: intervals, comparisons on the same missions, gates. Pure functions of numbers."""
 
 from trundle.evaluation.statistics.comparison import Comparison, compare, compare_within
 from trundle.evaluation.statistics.gates import Gate, GateResult
-from trundle.evaluation.statistics.intervals import Interval, no_failure_bound, wilson
-from trundle.evaluation.statistics.paired import holm, mcnemar_exact, paired_bootstrap
-from trundle.evaluation.statistics.ranks import rank_correlation
+from trundle.evaluation.statistics.intervals import Interval, no_failure_bound, rank_correlation, wilson
+from trundle.evaluation.statistics.paired_tests import holm, mcnemar_exact, paired_bootstrap
 from trundle.evaluation.statistics.table import Table
 
 __all__ = [

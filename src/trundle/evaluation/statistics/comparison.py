@@ -11,9 +11,8 @@ import numpy as np
 
 from trundle.errors import InputError
 from trundle.evaluation.statistics.figures import FIGURES, Figure
-from trundle.evaluation.statistics.only_errors import OnlyErrors, find_only_errors
-from trundle.evaluation.statistics.paired import Mean, bootstrap_means, holm, mcnemar_exact
-from trundle.evaluation.statistics.pairing import Pairing, pair_between, pair_within
+from trundle.evaluation.statistics.paired_tests import Mean, bootstrap_means, holm, mcnemar_exact
+from trundle.evaluation.statistics.pairing import OnlyErrors, Pairing, find_only_errors, pair_between, pair_within
 from trundle.evaluation.statistics.table import Table
 from trundle.geometry import FloatArray
 
@@ -27,14 +26,14 @@ JUDGED = ("success", "spl", "time_s", "distance_m", "contacts")
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """How one figure changed.
+    """The change of one figure.
 
     Attributes:
         figure: Which one.
         first: Its mean with the first setting, over the missions that are compared.
-        second: Likewise with the second.
+        second: Its mean with the second setting, likewise.
         difference: Mean of second minus first, with its interval.
-        p: Of no change: McNemar's exact test for success, the bootstrap for the others.
+        p: Probability of such a change by chance: McNemar's exact test for success, the bootstrap for the others.
         adjusted_p: `p` after Holm's correction for all comparisons made at once.
     """
 
@@ -66,7 +65,7 @@ class Change:
         return self.figure.name == "success" or abs(self.difference.value) > MARGIN * abs(self.first)
 
     def as_dict(self) -> dict[str, Any]:
-        """The change as plain values, for JSON; None where there is nothing to tell from."""
+        """Return the change as plain values, for JSON; None where there is nothing to tell from."""
         difference = self.difference
         return {
             "figure": self.figure.name,
@@ -102,7 +101,7 @@ class Turned:
     outcome: str
 
     def as_dict(self) -> dict[str, str]:
-        """The mission as plain values, for JSON."""
+        """Return the mission as plain values, for JSON."""
         return {
             "mission": self.mission,
             "world": self.world,
@@ -140,11 +139,11 @@ class PairComparison:
         return any(change.worse for change in self.changes)
 
     def change(self, figure: str) -> Change:
-        """The change of one figure."""
+        """Return the change of one figure."""
         return next(change for change in self.changes if change.figure.name == figure)
 
     def as_dict(self) -> dict[str, Any]:
-        """The comparison as plain values, for JSON."""
+        """Return the comparison as plain values, for JSON."""
         return {
             "a": self.first,
             "b": self.second,
@@ -171,7 +170,7 @@ class Comparison:
         second: Name of the second.
         pairs: The settings that are compared.
         only_first: Episodes of the first that have no partner and are left out.
-        only_second: Likewise of the second.
+        only_second: Episodes of the second that are left out, likewise.
         by_ends: Whether the missions are the same by the names of their worlds, seeds, starts and goals alone, as the
             content of the worlds or the robots is not.
         only_errors: Settings of the first and of the second of which every episode ended in an exception; they are
@@ -193,11 +192,11 @@ class Comparison:
 
     @property
     def count(self) -> int:
-        """How many comparisons Holm's correction is for."""
+        """The number of comparisons that Holm's correction is for."""
         return sum(not math.isnan(change.p) for pair in self.pairs for change in pair.changes)
 
     def as_dict(self) -> dict[str, Any]:
-        """The comparison as plain values, for JSON."""
+        """Return the comparison as plain values, for JSON."""
         return {
             "a": self.first,
             "b": self.second,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from trundle.evaluation.statistics.table import Table
 from trundle.geometry import FloatArray
@@ -19,7 +20,7 @@ class Figure:
     Attributes:
         name: In `--require` and in JSON: the column's name, or `success`.
         text: What it is, in words.
-        unit: Of its values; empty for a share or a number.
+        unit: Unit of its values; empty for a share or a number.
         better: Whether more or less of it is better; None where neither is.
         arrived: Whether its mean goes over the episodes that arrived alone; of pairs, over those where both did.
         measured: Whether it depends on the machine.
@@ -36,14 +37,14 @@ class Figure:
     sensing: bool = False
 
     def values(self, table: Table) -> FloatArray:
-        """Its value for each row, shape (N,); NaN for those that it leaves out."""
+        """Return its value for each row, shape (N,); NaN for those that it leaves out."""
         if self.name == "success":
             return table.arrived.astype(float)
         values = table.numbers[self.name].astype(float)
         return np.where(table.arrived, values, np.nan) if self.arrived else values
 
     def is_used(self, *values: FloatArray) -> bool:
-        """Whether it says anything about episodes with these values; only figures of sensing may not."""
+        """Return whether it says anything about episodes with these values; only figures of sensing may not."""
         return not self.sensing or any(bool(np.nan_to_num(some).any()) for some in values)
 
 
@@ -68,8 +69,14 @@ FIGURES = (
 BY_NAME = {figure.name: figure for figure in FIGURES}
 
 
+def mean_of_known(values: npt.NDArray[np.floating]) -> float | None:
+    """Return the mean of the values that are not NaN; None if there are none."""
+    known = values[~np.isnan(values)].astype(float)
+    return float(known.mean()) if len(known) else None
+
+
 def write_number(value: float) -> str:
-    """A number with three or four digits and at most four decimals, as tables have it; a dash for none."""
+    """Write a number with three or four digits and at most four decimals, as tables have it; a dash for none."""
     if math.isnan(value):
         return "–"
     size = abs(value)
@@ -80,7 +87,7 @@ def write_number(value: float) -> str:
 
 
 def write_share(share: float, n: int) -> str:
-    """A share in percent, with the decimals that `n` episodes warrant; only all of them are 100 %."""
+    """Write a share in percent, with the decimals that `n` episodes warrant; only all of them are 100 %."""
     decimals = 1 if n < 2000 else 2
     text = f"{100.0 * share:.{decimals}f}"
     full = f"{100.0:.{decimals}f}"

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation.statistics.figures import BY_NAME, Figure, write_number, write_share
 from trundle.evaluation.statistics.intervals import episodes_to_decide, no_failure_bound, wilson
-from trundle.evaluation.statistics.paired import bootstrap_means
+from trundle.evaluation.statistics.paired_tests import bootstrap_means
 from trundle.evaluation.statistics.table import LABELS, Table
 
 _PATTERN = re.compile(
@@ -27,7 +27,7 @@ State = Literal["passed", "failed", "undecided"]
 
 @dataclass(frozen=True, slots=True)
 class GateResult:
-    """What became of a gate.
+    """The result of a gate.
 
     Attributes:
         gate: The gate as it was written.

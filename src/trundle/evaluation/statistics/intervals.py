@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from statistics import NormalDist
 
+import numpy as np
+import numpy.typing as npt
+
 from trundle.errors import InputError
 from trundle.values import check_count, check_number
 
 CONFIDENCE = 0.95
-"""Of every interval, unless another one is asked for."""
+"""The confidence of every interval, unless another one is asked for."""
 
 _MOST = 10**12
 
@@ -37,12 +40,12 @@ class Interval(tuple[float, float]):
         return self[1]
 
     def holds(self, value: float) -> bool:
-        """Whether a value lies in it, its ends included; never in an interval of NaN."""
+        """Return whether a value lies in it, its ends included; never in an interval of NaN."""
         return self[0] <= value <= self[1]
 
 
 def quantile(confidence: float) -> float:
-    """How many standard deviations of a normal distribution a two-sided interval reaches to each side.
+    """Return how many standard deviations of a normal distribution a two-sided interval reaches to each side.
 
     Raises:
         InputError: If the confidence is not between 0 and 1.
@@ -58,7 +61,7 @@ def wilson(successes: int, n: int, confidence: float = CONFIDENCE) -> Interval:
     Args:
         successes: 0..n.
         n: Number of trials; without any, the share may be anything from 0 to 1.
-        confidence: Of the two-sided interval.
+        confidence: Confidence of the two-sided interval.
 
     Raises:
         InputError: If the counts are not such counts.
@@ -74,7 +77,7 @@ def no_failure_bound(n: int, confidence: float = CONFIDENCE) -> float:
 
 
 def episodes_to_decide(successes: int, n: int, wanted: float, confidence: float = CONFIDENCE) -> int | None:
-    """How many more episodes decide whether a share is at least `wanted`, if they go as those so far.
+    """Return how many more episodes decide whether a share is at least `wanted`, if they go as those so far.
 
     Returns:
         0 where the interval lies on one side of `wanted` already; None where no number would do, as the share so far
@@ -114,3 +117,47 @@ def _wilson(successes: float, n: float, z: float) -> Interval:
     low = 0.0 if successes == 0.0 else max(0.0, (middle - half) / whole)
     high = 1.0 if successes == n else min(1.0, (middle + half) / whole)
     return Interval(low, high)
+
+
+def rank_correlation(x: npt.ArrayLike, y: npt.ArrayLike, confidence: float = CONFIDENCE) -> tuple[float, Interval]:
+    """Compute Spearman's rank correlation and its interval by Fisher's transformation.
+
+    Its standard error is that of Bonett and Wright, "Sample size requirements for estimating Pearson, Kendall and
+    Spearman correlations" (Psychometrika 65, 2000).
+
+    Args:
+        x: Numbers, shape (N,); pairs with a NaN are left out.
+        y: Numbers, shape (N,).
+        confidence: Confidence of the interval.
+
+    Returns:
+        The correlation, -1..1, and its interval; NaN where one of the two does not vary, and an interval of -1 to 1 for
+        fewer than 5 pairs.
+
+    Raises:
+        InputError: If they differ in length.
+    """
+    first, second = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    if first.ndim != 1 or first.shape != second.shape:
+        raise InputError(f"a rank correlation needs two rows of one length, got {first.shape} and {second.shape}")
+    known = ~(np.isnan(first) | np.isnan(second))
+    ranks = mean_ranks(first[known]), mean_ranks(second[known])
+    n = int(known.sum())
+    if n < 2 or any(np.ptp(rank) == 0.0 for rank in ranks):
+        return math.nan, Interval(math.nan, math.nan)
+    rho = float(np.clip(np.corrcoef(*ranks)[0, 1], -1.0, 1.0))
+    z = quantile(confidence)
+    if n < 5:
+        return rho, Interval(-1.0, 1.0)
+    if abs(rho) > 1.0 - 1e-12:
+        return rho, Interval(rho, rho)
+    half = z * math.sqrt((1.0 + rho * rho / 2.0) / (n - 3))
+    middle = math.atanh(rho)
+    return rho, Interval(math.tanh(middle - half), math.tanh(middle + half))
+
+
+def mean_ranks(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return ranks from 1, shape (N,); equal values share the mean of theirs."""
+    _, place, counts = np.unique(values, return_inverse=True, return_counts=True)
+    last = np.cumsum(counts)
+    return (last - (counts - 1) / 2.0)[place]

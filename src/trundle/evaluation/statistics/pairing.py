@@ -1,8 +1,8 @@
-"""Which rows of two evaluations, or of two settings in one, are of the same mission."""
+"""Which rows are of the same mission, so that they are compared; and settings that only raised, which are not."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -11,9 +11,64 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError
-from trundle.evaluation.statistics.only_errors import has_only_errors
+from trundle.evaluation.row import Row
 from trundle.evaluation.statistics.table import VARIANT, Group, Table, group_rows, name_labels
 from trundle.values import first_names
+
+ERROR = "error"
+
+
+@dataclass(frozen=True, slots=True)
+class OnlyErrors:
+    """Settings of which every episode so far ended in `error`.
+
+    Attributes:
+        name: Name of the settings.
+        labels: Their planner, controller, backend and other settings.
+        episodes: How many there are.
+        error: The exception of the first one, with its place in the code.
+        example: Its id.
+    """
+
+    name: str
+    labels: Mapping[str, str]
+    episodes: int
+    error: str
+    example: str
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the same as plain values, for JSON."""
+        return {
+            "labels": dict(self.labels),
+            "episodes": self.episodes,
+            "error": self.error,
+            "example": self.example,
+        }
+
+    def __str__(self) -> str:
+        count = "its only episode" if self.episodes == 1 else f"all its {self.episodes:,} episodes"
+        return f"{self.name}: {count} ended in an error: {self.error}"
+
+
+def has_only_errors(table: Table, group: Group) -> bool:
+    """Return whether every row of a group ended in `error`."""
+    return bool(table.named["outcome"].where(ERROR)[group.rows].all())
+
+
+def _is_of(row: Row, group: Group) -> bool:
+    return all(getattr(row, name) == label for name, label in group.labels.items())
+
+
+def find_only_errors(table: Table) -> list[OnlyErrors]:
+    """Find the settings of which every episode so far ended in `error`."""
+    found: list[OnlyErrors] = []
+    for group in group_rows(table, VARIANT):
+        if has_only_errors(table, group):
+            row = next((row for row in table.failed if _is_of(row, group)), None)
+            error, example = ("", "") if row is None else (row.error or row.message, row.id)
+            found.append(OnlyErrors(group.name, group.labels, len(group.rows), error, example))
+    return found
+
 
 Rows = npt.NDArray[np.intp]
 _ALL_PAIRS = 3
@@ -38,7 +93,7 @@ class Pairing:
 
 
 def pair_within(table: Table) -> list[Pairing]:
-    """Pairs of the settings of one evaluation: all of up to three, of more each with the first."""
+    """Pair the settings of one evaluation: all of up to three, of more each with the first."""
     groups = _usable_groups(table)
     few = len(groups) <= _ALL_PAIRS
     pairs = combinations(groups, 2) if few else ((groups[0], other) for other in groups[1:])
@@ -46,7 +101,7 @@ def pair_within(table: Table) -> list[Pairing]:
 
 
 def pair_between(first: Table, second: Table, *, by_ends: bool = False) -> list[Pairing]:
-    """Pairs of the settings of two evaluations: those with the same labels, or else those that differ in one respect.
+    """Pair the settings of two evaluations: those with the same labels, or else those that differ in one respect.
 
     Args:
         first: Rows of the first.
@@ -74,12 +129,12 @@ def pair_between(first: Table, second: Table, *, by_ends: bool = False) -> list[
 
 
 def _usable_groups(table: Table) -> list[Group]:
-    """The settings, without those that only raised exceptions: how good they are is not known."""
+    """Return the settings without those that only raised exceptions: how good they are is not known."""
     return [group for group in group_rows(table, VARIANT) if not has_only_errors(table, group)]
 
 
 def _match(ones: Sequence[Group], others: Sequence[Group], columns: Sequence[str]) -> list[tuple[Group, Group]]:
-    """Groups that agree in these labels."""
+    """Return the pairs of groups that agree in these labels."""
     found = [
         (one, other)
         for one in ones
@@ -118,7 +173,7 @@ def _pair(
 
 
 def _missions(table: Table, rows: Rows, *, by_ends: bool) -> tuple[npt.NDArray[Any], Rows]:
-    """The missions of these rows, each once, and the first row of each; a row that has none is left out."""
+    """Return the missions of these rows, each once, and the first row of each; a row that has none is left out."""
     keys = table.ends[rows] if by_ends else table.keys["mission"][rows]
     known = keys != (np.uint64(0) if by_ends else b"")
     missions, first = np.unique(keys[known], return_index=True)

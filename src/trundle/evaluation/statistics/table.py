@@ -20,7 +20,7 @@ ARRIVED = "arrived"
 LABELS = ("world", "robot", "planner", "controller", "backend", "settings")
 """Columns that name what an episode was run with."""
 VARIANT = ("planner", "controller", "backend", "settings")
-"""Those of them that are compared on the same missions: a mission fixes world and robot."""
+"""The columns that are compared on the same missions: a mission fixes world and robot."""
 
 _EXACT = ("time_s", "distance_m", "spl", "min_clearance_m")
 _SMALL = ("contacts", "replans", "max_cross_track_error_m", "smoothness_rad_per_m")
@@ -55,11 +55,11 @@ class Names:
     codes: npt.NDArray[np.signedinteger]
 
     def where(self, name: str) -> npt.NDArray[np.bool_]:
-        """Which rows have this text."""
+        """Return which rows have this text."""
         return self.codes == (self.names.index(name) if name in self.names else -1)
 
     def of(self, row: int) -> str:
-        """The text of one row."""
+        """Return the text of one row."""
         return self.names[self.codes[row]]
 
 
@@ -75,7 +75,7 @@ class Table:
         ends: A number for the world's label, the seed, the start and the goal of each row, whatever the content of
             world and robot; 0 where the start is not known.
         index: Number of the episode in its suite.
-        seed: Of the mission.
+        seed: Seed of the mission.
         vary: What was varied, by name; NaN where a row does not have it.
         failed: The first 10,000 rows that did not arrive, the first 2,000 with their trails.
         examples: For each world the first rows that arrived, for their trails.
@@ -115,20 +115,20 @@ class Table:
 
     @property
     def arrived(self) -> npt.NDArray[np.bool_]:
-        """Which rows arrived."""
+        """The rows that arrived, as a mask of shape (N,)."""
         return self.named["outcome"].where(ARRIVED)
 
     def id_of(self, row: int) -> str:
-        """The id of one row."""
+        """Return the id of one row."""
         return self.keys["id"][row].decode()
 
     def labels_of(self, row: int) -> dict[str, str]:
-        """The labels of one row."""
+        """Return the labels of one row."""
         return {name: self.named[name].of(row) for name in LABELS}
 
 
 def cluster_of(row: Row) -> int:
-    """A number of 64 bits for a row's world: of its map where it is known, as one label may stand for many worlds."""
+    """Return 64 bits for a row's world: of its map where it is known, as one label may stand for many worlds."""
     return _hash(f"place {row.place}" if row.place else f"world {row.world}")
 
 
@@ -192,7 +192,7 @@ class _Reader:
             examples.append(drawable)
 
     def _take(self, name: str, kind: Any) -> npt.NDArray:
-        """A whole column, whose blocks are given back."""
+        """Return a whole column, and give its blocks back."""
         blocks = self._blocks.pop(name, [])
         whole = np.empty(self._rows, dtype=blocks[0].dtype if blocks else kind)
         for number in range(len(blocks)):
@@ -228,12 +228,12 @@ class _Reader:
 
 
 def _number(value: float | None) -> float:
-    """A figure; NaN where it is not known or not finite."""
+    """Return a figure; NaN where it is not known or not finite."""
     return value if value is not None and math.isfinite(value) else math.nan
 
 
 def _drawable(row: Row) -> Row:
-    """The row without figures and a trail that are not finite, which no drawing can hold."""
+    """Return the row without figures and a trail that are not finite, which no drawing can hold."""
     values = ((name, getattr(row, name)) for name in _FIGURES)
     broken = {name: None for name, value in values if value is not None and not math.isfinite(value)}
     trail = row.trail if all(map(math.isfinite, row.trail)) else ()
@@ -256,7 +256,7 @@ class Group:
 
 
 def group_rows(table: Table, columns: Sequence[str] = LABELS) -> list[Group]:
-    """Groups of rows with the same labels, in order of appearance of the labels.
+    """Group the rows with the same labels, in order of appearance of the labels.
 
     Groups are named after the labels in which they differ; a single one after world and planner.
     """
@@ -281,12 +281,12 @@ def group_rows(table: Table, columns: Sequence[str] = LABELS) -> list[Group]:
 
 
 def name_labels(labels: Mapping[str, str], named: Iterable[str]) -> str:
-    """Some labels in one line; settings at their default are called so."""
+    """Return some labels in one line; settings at their default are called so."""
     return " · ".join(labels[name] or "default" for name in named)
 
 
 def iterate_groups(groups: Sequence[Group], table: Table) -> Iterator[tuple[Group, int, int]]:
-    """Each group with how many of its rows arrived, and how many there are."""
+    """Yield each group with how many of its rows arrived, and how many there are."""
     arrived = table.arrived
     for group in groups:
         yield group, int(arrived[group.rows].sum()), len(group.rows)

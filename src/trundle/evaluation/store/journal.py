@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from trundle.errors import OutputError
-from trundle.evaluation.store.columns import LONGEST_LINE, decode_row
-from trundle.evaluation.store.layout import DAMAGED_LINES, JOURNAL
+from trundle.evaluation.store.folder import DAMAGED_LINES, JOURNAL
+from trundle.evaluation.store.row_encoding import LONGEST_LINE, decode_row
 from trundle.files.writing import atomic_path, cannot_write, write_bytes
 
 
@@ -33,13 +32,15 @@ class Journal:
         Raises:
             OutputError: If it cannot be written.
         """
-        try:
-            written = os.write(self._descriptor, line)
-        except OSError as error:
-            raise self._error(error) from error
-        if written != len(line):
-            self._take_back(written)
-            self._finish_short(line)
+        for _ in range(2):  # a write comes back short where the disk has just become full; the next one says so
+            try:
+                written = os.write(self._descriptor, line)
+            except OSError as error:
+                raise cannot_write(self.path, error) from error
+            if written == len(line):
+                return
+            os.ftruncate(self._descriptor, os.fstat(self._descriptor).st_size - written)
+        raise cannot_write(self.path, OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)))
 
     def sync(self) -> None:
         """Put it on the disk, so that a power cut does not undo it."""
@@ -59,24 +60,7 @@ class Journal:
         try:
             self._descriptor = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o666)
         except OSError as error:
-            raise self._error(error) from error
-
-    def _take_back(self, written: int) -> None:
-        """Remove the part of a line that was written."""
-        os.ftruncate(self._descriptor, os.fstat(self._descriptor).st_size - written)
-
-    def _finish_short(self, line: bytes) -> None:
-        """A write comes back short where the disk has just become full; the next one says so."""
-        try:
-            written = os.write(self._descriptor, line)
-        except OSError as error:
-            raise self._error(error) from error
-        if written != len(line):
-            self._take_back(written)
-            raise self._error(OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)))
-
-    def _error(self, error: OSError) -> OutputError:
-        return cannot_write(self.path, error)
+            raise cannot_write(self.path, error) from error
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trundle.errors import OutputError
-from trundle.evaluation.store.columns import to_key
-from trundle.evaluation.store.ids import IdSet, Keys
+from trundle.evaluation.store.folder import JOURNAL, PARTS
 from trundle.evaluation.store.journal import Entry, put_damage_aside, read_journal, rewrite_journal
-from trundle.evaluation.store.layout import JOURNAL, PARTS
 from trundle.evaluation.store.parts import connect, find_fault, list_parts, read_keys
+from trundle.evaluation.store.row_encoding import IdSet, Keys, to_key
 from trundle.files.writing import sync_folder
 
 _WRITTEN = ("journal", "evaluation", "suite", "selection")

@@ -15,10 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from trundle.errors import MissingExtraError
-from trundle.evaluation.store.columns import LONGEST_LINE, SQL_TYPES
-from trundle.evaluation.store.ids import Keys
-from trundle.evaluation.store.layout import PARTS
+from trundle.errors import MissingExtraError, OutputError
+from trundle.evaluation.store.folder import PARTS
+from trundle.evaluation.store.row_encoding import LONGEST_LINE, SQL_TYPES, Keys
 from trundle.files.writing import cannot_write, sync_file, sync_folder
 
 if TYPE_CHECKING:
@@ -31,7 +30,7 @@ INSTALL = 'pip install "trundle[evaluate]"'
 
 
 def has_duckdb() -> bool:
-    """Whether DuckDB is installed."""
+    """Return whether DuckDB is installed."""
     return find_spec("duckdb") is not None
 
 
@@ -55,52 +54,72 @@ def connect(purpose: str) -> duckdb.DuckDBPyConnection:
 
 
 def list_parts(folder: Path) -> list[Path]:
-    """The Parquet files of an evaluation's folder, in order."""
+    """Return the Parquet files of an evaluation's folder, in order."""
     return sorted((folder / PARTS).glob("[!.]*.parquet"))
 
 
-def write_part(database: duckdb.DuckDBPyConnection, rows: Path, folder: Path, tag: str = "") -> int:
-    """Write a file of lines as the next part of a folder, onto the disk.
+class PartWriter:
+    """Writes files of rows as the parts of a folder; DuckDB is started by the first one.
 
     Args:
-        database: A connection of `connect`.
-        rows: The lines of JSON, all of them rows.
-        folder: Of the evaluation.
-        tag: Who writes it, where several do.
-
-    Returns:
-        The number of its rows.
-
-    Raises:
-        OutputError: If it cannot be written. Nothing is left behind.
+        folder: The folder of the evaluation.
+        tag: Tells its parts from those of other writers into the same evaluation.
     """
-    import duckdb
 
-    parts = folder / PARTS
-    temporary = parts / f".writing{tag}.parquet"
-    try:
-        count = _copy(database, rows, temporary)
-        digest = digest_file(temporary)
-        sync_file(temporary)
-        taken = (int(path.name.split("-")[0]) for path in list_parts(folder) if _NAME.fullmatch(path.name))
-        number = max(taken, default=0)
-        temporary.replace(parts / f"{number + 1:06d}{tag}-{digest}.parquet")
-        sync_folder(parts)
-    except (OSError, duckdb.Error) as error:
-        if isinstance(error, OSError):
-            raise cannot_write(parts, error) from error
-        number = errno.ENOSPC if os.strerror(errno.ENOSPC) in str(error) else errno.EIO
-        raise cannot_write(parts, OSError(number, str(error).splitlines()[0])) from error
-    finally:
-        temporary.unlink(missing_ok=True)
-    return count
+    def __init__(self, folder: Path, tag: str = "") -> None:
+        self._folder = folder / PARTS
+        self._tag = tag
+        self._database: duckdb.DuckDBPyConnection | None = None
 
+    def write(self, rows: Path, count: int) -> Path:
+        """Write a file of lines as the next part, onto the disk.
 
-def _copy(database: duckdb.DuckDBPyConnection, rows: Path, target: Path) -> int:
-    result = database.execute(
-        f"COPY ({select_lines(rows)}) TO {quote(target)} (FORMAT parquet, COMPRESSION zstd, USE_TMP_FILE false)"
-    ).fetchone()
-    return 0 if result is None else int(result[0])
+        Args:
+            rows: The lines of JSON, all of them rows.
+            count: How many rows they are.
+
+        Returns:
+            The part.
+
+        Raises:
+            OutputError: If it cannot be written, or gets another number of rows. If it cannot be written, nothing is
+                left behind.
+            MissingExtraError: If DuckDB is not installed.
+        """
+        if self._database is None:
+            self._database = connect("writing Parquet files")
+        import duckdb
+
+        temporary = self._folder / f".writing{self._tag}.parquet"
+        try:
+            copied = self._database.execute(
+                f"COPY ({select_lines(rows)}) TO {quote(temporary)} "
+                "(FORMAT parquet, COMPRESSION zstd, USE_TMP_FILE false)"
+            ).fetchone()
+            digest = digest_file(temporary)
+            sync_file(temporary)
+            found = list_parts(self._folder.parent)
+            taken = (int(path.name.split("-")[0]) for path in found if _NAME.fullmatch(path.name))
+            part = self._folder / f"{max(taken, default=0) + 1:06d}{self._tag}-{digest}.parquet"
+            temporary.replace(part)
+            sync_folder(self._folder)
+        except (OSError, duckdb.Error) as error:
+            if isinstance(error, OSError):
+                raise cannot_write(self._folder, error) from error
+            number = errno.ENOSPC if os.strerror(errno.ENOSPC) in str(error) else errno.EIO
+            raise cannot_write(self._folder, OSError(number, str(error).splitlines()[0])) from error
+        finally:
+            temporary.unlink(missing_ok=True)
+        written = 0 if copied is None else int(copied[0])
+        if written != count:
+            raise OutputError(f"{self._folder}: a part got {written} rows of {count}")
+        return part
+
+    def close(self) -> None:
+        """Stop DuckDB."""
+        if self._database is not None:
+            self._database.close()
+        self._database = None
 
 
 def find_fault(database: duckdb.DuckDBPyConnection, part: Path) -> str | None:
@@ -123,13 +142,13 @@ def find_fault(database: duckdb.DuckDBPyConnection, part: Path) -> str | None:
 
 
 def digest_file(path: Path) -> str:
-    """Sixteen digits of a file's content."""
+    """Return a hash of a file's content, sixteen digits."""
     with path.open("rb") as stream:
         return hashlib.file_digest(stream, lambda: hashlib.blake2b(digest_size=8)).hexdigest()
 
 
 def select_lines(rows: Path) -> str:
-    """SQL that gives the rows of a file of lines of JSON, which must not be empty."""
+    """Return SQL that gives the rows of a file of lines of JSON, which must not be empty."""
     columns = ", ".join(f"{quote_name(name)}: {quote(kind)}" for name, kind in SQL_TYPES.items())
     return (
         f"SELECT * FROM read_json({quote(rows)}, format = 'newline_delimited', columns = {{{columns}}}, "
@@ -138,7 +157,7 @@ def select_lines(rows: Path) -> str:
 
 
 def select_parts(parts: Sequence[Path], columns: Iterable[str] = tuple(SQL_TYPES), *, without: str = "") -> str:
-    """SQL that gives these columns of the rows of all parts; a column that a part lacks is NULL.
+    """Return SQL that gives these columns of the rows of all parts; a column that a part lacks is NULL.
 
     Args:
         parts: The files.
@@ -158,7 +177,7 @@ def select_parts(parts: Sequence[Path], columns: Iterable[str] = tuple(SQL_TYPES
 
 
 def select_repeated(parts: Sequence[Path]) -> str:
-    """SQL that gives the places of rows whose id is in another row before."""
+    """Return SQL that gives the places of rows whose id is in another row before."""
     return (
         "SELECT filename, file_row_number FROM (SELECT filename, file_row_number, "
         "row_number() OVER (PARTITION BY id ORDER BY filename, file_row_number) AS number "
@@ -171,17 +190,17 @@ def _read_parts(parts: Sequence[Path], options: str = "") -> str:
 
 
 def read_keys(database: duckdb.DuckDBPyConnection, parts: Sequence[Path]) -> tuple[Keys, NDArray[np.int64]]:
-    """Ids, as numbers, and indices of the rows of all parts."""
+    """Read the ids, as numbers, and the indices of the rows of all parts."""
     rows = select_parts(parts, ("id", "index"))
     found = database.execute(f"""SELECT ('0x' || id)::UBIGINT AS key, "index" FROM ({rows})""").fetchnumpy()
     return np.asarray(found["key"], np.uint64), np.asarray(found["index"], np.int64)
 
 
 def quote(text: str | os.PathLike[str]) -> str:
-    """A text as SQL writes it."""
+    """Return a text as SQL writes it."""
     return "'" + str(text).replace("'", "''") + "'"
 
 
 def quote_name(name: str) -> str:
-    """A name as SQL writes it."""
+    """Return a name as SQL writes it."""
     return '"' + name.replace('"', '""') + '"'

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from trundle.errors import MissingExtraError, OutputError
-from trundle.evaluation.store.layout import JOURNAL, MANIFEST, PARTS, SELECTION, SUITE, WRITTEN_AFTERWARDS
+from trundle.evaluation.store.folder import JOURNAL, MANIFEST, PARTS, SELECTION, SUITE, WRITTEN_AFTERWARDS
 
 _URI = re.compile(r"[a-z][a-z0-9+.-]+://")
 _KEPT = (MANIFEST, SUITE, SELECTION, JOURNAL)

@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from trundle.errors import InputError, MissingExtraError
 from trundle.evaluation.row import Row
-from trundle.evaluation.store.ids import Keys
-from trundle.evaluation.store.layout import SELECTION, SUITE, check_holds_evaluation
-from trundle.evaluation.store.manifest import Manifest, Stopped
+from trundle.evaluation.store.folder import SELECTION, SUITE, Manifest, Stopped, check_holds_evaluation
 from trundle.evaluation.store.parts import INSTALL, has_duckdb, list_parts
+from trundle.evaluation.store.row_encoding import Keys
 from trundle.evaluation.store.tables import JournalTable, SqlTable, Table, check_columns
 
 if TYPE_CHECKING:
@@ -61,7 +60,7 @@ class Results:
 
     @property
     def name(self) -> str:
-        """Of the suite."""
+        """Name of the suite."""
         return self._manifest.name
 
     @property
@@ -81,12 +80,12 @@ class Results:
 
     @property
     def versions(self) -> Mapping[str, str]:
-        """Of the code that made the rows, or the last of them."""
+        """Versions of the code that made the rows, or the last of them."""
         return self._manifest.versions
 
     @property
     def earlier_versions(self) -> Sequence[Mapping[str, str]]:
-        """Of other code that made some of the rows (`--mixed`)."""
+        """Versions of other code that made some of the rows (`--mixed`)."""
         return self._manifest.earlier_versions
 
     @property
@@ -103,7 +102,7 @@ class Results:
 
     @property
     def is_closed(self) -> bool:
-        """Whether it was closed: then its rows cannot be read."""
+        """Whether it is closed, so that its rows cannot be read."""
         return self._opened is None
 
     @property
@@ -118,11 +117,11 @@ class Results:
         return len(self._table)
 
     def rows(self) -> Iterator[Row]:
-        """The rows, one after the other."""
+        """Yield the rows, one after the other."""
         return (Row.of(values) for values in self._table.rows())
 
     def columns(self, *names: str) -> dict[str, NDArray[Any]]:
-        """Columns as arrays: numbers as int64 or float64, NaN where missing; others as objects, None where missing.
+        """Return columns as arrays: numbers as int64 or float64, others as objects; NaN or None where missing.
 
         Raises:
             InputError: For a name that is no column.
@@ -131,7 +130,7 @@ class Results:
         return self._table.columns(names)
 
     def find(self, prefix: str) -> Row:
-        """The row whose id starts so.
+        """Return the row whose id starts so.
 
         Raises:
             InputError: If there is none, or more than one.
@@ -170,7 +169,7 @@ class Results:
             raise InputError(f"this query cannot be run: {error}") from error
 
     def to_pandas(self) -> pd.DataFrame:
-        """All columns of all rows.
+        """Return all columns of all rows.
 
         Raises:
             MissingExtraError: If DuckDB or pandas is not installed.

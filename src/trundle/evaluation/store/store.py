@@ -10,17 +10,13 @@ from dataclasses import replace
 from datetime import datetime
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 
 from trundle.errors import InputError, OutputError
 from trundle.evaluation.row import Row
-from trundle.evaluation.store.columns import encode_row
-from trundle.evaluation.store.continuing import check_continues
-from trundle.evaluation.store.ids import IdSet, Keys
-from trundle.evaluation.store.journal import Journal
-from trundle.evaluation.store.layout import (
+from trundle.evaluation.store.folder import (
     DAMAGED_LINES,
     JOURNAL,
     MANIFEST,
@@ -28,20 +24,21 @@ from trundle.evaluation.store.layout import (
     SELECTION,
     SUITE,
     WRITTEN_AFTERWARDS,
+    Manifest,
+    Stopped,
+    check_continues,
     check_free_for_evaluation,
 )
-from trundle.evaluation.store.manifest import Manifest, Stopped
+from trundle.evaluation.store.journal import Journal
 from trundle.evaluation.store.mending import Found, mend
-from trundle.evaluation.store.parts import connect, has_duckdb, write_part
+from trundle.evaluation.store.parts import PartWriter, has_duckdb
+from trundle.evaluation.store.row_encoding import IdSet, Keys, encode_row
 from trundle.files.folder_lock import FolderLock
 from trundle.files.opening import exists
 from trundle.files.writing import make_folder, new_folder, write_bytes, write_text
 
-if TYPE_CHECKING:
-    import duckdb
-
 PART_ROWS = 5000
-"""Rows in the journal that become a Parquet file: about 0.1 s of work."""
+"""Rows in the journal that become a Parquet file: about 0.1 s of work, during which no row is taken."""
 
 
 class Store:
@@ -66,7 +63,7 @@ class Store:
         self._part_rows = part_rows
         self._journal = Journal(folder)
         self._waiting = found.waiting
-        self._database: duckdb.DuckDBPyConnection | None = None
+        self._parts = PartWriter(folder)
         self._makes_parts = has_duckdb()
         self._failed: str | None = None
         self._is_open = True
@@ -87,11 +84,11 @@ class Store:
         """Start an evaluation in a folder, or continue the one that it holds.
 
         Args:
-            folder: The folder; none means a new `runs/<time>-<name>`.
-            name: Of the suite; an evaluation can be continued with a changed suite of the same name.
+            folder: The folder; by default a new `runs/<time>-<name>`.
+            name: Name of the suite; an evaluation can be continued with a changed suite of the same name.
             suite_text: The suite, as YAML.
             total: Number of its episodes.
-            versions: Of the code that makes the rows; see `code_versions`.
+            versions: Versions of the code that makes the rows; see `code_versions`.
             mixed: Continue although earlier rows were made by other code.
             overwrite: Delete the evaluation that the folder holds.
             part_rows: Rows in the journal that become a part.
@@ -122,7 +119,8 @@ class Store:
                 manifest = check_continues(path, manifest, suite_text, mixed=mixed)
             else:
                 check_free_for_evaluation(path)
-            _write_heads(path, manifest, suite_text)
+            manifest.save(path)
+            write_text(path / SUITE, suite_text, durable=True)  # last, as it may be there from before
             found = mend(path)
             return cls(path, lock, found, part_rows)
         except BaseException:
@@ -133,12 +131,12 @@ class Store:
             raise
 
     def pending(self, ids: Iterable[str]) -> Sequence[int]:
-        """The indices of the suite's episodes that have no row yet.
+        """Return the indices of the suite's episodes that have no row yet.
 
         Rows in the folder that are not of the suite stay there, and `Results` leaves them out.
 
         Args:
-            ids: Of all episodes of the suite, by index. They are read only where the folder has rows.
+            ids: Ids of all episodes of the suite, by index. They are read only where the folder has rows.
         """
         if not len(self.done):
             return range(Manifest.load(self.folder).total)
@@ -193,8 +191,7 @@ class Store:
                         self._make_part()
         finally:
             self._journal.close()
-            if self._database is not None:
-                self._database.close()
+            self._parts.close()
             self._lock.release()
 
     def __enter__(self) -> Self:
@@ -205,11 +202,7 @@ class Store:
 
     def _make_part(self) -> None:
         """Turn the journal into a Parquet file. A kill between the two steps leaves its rows in both."""
-        if self._database is None:
-            self._database = connect("writing Parquet files")
-        count = write_part(self._database, self._journal.path, self.folder)
-        if count != self._waiting:
-            raise OutputError(f"{self.folder / PARTS}: a part got {count} rows of {self._waiting}")
+        self._parts.write(self._journal.path, self._waiting)
         self._journal.renew()
         self._waiting = 0
 
@@ -234,12 +227,6 @@ class Store:
         content = BytesIO()
         np.save(content, keys)
         write_bytes(self.folder / SELECTION, content.getvalue(), durable=True)
-
-
-def _write_heads(folder: Path, manifest: Manifest, suite_text: str) -> None:
-    """Write what the folder says of its evaluation; the suite last, as it may be there from before."""
-    manifest.save(folder)
-    write_text(folder / SUITE, suite_text, durable=True)
 
 
 def _clear(folder: Path) -> None:

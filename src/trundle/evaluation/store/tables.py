@@ -5,16 +5,14 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from trundle.errors import InputError
-from trundle.evaluation.store.columns import SQL_TYPES, decode_row, to_key
-from trundle.evaluation.store.ids import IdSet, Keys
+from trundle.evaluation.store.folder import JOURNAL
 from trundle.evaluation.store.journal import read_journal
-from trundle.evaluation.store.layout import JOURNAL
 from trundle.evaluation.store.parts import (
     connect,
     find_fault,
@@ -26,35 +24,12 @@ from trundle.evaluation.store.parts import (
     select_parts,
     select_repeated,
 )
+from trundle.evaluation.store.row_encoding import SQL_TYPES, IdSet, Keys, decode_row, to_key
 
 Column = NDArray[Any]
 _BATCH = 5000
 _LARGE_BATCH = 50_000
 _NUMBERS = {"DOUBLE": np.float64, "BIGINT": np.int64, "UBIGINT": np.uint64}
-
-
-class Table(Protocol):
-    """Rows, by index, without duplicates; only those of the selection where there is one."""
-
-    def __len__(self) -> int:
-        """How many there are."""
-        ...
-
-    def rows(self) -> Iterator[dict[str, Any]]:
-        """Their values, one after the other."""
-        ...
-
-    def columns(self, names: Sequence[str]) -> dict[str, Column]:
-        """Columns as arrays."""
-        ...
-
-    def find(self, prefix: str, limit: int) -> list[dict[str, Any]]:
-        """The first rows whose id starts so."""
-        ...
-
-    def close(self) -> None:
-        """Free what it holds."""
-        ...
 
 
 class JournalTable:
@@ -84,11 +59,11 @@ class JournalTable:
         return len(self._ids)
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Their values, one after the other."""
+        """Yield the values of the rows, one after the other."""
         return self._read(range(len(self._ids)))
 
     def columns(self, names: Sequence[str]) -> dict[str, Column]:
-        """Columns as arrays."""
+        """Return columns as arrays."""
         gathered: dict[str, list[Any]] = {name: [] for name in names}
         for values in self.rows():
             for name, column in gathered.items():
@@ -96,7 +71,7 @@ class JournalTable:
         return {name: _as_array(name, column) for name, column in gathered.items()}
 
     def find(self, prefix: str, limit: int) -> list[dict[str, Any]]:
-        """The first rows whose id starts so."""
+        """Return the first rows whose id starts so."""
         places = [place for place, identity in enumerate(self._ids) if identity.startswith(prefix)]
         return list(self._read(places[:limit]))
 
@@ -136,14 +111,14 @@ class SqlTable:
         return int(self._fetch('SELECT count("index") FROM rows')[0][0])
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Their values, one after the other."""
+        """Yield the values of the rows, one after the other."""
         names = list(SQL_TYPES)
         for some in self._some_rows(_BATCH):
             for values in self._fetch(f"SELECT {_list(names)} {some}"):
                 yield dict(zip(names, values, strict=True))
 
     def columns(self, names: Sequence[str]) -> dict[str, Column]:
-        """Columns as arrays."""
+        """Return columns as arrays."""
         nested = [name for name in names if SQL_TYPES[name] not in ("VARCHAR", *_NUMBERS)]
         flat = [name for name in names if name not in nested]
         chunks: dict[str, list[Column]] = {name: [_as_array(name, [])] for name in names}
@@ -160,7 +135,7 @@ class SqlTable:
         return {name: np.concatenate(chunks.pop(name)) for name in names}
 
     def find(self, prefix: str, limit: int) -> list[dict[str, Any]]:
-        """The first rows whose id starts so."""
+        """Return the first rows whose id starts so."""
         names = list(SQL_TYPES)
         found = self._fetch(f"SELECT {_list(names)} FROM rows WHERE starts_with(id, {quote(prefix)}) LIMIT {limit}")
         return [dict(zip(names, values, strict=True)) for values in found]
@@ -217,6 +192,10 @@ class SqlTable:
         return self.database.execute(sql).fetchall()
 
 
+Table = JournalTable | SqlTable
+"""Rows, by index, without duplicates; only those of the selection where there is one."""
+
+
 def _first_places(selection: Keys) -> dict[int, int]:
     keys, first = np.unique(selection, return_index=True)
     return dict(zip(keys.tolist(), first.tolist(), strict=True))
@@ -234,7 +213,7 @@ def check_columns(names: Sequence[str]) -> None:
 
 
 def _as_array(name: str, values: Sequence[Any]) -> Column:
-    """An array of a column's values; a number that is missing is NaN, and makes whole numbers floats."""
+    """Return an array of a column's values; a number that is missing is NaN, and makes whole numbers floats."""
     kind = SQL_TYPES[name]
     if kind in _NUMBERS:
         is_missing = any(value is None for value in values)
@@ -248,7 +227,7 @@ def _as_array(name: str, values: Sequence[Any]) -> Column:
 
 
 def _unmask(name: str, column: Column, texts: dict[str, str]) -> Column:
-    """What `_as_array` gives, of an array in which missing values are masked; equal texts become one object."""
+    """Do as `_as_array` with an array in which missing values are masked; equal texts become one object."""
     values = np.ma.getdata(column)
     is_missing = np.ma.getmaskarray(column)
     if SQL_TYPES[name] == "VARCHAR":

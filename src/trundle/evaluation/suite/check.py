@@ -1,4 +1,4 @@
-"""What is checked of a suite before any of its episodes runs."""
+"""`check_suite`: everything that can be checked of a suite before any of its episodes runs."""
 
 from __future__ import annotations
 

@@ -14,10 +14,9 @@ from typing import Any, cast
 from trundle.costmap.costmap_settings import check_unknown_cost
 from trundle.errors import InputError
 from trundle.evaluation.suite.fields import SuiteFields
-from trundle.evaluation.suite.identity import digest, robot_content, short, world_content, world_of_seed
+from trundle.evaluation.suite.identity import EpisodeSpec, digest, robot_content, short, world_content, world_of_seed
 from trundle.evaluation.suite.parts import ListedMission, Missions, SuiteWorld
 from trundle.evaluation.suite.plugin import PluginChoice, identity_of
-from trundle.evaluation.suite.spec import EpisodeSpec
 from trundle.evaluation.suite.vary import apply
 from trundle.files.choice import Choice
 from trundle.files.yaml_config import Config
@@ -26,12 +25,12 @@ from trundle.mission import Scenario
 _MOST_CHECKED = 1000
 
 NO_PLANNER = "none"
-"""What the rows of agents have as their planner."""
+"""The planner in the rows of agents."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Driver:
-    """What drives: a planner with a controller and a smoother, or an agent instead."""
+    """The driver of an episode: a planner with a controller and a smoother, or an agent instead."""
 
     planner: int = 0
     controller: int = 0
@@ -89,11 +88,13 @@ class Expansion:
         self.controllers = _labels("controllers or agents" if suite.agents else "controllers", driving)
         self.backends = _labels("backends", [_choice_names(choice) for choice in suite.backends])
         self._first_agent = len(controllers)
+        self._rules: dict[tuple[int, int], bytes] = {}
+        self._found_digests: dict[int, bytes] = {}
         if suite.agents:
             self.planners.append(NO_PLANNER)
 
     def factors(self) -> dict[str, int]:
-        """Sizes of what is crossed, by name."""
+        """Return the sizes of what is crossed, by name."""
         suite = self._suite
         missions = sum(missions.count for missions in self._missions)
         driving = "planners, controllers and agents" if suite.agents else "planners and controllers"
@@ -106,21 +107,21 @@ class Expansion:
         return {name: size for name, size in sizes.items() if size != 1}
 
     def missions(self) -> Iterator[tuple[SuiteWorld, Missions]]:
-        """Each world with its missions, which each robot drives, in the order of the episodes."""
+        """Yield each world with its missions, which each robot drives, in the order of the episodes."""
         return zip(self._suite.worlds, self._missions, strict=True)
 
     def world_of(self, index: int) -> int:
-        """Which of the suite's worlds an episode is in."""
+        """Return which of the suite's worlds an episode is in."""
         return self._locate(index)[0]
 
     def id_of(self, index: int) -> str:
-        """Hash of everything that decides an episode."""
+        """Return the hash of everything that decides an episode."""
         world, robot, mission, case = self._locate(index)
         seed, listed = self._missions[world].at(mission)
         return self._id(world, robot, seed, listed, case)
 
     def spec(self, index: int) -> EpisodeSpec:
-        """Everything that decides an episode.
+        """Return everything that decides an episode.
 
         Raises:
             InputError: If there is no episode of that number, or a file is not there.
@@ -201,7 +202,7 @@ class Expansion:
     # Numbers --------------------------------------------------------------------------------------------------------
 
     def _locate(self, index: int) -> tuple[int, int, int, _Case]:
-        """World, robot, mission and case of an episode."""
+        """Return the world, robot, mission and case of an episode."""
         if not 0 <= index < self.total:
             raise InputError(f"there is no episode {index}: the suite has {self.total:,}")
         world = bisect.bisect_right(self._ends, index)
@@ -216,7 +217,7 @@ class Expansion:
         return world, robot, mission, _Case(self._drivers[driver], backend, tuple(settings))
 
     def _driving(self, driver: _Driver) -> dict[str, Choice | None]:
-        """The fields of a scenario that say what drives."""
+        """Return the fields of a scenario that say what drives."""
         suite = self._suite
         if driver.agent is not None:
             return {"agent": suite.agents[driver.agent].plain()}
@@ -228,7 +229,7 @@ class Expansion:
         }
 
     def _describe(self, case: _Case) -> str:
-        """What is crossed beside planners, controllers and backends."""
+        """Return the label of the settings that are crossed beside planners, controllers and backends."""
         parts = [
             f"{name}={_text(values[k])}"
             for (name, values), k in zip(self._settings.items(), case.settings, strict=True)
@@ -264,16 +265,8 @@ class Expansion:
             self._rules[key] = digest(self._missions[world].rule(listed))
         return self._rules[key]
 
-    @cached_property
-    def _rules(self) -> dict[tuple[int, int], bytes]:
-        return {}
-
-    @cached_property
-    def _found_digests(self) -> dict[int, bytes]:
-        return {}
-
     def _world_digest(self, world: int) -> bytes:
-        """Of one world, so that an episode can be made where the files of others are missing."""
+        """Return the hash of one world's content; of one alone, as the files of others may be missing."""
         if world not in self._found_digests:
             self._found_digests[world] = world_content(self._suite.worlds[world])
         return self._found_digests[world]
@@ -296,7 +289,7 @@ class Expansion:
 
     @cached_property
     def _setting_digests(self) -> list[list[bytes]]:
-        """Of each setting's values; a default one counts as none, so that it may be written out or not."""
+        """The hashes of each setting's values; a default counts as none, so that it may be written out or not."""
         defaults = Scenario.model_fields
         return [
             [b"" if value == defaults[name].default else digest([name, _content(value)]) for value in values]
@@ -310,12 +303,12 @@ class Expansion:
 
 
 def _content(value: object) -> object:
-    """What decides how a setting's value acts."""
+    """Return what decides how a setting's value acts."""
     return identity_of(value) if isinstance(value, Choice) and value.is_python else value
 
 
 def _text(value: object) -> str:
-    """A value as it stands in tables, without spaces."""
+    """Return a value as it stands in tables, without spaces."""
     if isinstance(value, float):
         return f"{value:g}"
     if isinstance(value, Choice):
@@ -353,7 +346,7 @@ def _options(options: dict[str, Any]) -> str:
 
 
 def _labels(kinds: str, names: list[tuple[str, str]]) -> list[str]:
-    """One label for each: the short name, or where several have that, the long one."""
+    """Return a label for each: the short name, or where several have that, the long one."""
     shorts = [name for name, _ in names]
     labels = [name if shorts.count(name) == 1 else long for name, long in names]
     for label in labels:

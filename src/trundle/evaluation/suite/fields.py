@@ -1,19 +1,82 @@
-"""`SuiteFields`: what a suite's YAML says."""
+"""`SuiteFields`: what a suite's YAML says, its own fields and the settings of a scenario that it crosses."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, create_model, model_validator
 from pydantic_core import PydanticCustomError
 
+from trundle.costmap import CostmapSettings
 from trundle.errors import InputError
 from trundle.evaluation.statistics import Gate
-from trundle.evaluation.suite.parts import Limits, Missions, MissionsField, SuiteWorldField, as_items, read_items
+from trundle.evaluation.suite.parts import (
+    Limits,
+    Missions,
+    MissionsField,
+    Seeds,
+    SuiteWorldField,
+    as_items,
+    read_items,
+    read_lists,
+)
 from trundle.evaluation.suite.plugin import Agent, Backend, Controller, Planner, PluginChoice, Smoother
-from trundle.evaluation.suite.seeds import Seeds
-from trundle.evaluation.suite.settings import CROSSED, CrossedSettings
 from trundle.evaluation.suite.vary import Vary
+from trundle.files.field_docs import describe_fields
+from trundle.files.yaml_config import Config
+from trundle.mission import Scenario
+from trundle.navigation import NavigatorSettings
+
+_ROBOT_AND_SENSORS = (
+    "assumed",
+    "lidar",
+    "odometry",
+    "unmapped",
+    "movers",
+    "known_map",
+    "localizer",
+    "layers",
+    "latency",
+    "collision_monitor",
+    "rules",
+)
+
+CROSSED = tuple(
+    name
+    for name in (*CostmapSettings.model_fields, *NavigatorSettings.model_fields, "resolution", *_ROBOT_AND_SENSORS)
+    if name != "planning_deadline_s"
+)
+"""Settings of a scenario that a suite may cross."""
+
+
+def _field(name: str) -> tuple[Any, Any]:
+    """Return the type and the default of a setting; the type takes one value of the scenario's field, or a list."""
+    field = Scenario.model_fields[name]
+    item: Any = field.annotation
+    for constraint in field.metadata:
+        item = Annotated[item, constraint]
+    several = tuple[item, ...]
+    read = read_lists if name == "movers" else read_items
+    one_or_several = BeforeValidator(read, json_schema_input_type=item | list[item])
+    return Annotated[several, one_or_several], (field.default,)
+
+
+def _docstring() -> str:
+    texts = describe_fields(Scenario)
+    lines = "\n".join(f"    {name}: {texts[name]}" for name in CROSSED)
+    return f"The settings of a scenario, each one value or a list that is crossed.\n\nAttributes:\n{lines}\n"
+
+
+if TYPE_CHECKING:
+    CrossedSettings = Config
+else:
+    CrossedSettings = create_model(
+        "CrossedSettings",
+        __base__=Config,
+        __module__=__name__,
+        __doc__=_docstring(),
+        **{name: _field(name) for name in CROSSED},
+    )
 
 
 def _some(kind: Any) -> BeforeValidator:
@@ -53,7 +116,7 @@ class SuiteFields(CrossedSettings):
         planners: Planners by name, `module:name`, or `{name: …, options: {…}}`. In Python also classes, functions
             (costmap, start, goal) and objects.
         controllers: Controllers, likewise.
-        smoothers: Smoothers of the planned paths, likewise; none drives them as they are planned.
+        smoothers: Smoothers of the planned paths, likewise; by default they are driven as they are planned.
         agents: Agents, likewise, which drive instead of planners and controllers. They are compared with planners and
             controllers where these are given too.
         backends: Simulators by name.

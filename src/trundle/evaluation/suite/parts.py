@@ -1,7 +1,8 @@
-"""Parts of a suite: its worlds, missions and limits."""
+"""Parts of a suite: its worlds, its missions with their seeds, and its limits."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +13,6 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from trundle.errors import UnknownNameError
-from trundle.evaluation.suite.seeds import Seeds, read_seeds
 from trundle.evaluation.suite.vary import Distribution, draw
 from trundle.files.choice import Choice, Option
 from trundle.files.config_fields import NotNegative, PoseNumbers, Positive
@@ -50,6 +50,62 @@ def read_lists(given: object) -> object:
     return (given,)
 
 
+_SEED_RANGE = re.compile(r"(\d+):(\d+)(?::(\d+))?")
+_SEED_ADVICE = 'a number of seeds, a range "0:500", or a list of integers of 0 or more'
+_SEED_BOUND = 2**63
+"""Seeds are below it: a row holds them in 64 bits."""
+
+
+def read_seeds(given: object) -> range | tuple[int, ...]:
+    """Read seeds as a suite has them; a range is not expanded.
+
+    Raises:
+        ValueError: If these are no seeds; the message says what is.
+    """
+    if isinstance(given, bool):
+        raise ValueError(f"must be {_SEED_ADVICE}, got {given}")
+    if isinstance(given, int):
+        if given < 0:
+            raise ValueError(f"must be {_SEED_ADVICE}, got {given}")
+        return range(given)
+    if isinstance(given, range):
+        return given
+    if isinstance(given, str):
+        match = _SEED_RANGE.fullmatch(given.strip())
+        if match is None or match[3] == "0":
+            raise ValueError(f"must be {_SEED_ADVICE}, got {given!r}")
+        return range(int(match[1]), int(match[2]), int(match[3] or 1))
+    if not isinstance(given, list | tuple):
+        raise ValueError(f"must be {_SEED_ADVICE}, got {given!r}")
+    seeds = tuple(cast("Sequence[Any]", given))
+    if not all(isinstance(seed, int) and not isinstance(seed, bool) and seed >= 0 for seed in seeds):
+        raise ValueError(f"must be {_SEED_ADVICE}, got {given!r}")
+    if len(set(seeds)) < len(seeds):
+        twice = next(seed for seed in seeds if seeds.count(seed) > 1)
+        raise ValueError(f"seed {twice} is given twice")
+    return seeds
+
+
+def _check_seeds(given: object) -> object:
+    try:
+        seeds = read_seeds(given)
+        if (seeds.stop if isinstance(seeds, range) else max(seeds, default=0)) > _SEED_BOUND:
+            raise ValueError("seeds must be below 2^63")
+    except ValueError as error:
+        raise PydanticCustomError("seeds", "{message}", {"message": str(error)}) from None
+    if not seeds:
+        raise PydanticCustomError("no_seeds", "no seeds: the cross product has no episodes", {})
+    if isinstance(given, range):
+        return f"{given.start}:{given.stop}:{given.step}" if given.step != 1 else f"{given.start}:{given.stop}"
+    return given if isinstance(given, int | str) else seeds
+
+
+Seeds: TypeAlias = Annotated[
+    int | str | tuple[int, ...], BeforeValidator(_check_seeds, json_schema_input_type=int | str | list[int])
+]
+"""Seeds of missions: 20 (0 to 19), "0:500" (0 to 499), "0:500:5", or [1, 2, 3]."""
+
+
 class ListedMission(Config):
     """A mission by its start and goal.
 
@@ -57,7 +113,7 @@ class ListedMission(Config):
         start: (x, y) or (x, y, yaw) [m, m, rad], map frame.
         goal: (x, y), to be reached with any yaw, or (x, y, yaw). Either this or `goals`.
         goals: Several of these, to be reached in order; or waypoints with tasks, `{pose: [5, 3], wait: 2.0}`.
-        through: Whether the robot drives through the goals without stopping; none means no.
+        through: Whether the robot drives through the goals without stopping; by default it stops.
     """
 
     start: PoseNumbers
@@ -110,7 +166,7 @@ class Missions(Config):
         return seeds[seed], self.listed[listed]
 
     def rule(self, listed: ListedMission | None) -> dict[str, Any]:
-        """How start and goal are chosen, as plain values."""
+        """Return how start and goal are chosen, as plain values."""
         if listed is not None:
             return listed.model_dump(mode="json", exclude_none=True)
         return self.model_dump(mode="json", include={"ends", "min_distance"} if self.ends == "roomy" else {"ends"})
@@ -134,15 +190,15 @@ class SuiteWorld(Config):
     Attributes:
         name: Name of a generated world, or the path of a map's YAML or of a world's file; in a suite's file, relative
             to that file.
-        label: What it is called in tables; none means its name.
-        seed: Seed of a generated world; none means the mission's, so that each mission has its own world.
+        label: What it is called in tables; by default its name.
+        seed: Seed of a generated world; by default the mission's, so that each mission has its own world.
         options: Options of the generator, of the file's loader or of a map (height, unknown). Those of a world that is
             no map may be drawn by the mission's seed: `{uniform: [lowest, highest]}`, `{normal: [mean, deviation]}`.
         missions: Missions in this world, instead of the suite's.
         compat: "humble" reads the map and the masks as ROS 2 Humble does.
         keepout: Path of a keep-out mask's YAML.
         speed_mask: Path of a speed mask's YAML.
-        floor_z: Height [m] of the floor in the world's file; none means the one under most of the world.
+        floor_z: Height [m] of the floor in the world's file; by default the one under most of the world.
         reference: Path of the file of BARN's reference path in this world, `path_0.npy`: its rows have a `barn_score`.
     """
 
@@ -197,7 +253,7 @@ class SuiteWorld(Config):
         return {field: path for field, path in files.items() if path is not None}
 
     def draw_options(self, seed: int) -> dict[str, Option]:
-        """Its options with what is drawn by seed, in the order in which they stand."""
+        """Return its options with what is drawn by seed, in the order in which they stand."""
         rng = np.random.default_rng(seed)
         return {
             name: draw(value, rng) if isinstance(value, Distribution) else value for name, value in self.options.items()
@@ -244,7 +300,7 @@ class Limits(Config):
     """What an episode may take.
 
     Attributes:
-        time_limit_s: Simulated time [s]; none means `trundle.run`'s default.
+        time_limit_s: Simulated time [s]; by default that of `trundle.run`.
         wall_s: Time on the clock [s] after which an episode is stopped as `hung`.
         memory_mb: Memory [MB] that an episode may take beyond its worker's size; more is `out_of_memory`.
     """

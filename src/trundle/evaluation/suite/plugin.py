@@ -26,7 +26,7 @@ class PluginChoice(Choice):
 
     Attributes:
         name: Its name, or `module:name` of a class, a function or an object that no installed package has registered.
-        label: What it is called in tables; none means its name, with its options where the name is there twice.
+        label: What it is called in tables; by default its name, with its options where the name is there twice.
     """
 
     label: str | None = None
@@ -39,7 +39,7 @@ class PluginChoice(Choice):
 
 
 def identity_of(choice: Choice) -> dict[str, Any]:
-    """What decides how a choice acts, as plain values; of a Python object, a hash of its code and state."""
+    """Return what decides how a choice acts, as plain values; of a Python object, a hash of its code and state."""
     options = {name: choice.options[name] for name in sorted(choice.options)}
     if not choice.is_python:
         code = {"code": _file_digest(choice.name)} if is_plugin_file(choice.name) else {}
@@ -73,7 +73,7 @@ def _code_digest(given: object) -> str:
 
 
 def _pickled(given: object) -> bytes:
-    """Its state; by cloudpickle where that is installed and needed, as for what was defined in a notebook."""
+    """Pickle an object's state, by cloudpickle where that is needed, as for what was defined in a notebook."""
     try:
         return pickle.dumps(given)
     except Exception as error:  # noqa: BLE001 - what cannot be pickled raises anything

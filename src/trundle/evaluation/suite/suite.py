@@ -15,10 +15,10 @@ from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation.suite.check import check_suite
 from trundle.evaluation.suite.expand import Expansion
 from trundle.evaluation.suite.fields import SuiteFields
-from trundle.evaluation.suite.spec import EpisodeSpec
+from trundle.evaluation.suite.identity import EpisodeSpec
 from trundle.files.choice import shorten
 from trundle.files.field_docs import describe_fields
-from trundle.files.kinds import SUITE
+from trundle.files.kinds import MAP, SUITE, find_kind
 from trundle.files.opening import exists
 from trundle.files.writing import path_beside, write_text
 from trundle.files.yaml_config import build, load_config
@@ -41,10 +41,14 @@ if TYPE_CHECKING:
     _World: TypeAlias = str | os.PathLike[str] | WorldChoice | SuiteWorld | _Fields
     _Seeds: TypeAlias = int | str | range | Sequence[int]
 
+
 MAPS = "maps"
 """The suite of all ROS maps of a folder; see `maps_suite`."""
 
 _SUFFIXES = (".yaml", ".yml")
+
+MAPS_SEEDS = "0:20"
+_MAPS_BOXES = (5, 30)
 _PLUGINS = ("planners", "controllers", "smoothers", "agents")
 
 
@@ -132,28 +136,28 @@ class Suite(SuiteFields):
         write_text(path, self.to_yaml(path), durable=True)
 
     def to_yaml(self, path: str | os.PathLike[str]) -> str:
-        """The text that `save` writes at this path."""
+        """Return the text that `save` writes at this path."""
         plain = self.with_paths(lambda name: path_beside(name, path))._plain()
         return yaml.safe_dump(plain, sort_keys=False, default_flow_style=None, allow_unicode=True)
 
     @property
     def title(self) -> str:
-        """Its name, or what it drives in, fit for a folder's name."""
+        """Its name, or else the worlds that it drives in, fit for a folder's name."""
         if self.name is not None:
             return self.name
         return "-".join(dict.fromkeys(Path(world.name).stem for world in self.worlds[:3]))
 
     @cached_property
     def expansion(self) -> Expansion:
-        """Its episodes by number, made one by one."""
+        """Its episodes by number, each made when it is asked for."""
         return Expansion(self)
 
     def __len__(self) -> int:
-        """Number of its episodes."""
+        """Return the number of its episodes."""
         return self.expansion.total
 
     def spec(self, index: int) -> EpisodeSpec:
-        """Everything that decides one of its episodes.
+        """Return everything that decides one of its episodes.
 
         Raises:
             InputError: If there is no episode of that number.
@@ -161,7 +165,7 @@ class Suite(SuiteFields):
         return self.expansion.spec(index)
 
     def id_of(self, index: int) -> str:
-        """Hash of everything that decides one of its episodes, as `spec(index).id`, without the rest."""
+        """Return the hash of everything that decides one of its episodes, as `spec(index).id`, without the rest."""
         return self.expansion.id_of(index)
 
     def check(self) -> None:
@@ -179,7 +183,7 @@ class Suite(SuiteFields):
         return repr(self)
 
     def with_paths(self, moved: Callable[[str], str]) -> Self:
-        """The suite with other paths of its files: `moved` gives the new one of each."""
+        """Return the suite with other paths of its files: `moved` gives the new one of each."""
         worlds = [
             world.model_copy(update={field: moved(path) for field, path in world.files().items()})
             for world in self.worlds
@@ -197,10 +201,46 @@ class Suite(SuiteFields):
 
 
 def suite_names() -> list[str]:
-    """Names of the suites that trundle ships, sorted."""
+    """Return the names of the suites that trundle ships, sorted."""
     return sorted(path.stem for path in shipped_folder().glob("*.yaml"))
 
 
 def shipped_folder() -> Path:
-    """Where the suites are that trundle ships."""
+    """Return the folder of the suites that trundle ships."""
     return Path(str(resources.files("trundle.evaluation.suite") / "shipped"))
+
+
+def maps_suite(folders: Sequence[str | os.PathLike[str]], *, seeds: object = MAPS_SEEDS, **changes: Any) -> Suite:
+    """Make the suite of all maps in some folders, and in folders in these; masks (`keepout_mask.yaml`) are left out.
+
+    In each map there are missions with roomy and with tight ends, each without boxes and with 5 to 30 of them that only
+    the lidars see.
+
+    Args:
+        folders: The folders.
+        seeds: Seeds of the missions.
+        **changes: Other fields of the suite.
+
+    Raises:
+        InputError: If there is no folder, or no map in one.
+    """
+    if not folders:
+        raise InputError("give a folder of ROS maps: trundle evaluate maps FOLDER")
+    worlds: list[dict[str, Any]] = []
+    for folder in folders:
+        place = Path(folder)
+        if not place.is_dir():
+            raise InputError(f"{place}: this is no folder: trundle evaluate maps takes folders of ROS maps")
+        files = [path for path in sorted(place.rglob("*")) if path.suffix.lower() in _SUFFIXES]
+        found = [path for path in files if not path.stem.endswith("mask") and find_kind(path) == MAP]
+        if not found:
+            raise InputError(f"{place}: there is no ROS map in it: a YAML file with image: and resolution:")
+        for path in found:
+            label = path.relative_to(place).with_suffix("").as_posix()
+            label = label if len(folders) == 1 else f"{place.name}/{label}"
+            worlds.append({"name": str(path), "label": label, "missions": {"seeds": seeds}})
+            worlds.append(
+                {"name": str(path), "label": f"{label}, tight", "missions": {"seeds": seeds, "ends": "tight"}}
+            )
+    settings = {"name": MAPS, "lidar": True, "unmapped": [None, {"boxes": _MAPS_BOXES}], **changes}
+    return Suite.make(worlds=worlds, **settings)

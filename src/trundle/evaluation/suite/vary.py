@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Mapping
-from typing import Annotated, Self, TypeAlias
+from typing import Annotated, Self, TypeAlias, TypeVar
 
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
@@ -84,7 +84,7 @@ _RANGES = {
     "odometry_heading": (0.0, 1.0),
     "odometry_slip": (0.0, 0.2),
 }
-"""What can be simulated; see `Actuation`, `OdometryErrors` and `MujocoSimulator`."""
+"""The ranges that can be simulated; see `Actuation`, `OdometryErrors` and `MujocoSimulator`."""
 
 
 class Vary(Config):
@@ -128,7 +128,7 @@ class Vary(Config):
         return value
 
     def names(self) -> tuple[str, ...]:
-        """What is varied, in the names that `draw` gives, such as `friction` and `start_pose.x`."""
+        """Return the names of what is varied, as `draw` gives them, such as `friction` and `start_pose.x`."""
         return tuple(name for name, _ in self._parts())
 
     def draw(self, seed: int) -> dict[str, float]:
@@ -149,7 +149,7 @@ class Vary(Config):
 
 
 def draw(value: Varied, rng: np.random.Generator) -> float:
-    """A fixed number itself, or one drawn."""
+    """Return a fixed number itself, or draw one."""
     return value.draw(rng) if isinstance(value, Distribution) else float(value)
 
 
@@ -159,6 +159,8 @@ _OPTIONS = ("friction", "mass")
 _ACTUATION = {"wheel_radius": "wheel_radius", "track": "track_width"}
 
 _LATENCY = {"latency_s": "command_delay_s"}
+
+_Errors = TypeVar("_Errors", Latency, OdometryErrors)
 
 _ODOMETRY = {f"odometry_{field}": field for field in OdometryErrors.model_fields}
 
@@ -183,27 +185,20 @@ def apply(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:
     update = {
         "backend": backend,
         "actuation": Actuation(**actuation) if actuation else scenario.actuation,
-        "latency": _delay(scenario.latency, latency),
-        "odometry": _put(scenario.odometry, odometry),
+        "latency": _replace(Latency, scenario.latency, latency),
+        "odometry": _replace(OdometryErrors, scenario.odometry, odometry),
     }
     return scenario.model_copy(update=update)
 
 
-def _delay(latency: Latency | None, drawn: Mapping[str, float]) -> Latency | None:
-    """Latencies with drawn values in place of those that were given."""
+def _replace(kind: type[_Errors], given: _Errors | None, drawn: Mapping[str, float]) -> _Errors | None:
+    """Put drawn values in place of those that were given."""
     if not drawn:
-        return latency
-    return Latency(**{**({} if latency is None else latency.model_dump()), **drawn})
-
-
-def _put(errors: OdometryErrors | None, drawn: Mapping[str, float]) -> OdometryErrors | None:
-    """Errors of odometry with drawn values in place of those that were given."""
-    if not drawn:
-        return errors
-    return OdometryErrors(**{**({} if errors is None else errors.model_dump()), **drawn})
+        return given
+    return kind(**{**({} if given is None else given.model_dump()), **drawn})
 
 
 def move_start(start: Pose2D, drawn: Mapping[str, float]) -> Pose2D:
-    """Where the robot really stands."""
+    """Return the start that a robot really has, moved by the drawn values."""
     x, y, yaw = (drawn.get(f"start_pose.{axis}", 0.0) for axis in ("x", "y", "yaw"))
     return Pose2D(start.x + x, start.y + y, wrap_angle(start.yaw + yaw)) if x or y or yaw else start

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from collections.abc import Mapping
+from dataclasses import MISSING, fields
+from dataclasses import dataclass as plain_dataclass
+from typing import Any, Literal, TypeAlias
 
-from trundle.errors import InputError
+from pydantic import field_validator
+from pydantic.dataclasses import dataclass
+
+from trundle.errors import InputError, UnknownNameError
 from trundle.geometry import Pose2D, Pose3D, wrap_angle
 from trundle.geometry.solids import Box, Solid
+from trundle.mission.steering.checks import CONFIG, CheckedDirective, flag, number_of
 from trundle.mission.steering.goal_directives import (
     Cancel,
     ClearObstacles,
@@ -18,7 +24,7 @@ from trundle.mission.steering.goal_directives import (
     SetGoals,
     SetPose,
 )
-from trundle.values import as_number, as_sequence, check_count, check_flag, check_number, check_seed
+from trundle.values import as_number, as_sequence, check_count, check_number, check_seed
 
 SLOWEST, FASTEST = 0.1, 50.0
 """Speeds of a run relative to real time; infinity, as fast as it can, is allowed too."""
@@ -30,8 +36,8 @@ _LONGEST_TEXT = 1000
 _MOST_PERIODS = 1_000_000
 
 
-@dataclass(frozen=True, slots=True)
-class Pause:
+@dataclass(frozen=True, slots=True, config=CONFIG)
+class Pause(CheckedDirective):
     """Pause the run, or let it go on: the simulated time stands meanwhile, and then the goal is set again.
 
     Raises:
@@ -40,12 +46,11 @@ class Pause:
 
     paused: bool = True
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "paused", check_flag("paused", self.paused))
+    _check_paused = field_validator("paused", mode="plain")(flag)
 
 
-@dataclass(frozen=True, slots=True)
-class StepOnce:
+@dataclass(frozen=True, slots=True, config=CONFIG)
+class StepOnce(CheckedDirective):
     """Drive exactly one control period, or so many, and be paused after it.
 
     Attributes:
@@ -57,12 +62,14 @@ class StepOnce:
 
     periods: int = 1
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "periods", check_count("periods of a step", self.periods, 1, _MOST_PERIODS))
+    @field_validator("periods", mode="plain")
+    @classmethod
+    def _check_periods(cls, periods: Any) -> int:
+        return check_count("periods of a step", periods, 1, _MOST_PERIODS)
 
 
-@dataclass(frozen=True, slots=True)
-class Speed:
+@dataclass(frozen=True, slots=True, config=CONFIG)
+class Speed(CheckedDirective):
     """How fast the simulated time passes relative to real time.
 
     Attributes:
@@ -74,17 +81,19 @@ class Speed:
 
     factor: float
 
-    def __post_init__(self) -> None:
-        factor = as_number(self.factor, "the speed of a run")
+    @field_validator("factor", mode="plain")
+    @classmethod
+    def _check_factor(cls, given: Any) -> float:
+        factor = math.nan if isinstance(given, bool) else as_number(given, "the speed of a run")
         if not (SLOWEST <= factor <= FASTEST or factor == math.inf):
             raise InputError(
-                f"the speed of a run is a factor from {SLOWEST:g} to {FASTEST:g}, or infinity, got {self.factor!r}"
+                f"the speed of a run is a factor from {SLOWEST:g} to {FASTEST:g}, or infinity, got {given!r}"
             )
-        object.__setattr__(self, "factor", factor)
+        return factor
 
 
-@dataclass(frozen=True, slots=True)
-class Manual:
+@dataclass(frozen=True, slots=True, config=CONFIG)
+class Manual(CheckedDirective):
     """Drive this command by hand, as far as the stop check lets it pass.
 
     It holds for `DEAD_MAN_S` of real time: repeat it while a key is down. After that the robot stands, until there is
@@ -101,21 +110,21 @@ class Manual:
     v: float = 0.0
     w: float = 0.0
 
-    def __post_init__(self) -> None:
-        for name, unit in (("v", "m/s"), ("w", "rad/s")):
-            speed = check_number(
-                f"{name} of a manual command", getattr(self, name), -_FASTEST_COMMAND, _FASTEST_COMMAND, unit
-            )
-            object.__setattr__(self, name, speed)
+    _check_v = field_validator("v", mode="plain")(
+        number_of("a manual command", -_FASTEST_COMMAND, _FASTEST_COMMAND, "m/s")
+    )
+    _check_w = field_validator("w", mode="plain")(
+        number_of("a manual command", -_FASTEST_COMMAND, _FASTEST_COMMAND, "rad/s")
+    )
 
 
-@dataclass(frozen=True, slots=True)
-class Release:
+@dataclass(frozen=True, slots=True, config=CONFIG)
+class Release(CheckedDirective):
     """Give control back to the agent after commands by hand; its goal is set again."""
 
 
-@dataclass(frozen=True, slots=True)
-class DropBox:
+@dataclass(frozen=True, slots=True, config=CONFIG)
+class DropBox(CheckedDirective):
     """Put a box on the floor of the running world. It is not on the robot's map.
 
     Attributes:
@@ -132,19 +141,19 @@ class DropBox:
     yaw: float = 0.0
     size: tuple[float, float, float] = (0.5, 0.5, 0.5)
 
-    def __post_init__(self) -> None:
-        for name in ("x", "y"):
-            place = check_number(f"{name} of a box", getattr(self, name), -_FARTHEST_M, _FARTHEST_M, "m")
-            object.__setattr__(self, name, place)
-        object.__setattr__(self, "yaw", check_number("yaw of a box", self.yaw, -_FARTHEST_M, _FARTHEST_M, "rad"))
-        size = as_sequence(self.size, "the size of a box")
+    _check_place = field_validator("x", "y", mode="plain")(number_of("a box", -_FARTHEST_M, _FARTHEST_M, "m"))
+    _check_yaw = field_validator("yaw", mode="plain")(number_of("a box", -_FARTHEST_M, _FARTHEST_M, "rad"))
+
+    @field_validator("size", mode="plain")
+    @classmethod
+    def _check_size(cls, given: Any) -> tuple[float, ...]:
+        size = as_sequence(given, "the size of a box")
         if len(size) != 3:
-            raise InputError(f"the size of a box is three numbers (x, y, z) [m], got {self.size!r}")
-        sides = [check_number("a side of a box", side, _SMALLEST_M, _LARGEST_M, "m") for side in size]
-        object.__setattr__(self, "size", tuple(sides))
+            raise InputError(f"the size of a box is three numbers (x, y, z) [m], got {given!r}")
+        return tuple(check_number("a side of a box", side, _SMALLEST_M, _LARGEST_M, "m") for side in size)
 
     def solid(self, name: str) -> Solid:
-        """The box as a solid of a world."""
+        """Return the box as a solid of a world."""
         half = self.yaw / 2.0
         turn = (math.cos(half), 0.0, 0.0, math.sin(half))
         return Solid(name, Box(self.size), Pose3D((self.x, self.y, self.size[2] / 2.0), turn), _BOX_COLOR)
@@ -153,8 +162,8 @@ class DropBox:
 _BOX_COLOR = (0.93, 0.60, 0.18, 1.0)
 
 
-@dataclass(frozen=True, slots=True)
-class PlaceRobot:
+@dataclass(frozen=True, slots=True, config=CONFIG)
+class PlaceRobot(CheckedDirective):
     """Put the robot somewhere else, at rest, where it touches nothing that stands in the world.
 
     Its wheels and its odometry do not notice, nor does a localizer; an agent that gets the true pose plans again from
@@ -172,10 +181,8 @@ class PlaceRobot:
     y: float
     yaw: float = 0.0
 
-    def __post_init__(self) -> None:
-        for name, unit in (("x", "m"), ("y", "m"), ("yaw", "rad")):
-            number = check_number(f"{name} of a place", getattr(self, name), -_FARTHEST_M, _FARTHEST_M, unit)
-            object.__setattr__(self, name, number)
+    _check_place = field_validator("x", "y", mode="plain")(number_of("a place", -_FARTHEST_M, _FARTHEST_M, "m"))
+    _check_yaw = field_validator("yaw", mode="plain")(number_of("a place", -_FARTHEST_M, _FARTHEST_M, "rad"))
 
     @property
     def pose(self) -> Pose2D:
@@ -183,12 +190,12 @@ class PlaceRobot:
         return Pose2D(self.x, self.y, wrap_angle(self.yaw))
 
 
-@dataclass(frozen=True, slots=True)
-class Restart:
+@dataclass(frozen=True, slots=True, config=CONFIG)
+class Restart(CheckedDirective):
     """End the run, and begin it again.
 
     Attributes:
-        seed: Of the next run: a seed, "next" for the one after the present seed, or None for the same.
+        seed: Seed of the next run: a number, "next" for the one after the present seed, or None for the same.
 
     Raises:
         InputError: If it is none of these.
@@ -196,13 +203,14 @@ class Restart:
 
     seed: int | Literal["next"] | None = None
 
-    def __post_init__(self) -> None:
-        if self.seed is not None and self.seed != "next":
-            object.__setattr__(self, "seed", check_seed(self.seed))
+    @field_validator("seed", mode="plain")
+    @classmethod
+    def _check_seed(cls, seed: Any) -> int | Literal["next"] | None:
+        return seed if seed is None or seed == "next" else check_seed(seed)
 
 
-@dataclass(frozen=True, slots=True)
-class End:
+@dataclass(frozen=True, slots=True, config=CONFIG)
+class End(CheckedDirective):
     """End the run.
 
     Attributes:
@@ -214,9 +222,12 @@ class End:
 
     why: str = "ended by hand"
 
-    def __post_init__(self) -> None:
-        if not isinstance(self.why, str) or not 0 < len(self.why) <= _LONGEST_TEXT:
-            raise InputError(f"why a run ends is a text of 1 to {_LONGEST_TEXT} characters, got {self.why!r:.80}")
+    @field_validator("why", mode="plain")
+    @classmethod
+    def _check_why(cls, why: Any) -> str:
+        if not isinstance(why, str) or not 0 < len(why) <= _LONGEST_TEXT:
+            raise InputError(f"why a run ends is a text of 1 to {_LONGEST_TEXT} characters, got {why!r:.80}")
+        return why
 
 
 Directive: TypeAlias = (
@@ -257,10 +268,47 @@ DIRECTIVES: dict[str, type[Directive]] = {
     "restart": Restart,
     "end": End,
 }
-"""The directives by the names that they have in records."""
+"""The directives by the names that they have in records and in the messages of a page."""
+
+_NAMES: dict[type[Directive], str] = {kind: name for name, kind in DIRECTIVES.items()}
+_MAX = "max"
+"""Infinity as the factor of a `Speed` in JSON, which has no infinity."""
 
 
-@dataclass(frozen=True, slots=True)
+def directive_name(directive: Directive) -> str:
+    """Return the name that a directive has in `DIRECTIVES`."""
+    return _NAMES[type(directive)]
+
+
+def read_directive(name: object, values: Mapping[str, Any]) -> Directive:
+    """Make a directive of its name and its fields, as records and the messages of a page have them.
+
+    Raises:
+        UnknownNameError: If there is no such directive, or it has no such field.
+        InputError: If a field is missing or has a wrong value.
+    """
+    if not isinstance(name, str) or name not in DIRECTIVES:
+        raise UnknownNameError("directive", str(name), list(DIRECTIVES))
+    kind = DIRECTIVES[name]
+    known = {field.name: field for field in fields(kind)}
+    for key in values:
+        if key not in known:
+            raise UnknownNameError(f"field of a {name!r} directive", key, list(known))
+    if any(field.default is field.default_factory is MISSING and key not in values for key, field in known.items()):
+        raise InputError(f"the directive {name!r} needs {', '.join(known)}")
+    given = dict(values)
+    if given.get("factor") == _MAX:
+        given["factor"] = math.inf
+    return kind(**given)
+
+
+def directive_fields(directive: Directive) -> dict[str, object]:
+    """Return the fields of a directive as JSON can hold them; `read_directive` makes it of them again."""
+    values = {field.name: getattr(directive, field.name) for field in fields(directive)}
+    return {name: _MAX if value == math.inf else value for name, value in values.items()}
+
+
+@plain_dataclass(frozen=True, slots=True)
 class GivenDirective:
     """A directive that was given to a run: when, and what became of it.
 

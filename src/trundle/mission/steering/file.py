@@ -6,22 +6,19 @@ import json
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
 from pathlib import Path
 from typing import Any, cast
 
-from trundle.errors import InputError, UnknownNameError
+from trundle.errors import InputError
 from trundle.files.writing import write_text
 from trundle.mission.run_files import read_json
-from trundle.mission.steering.directives import DIRECTIVES, Directive, GivenDirective
+from trundle.mission.steering.directives import GivenDirective, directive_fields, directive_name, read_directive
 from trundle.values import as_path, check_count, check_number
 
 DIRECTIVES_FILE = "directives.json"
 
 _ADVICE = "take the directives.json of a steered run's folder"
-_MAX = "max"
 _MOST = 10_000_000
-_NAMES = {kind: name for name, kind in DIRECTIVES.items()}
 _ALWAYS = ("index", "time", "directive")
 _OFTEN = ("by", "refused")
 
@@ -62,11 +59,8 @@ def load_directives(path: str | os.PathLike[str]) -> tuple[GivenDirective, ...]:
 
 
 def _plain(given: GivenDirective) -> dict[str, object]:
-    directive = given.directive
-    plain: dict[str, object] = {"index": given.index, "time": given.time, "directive": _NAMES[type(directive)]}
-    for field in fields(directive):
-        value: Any = getattr(directive, field.name)
-        plain[field.name] = _MAX if value == math.inf else dict(value) if isinstance(value, Mapping) else value
+    plain: dict[str, object] = {"index": given.index, "time": given.time, "directive": directive_name(given.directive)}
+    plain |= directive_fields(given.directive)
     return plain | {name: value for name in _OFTEN if (value := getattr(given, name))}
 
 
@@ -84,20 +78,4 @@ def _read(entry: object) -> GivenDirective:
     for key, text in zip(_OFTEN, texts, strict=True):
         if not isinstance(text, str):
             raise InputError(f"{key} must be a text, got {text!r:.80}")
-    if not isinstance(name, str) or name not in DIRECTIVES:
-        raise UnknownNameError("directive", str(name), list(DIRECTIVES))
-    return GivenDirective(index, time, _make(name, values), *texts)
-
-
-def _make(name: str, values: dict[str, Any]) -> Directive:
-    kind = DIRECTIVES[name]
-    known = [field.name for field in fields(kind)]
-    for key in values:
-        if key not in known:
-            raise UnknownNameError(f"field of a {name!r} directive", key, known)
-    if values.get("factor") == _MAX:
-        values["factor"] = math.inf
-    try:
-        return kind(**values)
-    except TypeError as error:
-        raise InputError(f"the directive {name!r} needs {', '.join(known)}") from error
+    return GivenDirective(index, time, read_directive(name, values), *texts)

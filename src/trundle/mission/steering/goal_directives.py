@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Literal, TypeAlias, cast, get_args
+from dataclasses import field
+from typing import Any, Literal, Self, TypeAlias, cast, get_args
 
 import numpy as np
+from pydantic import ValidationInfo, field_validator, model_validator
+from pydantic.dataclasses import dataclass
 
 from trundle.errors import InputError
 from trundle.geometry import Goal, Pose2D
+from trundle.mission.steering.checks import CONFIG, CheckedDirective, flag, number_of
 from trundle.navigation.behaviors import Behavior, create_behavior
 from trundle.navigation.waypoint import tasks_of
 from trundle.path import Path
-from trundle.values import as_sequence, check_flag, check_number
+from trundle.values import as_sequence
 
 MOST_GOALS = 1000
 """Goals that one directive may set."""
@@ -26,7 +29,7 @@ Region: TypeAlias = Literal["all", "around", "except"]
 
 
 def read_target(goal: Goal | Pose2D | Sequence[float]) -> Goal:
-    """A goal of a directive, which has no tasks.
+    """Return a goal of a directive, which has no tasks.
 
     Raises:
         InputError: If it is no goal, or a waypoint with tasks.
@@ -38,8 +41,8 @@ def read_target(goal: Goal | Pose2D | Sequence[float]) -> Goal:
     return target
 
 
-@dataclass(frozen=True, slots=True)
-class SetGoal:
+@dataclass(frozen=True, slots=True, config=CONFIG)
+class SetGoal(CheckedDirective):
     """Drive to this goal instead of those that are left, or after them.
 
     Attributes:
@@ -53,9 +56,12 @@ class SetGoal:
     goal: Goal | Pose2D | Sequence[float]
     append: bool = False
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "goal", read_target(self.goal))
-        object.__setattr__(self, "append", check_flag("append", self.append))
+    @field_validator("goal", mode="plain")
+    @classmethod
+    def _check_goal(cls, goal: Any) -> Goal:
+        return read_target(goal)
+
+    _check_append = field_validator("append", mode="plain")(flag)
 
     @property
     def target(self) -> Goal:
@@ -63,8 +69,8 @@ class SetGoal:
         return Goal.of(self.goal)
 
 
-@dataclass(frozen=True, slots=True)
-class SetGoals:
+@dataclass(frozen=True, slots=True, config=CONFIG)
+class SetGoals(CheckedDirective):
     """Drive to these goals, in order, instead of those that are left.
 
     Attributes:
@@ -78,12 +84,15 @@ class SetGoals:
     goals: Sequence[Goal | Pose2D | Sequence[float]]
     through: bool = True
 
-    def __post_init__(self) -> None:
-        goals = cast("Sequence[Any]", as_sequence(self.goals, "the goals"))
+    @field_validator("goals", mode="plain")
+    @classmethod
+    def _check_goals(cls, given: Any) -> tuple[Goal, ...]:
+        goals = cast("Sequence[Any]", as_sequence(given, "the goals"))
         if not 0 < len(goals) <= MOST_GOALS:
             raise InputError(f"give 1 to {MOST_GOALS} goals, got {len(goals)}")
-        object.__setattr__(self, "goals", tuple(read_target(goal) for goal in goals))
-        object.__setattr__(self, "through", check_flag("through", self.through))
+        return tuple(read_target(goal) for goal in goals)
+
+    _check_through = field_validator("through", mode="plain")(flag)
 
     @property
     def targets(self) -> tuple[Goal, ...]:
@@ -91,13 +100,13 @@ class SetGoals:
         return tuple(Goal.of(goal) for goal in self.goals)
 
 
-@dataclass(frozen=True, slots=True)
-class FollowPath:
+@dataclass(frozen=True, slots=True, config=CONFIG)
+class FollowPath(CheckedDirective):
     """Follow this path to its end, instead of driving to the goals that are left; the robot plans no other one.
 
     Attributes:
         poses: (x, y, yaw) of each pose, map frame; 1 to 100,000. The path begins within 1.5 m of the robot.
-        backward: Whether each leg between two poses is driven in reverse; none means that all are driven forward.
+        backward: Whether each leg between two poses is driven in reverse. If empty, all are driven forward.
 
     Raises:
         InputError: If there is no pose or more than that, or one is not finite.
@@ -106,13 +115,22 @@ class FollowPath:
     poses: Sequence[Sequence[float]]
     backward: Sequence[bool] = ()
 
-    def __post_init__(self) -> None:
-        poses = as_sequence(self.poses, "the poses of a path")
+    @field_validator("poses", mode="plain")
+    @classmethod
+    def _check_poses(cls, given: Any) -> tuple[tuple[float, ...], ...]:
+        poses = as_sequence(given, "the poses of a path")
         if not 0 < len(poses) <= MOST_POSES:
             raise InputError(f"a path that is followed has 1 to {MOST_POSES} poses, got {len(poses)}")
-        path = _make_path(poses, as_sequence(self.backward, "backward of a path"))
-        object.__setattr__(self, "poses", tuple(map(tuple, path.poses.tolist())))
-        object.__setattr__(self, "backward", tuple(path.backward.tolist()) if path.backward.any() else ())
+        return tuple(map(tuple, _make_path(poses, ()).poses.tolist()))
+
+    @field_validator("backward", mode="plain")
+    @classmethod
+    def _check_backward(cls, given: Any, info: ValidationInfo) -> tuple[bool, ...]:
+        backward = as_sequence(given, "backward of a path")
+        if "poses" not in info.data:  # they were refused, which is the first problem
+            return ()
+        path = _make_path(info.data["poses"], backward)
+        return tuple(path.backward.tolist()) if path.backward.any() else ()
 
     @property
     def path(self) -> Path:
@@ -124,8 +142,8 @@ def _make_path(poses: Sequence[Any], backward: Sequence[Any]) -> Path:
     return Path(cast("Any", poses), planner="given", backward=np.array(backward, dtype=np.bool_))
 
 
-@dataclass(frozen=True, slots=True)
-class RunBehavior:
+@dataclass(frozen=True, slots=True, config=CONFIG)
+class RunBehavior(CheckedDirective):
     """Run a behavior now, and drive on to the goal afterwards, if there is one: `RunBehavior("spin", {"angle": 1.57})`.
 
     Attributes:
@@ -140,21 +158,32 @@ class RunBehavior:
     behavior: str
     options: Mapping[str, Any] = field(default_factory=dict[str, Any])
 
-    def __post_init__(self) -> None:
-        if not isinstance(self.behavior, str):
-            raise InputError(f"a behavior that is asked for is given by its name, got {self.behavior!r}")
-        if not isinstance(cast("object", self.options), Mapping):
-            raise InputError(f"the options of a behavior are a mapping, got {self.options!r}")
-        object.__setattr__(self, "options", dict(self.options))
+    @field_validator("behavior", mode="plain")
+    @classmethod
+    def _check_behavior(cls, behavior: Any) -> str:
+        if not isinstance(behavior, str):
+            raise InputError(f"a behavior that is asked for is given by its name, got {behavior!r}")
+        return behavior
+
+    @field_validator("options", mode="plain")
+    @classmethod
+    def _check_options(cls, options: Any) -> dict[str, Any]:
+        if not isinstance(options, Mapping):
+            raise InputError(f"the options of a behavior are a mapping, got {options!r}")
+        return dict(cast("Mapping[str, Any]", options))
+
+    @model_validator(mode="after")
+    def _check_made(self) -> Self:
         self.make()
+        return self
 
     def make(self) -> Behavior:
         """Make the behavior."""
         return create_behavior(self.behavior, **dict(self.options))
 
 
-@dataclass(frozen=True, slots=True)
-class Cancel:
+@dataclass(frozen=True, slots=True, config=CONFIG)
+class Cancel(CheckedDirective):
     """Stop what the robot does: it stands, and waits for the next goal.
 
     Attributes:
@@ -167,13 +196,16 @@ class Cancel:
 
     what: Literal["all", "behavior"] = "all"
 
-    def __post_init__(self) -> None:
-        if self.what not in ("all", "behavior"):
-            raise InputError(f"what is cancelled is 'all' or 'behavior', got {self.what!r}")
+    @field_validator("what", mode="plain")
+    @classmethod
+    def _check_what(cls, what: Any) -> str:
+        if what not in ("all", "behavior"):
+            raise InputError(f"what is cancelled is 'all' or 'behavior', got {what!r}")
+        return what
 
 
-@dataclass(frozen=True, slots=True)
-class ClearObstacles:
+@dataclass(frozen=True, slots=True, config=CONFIG)
+class ClearObstacles(CheckedDirective):
     """Forget what the scans put into the costmap; the map stays.
 
     Attributes:
@@ -187,17 +219,24 @@ class ClearObstacles:
     region: Region = "all"
     size: float = 0.0
 
-    def __post_init__(self) -> None:
-        if self.region not in get_args(Region):
-            raise InputError(f"the region to clear is 'all', 'around' or 'except', got {self.region!r}")
-        size = check_number("size of the region to clear", self.size, 0.0, MOST_REGION_M, "m")
-        if self.region != "all" and size == 0.0:
+    @field_validator("region", mode="plain")
+    @classmethod
+    def _check_region(cls, region: Any) -> str:
+        if region not in get_args(Region):
+            raise InputError(f"the region to clear is 'all', 'around' or 'except', got {region!r}")
+        return region
+
+    _check_size = field_validator("size", mode="plain")(number_of("the region to clear", 0.0, MOST_REGION_M, "m"))
+
+    @model_validator(mode="after")
+    def _check_has_size(self) -> Self:
+        if self.region != "all" and self.size == 0.0:
             raise InputError(f"clearing {self.region!r} needs the size of the square around the robot [m]")
-        object.__setattr__(self, "size", size)
+        return self
 
 
-@dataclass(frozen=True, slots=True)
-class SetPose:
+@dataclass(frozen=True, slots=True, config=CONFIG)
+class SetPose(CheckedDirective):
     """Tell the localizer where the robot is. Without a localizer it is refused: the robot knows its true pose.
 
     Attributes:
@@ -209,8 +248,10 @@ class SetPose:
 
     pose: Pose2D | Sequence[float]
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "pose", Pose2D.of(self.pose).as_tuple())
+    @field_validator("pose", mode="plain")
+    @classmethod
+    def _check_pose(cls, pose: Any) -> tuple[float, float, float]:
+        return Pose2D.of(pose).as_tuple()
 
     @property
     def target(self) -> Pose2D:

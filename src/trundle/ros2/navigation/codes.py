@@ -2,47 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from trundle.errors import BlockedPoseError, NoPathError, OutsideMapError, PlanningStoppedError, TrundleError
 from trundle.geometry import Pose2D
 from trundle.mission import TaskEnd
 from trundle.navigation import NavigationStatus
 from trundle.ros2.navigation.context import FrameError
 
-if TYPE_CHECKING:
-    from trundle.ros2.types import Types
-
 _AT_START_M = 1e-6
-
-_UNKNOWN = {
-    "ComputePathToPose": 200,
-    "ComputePathThroughPoses": 300,
-    "FollowPath": 100,
-    "Spin": 700,
-    "BackUp": 710,
-    "DriveOnHeading": 720,
-    "Wait": 740,
-}
-"""UNKNOWN of each action from Iron on: what is sent where a distribution lacks the name of a code."""
-
-
-def action_type(action: str) -> str:
-    """The full type of an action of Nav2."""
-    return f"nav2_msgs/action/{action}"
-
-
-def code(types: Types, action: str, name: str) -> int:
-    """Number of an error code, such as GOAL_OCCUPIED of ComputePathToPose, in the distribution in use.
-
-    Distributions without error codes leave the field out of their results, and the number is not sent.
-    """
-    result = f"{action_type(action)}_Result"
-    return types.constant(result, name, types.constant(result, "UNKNOWN", _UNKNOWN.get(action, 1)))
 
 
 def planning_code(error: TrundleError | None, start: Pose2D) -> str:
-    """Name of the code of what a planner raised for a plan from this pose."""
+    """Return the name of the code of what a planner raised for a plan from this pose."""
     if isinstance(error, FrameError):
         return "TF_ERROR"
     if isinstance(error, OutsideMapError):
@@ -59,7 +29,7 @@ def _is_at(pose: tuple[float, float, float] | None, start: Pose2D) -> bool:
 
 
 def driving_code(end: TaskEnd, start: Pose2D) -> tuple[str, str]:
-    """Action and name of the code of a drive that failed: its planner's, or its controller's."""
+    """Return action and name of the code of a drive that failed: its planner's, or its controller's."""
     if end.fault is not None:
         return "ComputePathToPose" if end.fault.kind in ("planner", "smoother") else "FollowPath", "UNKNOWN"
     if end.status is NavigationStatus.PLANNING_TIMED_OUT:
@@ -70,7 +40,7 @@ def driving_code(end: TaskEnd, start: Pose2D) -> tuple[str, str]:
 
 
 def following_code(end: TaskEnd) -> str:
-    """Name of FollowPath's code of a drive that failed."""
+    """Return the name of FollowPath's code of a drive that failed."""
     if end.status is not NavigationStatus.STUCK:
         return "UNKNOWN"
     blocked = end.message.startswith("blocked") or "no valid control" in end.message
@@ -78,7 +48,7 @@ def following_code(end: TaskEnd) -> str:
 
 
 def behavior_code(end: TaskEnd) -> str:
-    """Name of the code of a behavior that failed."""
+    """Return the name of the code of a behavior that failed."""
     if end.message.startswith("it took longer than"):
         return "TIMEOUT"
     if "would touch something" in end.message:

@@ -1,4 +1,4 @@
-"""/goal_pose and /initialpose."""
+"""`PoseInputs`: the topics /goal_pose and /initialpose."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from typing import Any
 from trundle.messages import readers
 from trundle.messages.qos import Qos
 from trundle.mission import SetGoal, SetPose
-from trundle.ros2.inputs.checks import STAMP_S, BadInputError, check_frame, check_pose
-from trundle.ros2.navigation.actions.parts import Kit
-from trundle.ros2.navigation.context import FrameError
+from trundle.ros2.bad_input import STAMP_S, BadInputError, check_frame, check_pose
+from trundle.ros2.navigation.context import FrameError, Kit
 
 _GOAL, _POSE = "goal_pose", "initialpose"
 
@@ -31,7 +30,7 @@ class PoseInputs:
         self._kit, self._told = kit, told
 
     def open(self) -> None:
-        """Listen."""
+        """Listen to both topics."""
         wire = self._kit.context.wire
         wire.listen(_GOAL, "geometry_msgs/msg/PoseStamped", Qos(10), self._goal)
         wire.listen(_POSE, "geometry_msgs/msg/PoseWithCovarianceStamped", Qos(10), self._pose)

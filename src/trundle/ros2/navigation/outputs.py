@@ -1,4 +1,4 @@
-"""What the navigator publishes: its map, costmaps, plan and pose, and markers of its goals and rollouts."""
+"""What the navigator publishes besides its costmap: its map, plan and pose, and markers of its goals and rollouts."""
 
 from __future__ import annotations
 
@@ -11,24 +11,22 @@ from trundle.control import Rollouts
 from trundle.geometry import FloatArray, Goal, Pose2D, wrap_angle
 from trundle.messages.qos import LATCHED, TRANSFORMS, Qos
 from trundle.mission import Step
-from trundle.ros2.navigation.actions.parts import Kit
-from trundle.ros2.navigation.local_window import local_window
-from trundle.ros2.outputs.cadence import Cadence
+from trundle.ros2.navigation.context import Kit
+from trundle.ros2.outputs.output import Cadence
 
 TOLERANCE_S = 0.1
 """map → odom is stamped so far ahead [s], as AMCL does: it then holds for odometry that comes before the next one."""
 
-GLOBAL_PERIOD_S, LOCAL_PERIOD_S, PLAN_PERIOD_S = 1.0, 0.5, 1.0
-"""Nav2's publish_frequency of the costmaps, and how often its behavior tree plans."""
+PLAN_PERIOD_S = 1.0
+"""How often Nav2's behavior tree plans [s]."""
 
 MOVED_M, TURNED_RAD = 0.25, 0.2
 """AMCL's update_min_d and update_min_a: the pose is published after this."""
 
-_GRID, _UPDATE = "nav_msgs/msg/OccupancyGrid", "map_msgs/msg/OccupancyGridUpdate"
 _MARKERS = "visualization_msgs/msg/MarkerArray"
 _POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"
-_SHOWN = 30
-_SECTION = 3
+_SHOWN, _SECTION = 30, 3
+"""So many rollouts are shown, by every third pose: more lines cost bytes, and show nothing more."""
 
 _ADD, _DELETE_ALL = 0, 3
 _ARROW, _SPHERE, _LINES = 0, 2, 5
@@ -44,11 +42,11 @@ class MapOutput:
 
     def __init__(self, kit: Kit) -> None:
         self._kit = kit
-        self._outlet = kit.context.wire.outlet("map", _GRID, LATCHED)
+        self._outlet = kit.context.wire.outlet("map", "nav_msgs/msg/OccupancyGrid", LATCHED)
         self._written = False
 
     def publish(self, step: Step, time: float) -> None:
-        """Publish it, if it was not."""
+        """Publish the map, if it was not yet."""
         if not self._written:
             self._written = True
             self._outlet.write(self._kit.make.grid(time, self._kit.context.mission.grid, self._kit.map_frame))
@@ -71,7 +69,7 @@ class PoseOutput:
         self._covariance = np.zeros(36)
 
     def begin(self) -> None:
-        """A run begins."""
+        """Forget the last pose: a run begins."""
         self._last = None
 
     def publish(self, step: Step, time: float) -> None:
@@ -110,89 +108,6 @@ class PoseOutput:
         )
 
 
-class GlobalCostmapOutput:
-    """Publishes the costmap, and its changes for those who have it.
-
-    A whole costmap goes out when its frame changes and when somebody new reads it; then the rectangles that changed.
-
-    Args:
-        kit: What the navigator works with.
-    """
-
-    def __init__(self, kit: Kit) -> None:
-        wire = kit.context.wire
-        self._kit = kit
-        self._whole = wire.outlet("global_costmap/costmap", _GRID, LATCHED)
-        self._updates = wire.outlet("global_costmap/costmap_updates", _UPDATE, Qos(10))
-        self._version: object = None
-        self._frame: object = None
-        self._readers = 0
-        self._cadence = Cadence(GLOBAL_PERIOD_S)
-
-    def publish(self, step: Step, time: float) -> None:
-        """Publish what changed, if it is due."""
-        costmap = step.costmap
-        if costmap is None or not self._cadence.is_due(time):
-            return
-        readers, frame = self._whole.readers, (costmap.shape, costmap.resolution, costmap.origin)
-        is_new = frame != self._frame or readers > self._readers
-        self._cadence.mark(time)
-        self._readers = readers
-        if not is_new and costmap.version is self._version:
-            return
-        windows = None if is_new else costmap.changes_since(self._version)
-        if windows is not None and self._updates.is_wanted:
-            for rows, cols in windows:
-                self._updates.write(self._kit.make.costmap_update(time, costmap, rows, cols, self._kit.map_frame))
-        elif windows is None or readers > 0 or self._kit.context.wire.record is not None:
-            self._whole.write(self._kit.make.costmap(time, costmap, self._kit.map_frame))
-        else:
-            return
-        self._version, self._frame = costmap.version, frame
-
-
-class LocalCostmapOutput:
-    """Publishes the part of the costmap around the robot, where it is in the map frame.
-
-    Args:
-        kit: What the navigator works with.
-    """
-
-    def __init__(self, kit: Kit) -> None:
-        wire = kit.context.wire
-        self._kit = kit
-        self._whole = wire.outlet("local_costmap/costmap", _GRID, LATCHED)
-        self._updates = wire.outlet("local_costmap/costmap_updates", _UPDATE, Qos(10))
-        self._cadence = Cadence(LOCAL_PERIOD_S)
-        self._frame: object = None
-        self._version: object = None
-        self._readers = 0
-
-    def publish(self, step: Step, time: float) -> None:
-        """Publish it, if it is due: whole where the window has moved, else as an update."""
-        costmap, kit = step.costmap, self._kit
-        if costmap is None or not self._cadence.is_due(time):
-            return
-        self._cadence.mark(time)
-        costs, origin = local_window(costmap, kit.beliefs.now.pose)
-        frame, readers = (costs.shape, costmap.resolution, origin), self._whole.readers
-        if frame == self._frame and readers <= self._readers:
-            if costmap.version is not self._version and self._updates.is_wanted:
-                self._updates.write(self._update(costs, time))
-                self._version = costmap.version
-            elif costmap.version is not self._version:
-                self._frame = None
-            return
-        self._frame, self._version, self._readers = frame, costmap.version, readers
-        self._whole.write(kit.make.costs(time, costs, costmap.resolution, origin, kit.map_frame))
-
-    def _update(self, costs: Any, time: float) -> Any:
-        kit = self._kit
-        message = kit.make.costs(time, costs, 1.0, Pose2D(0.0, 0.0), kit.map_frame)
-        rows, cols = costs.shape
-        return kit.types.make(_UPDATE, header=message.header, x=0, y=0, width=cols, height=rows, data=message.data)
-
-
 class PlanOutput:
     """Publishes the path that is followed, when it changes and once a second.
 
@@ -207,7 +122,7 @@ class PlanOutput:
         self._cadence = Cadence(PLAN_PERIOD_S)
 
     def publish(self, step: Step, time: float) -> None:
-        """Publish it, if there is one and it is due."""
+        """Publish the path, if there is one and it is due."""
         path = step.path
         if path is None or not self._outlet.is_wanted:
             return
@@ -244,18 +159,13 @@ class MarkerOutput:
             goals = ()
         if goals != self._shown:
             self._shown = goals
-            self._goals.write(self._array([self._clear(time), *self._goal_markers(time, goals)]))
+            self._goals.write(self._kit.types.make(_MARKERS, markers=self._goal_markers(time, goals)))
         if step.rollouts is not None and self._rollouts.is_wanted:
-            self._rollouts.write(self._array([self._lines(time, step.rollouts)]))
-
-    def _array(self, markers: list[Any]) -> Any:
-        return self._kit.types.make(_MARKERS, markers=markers)
-
-    def _clear(self, time: float) -> Any:
-        return self._marker(time, 0, _ARROW, (0.0, 0.0, 0.0), _RED, action=_DELETE_ALL)
+            self._rollouts.write(self._kit.types.make(_MARKERS, markers=[self._lines(time, step.rollouts)]))
 
     def _goal_markers(self, time: float, goals: tuple[Goal, ...]) -> list[Any]:
-        found: list[Any] = []
+        """Make a marker that deletes those of before, and one for each goal."""
+        found = [self._marker(time, 0, _ARROW, (0.0, 0.0, 0.0), _RED, action=_DELETE_ALL)]
         for number, goal in enumerate(goals):
             shape, size = (_SPHERE, (0.2, 0.2, 0.2)) if goal.yaw_free else (_ARROW, (0.4, 0.06, 0.06))
             color = _GREEN if number == len(goals) - 1 else _BLUE
@@ -265,15 +175,12 @@ class MarkerOutput:
         return found
 
     def _lines(self, time: float, rollouts: Rollouts) -> Any:
-        marker = self._marker(time, 0, _LINES, (0.01, 0.0, 0.0), _BLUE)
-        marker.points = self._points(rollouts.poses[:_SHOWN, ::_SECTION])
-        return marker
-
-    def _points(self, poses: FloatArray) -> list[Any]:
-        """Both ends of every section of paths, shape (N, T, 3)."""
+        """Make a marker of lines; its points are both ends of every section of the rollouts."""
+        poses, point = rollouts.poses[:_SHOWN, ::_SECTION], self._kit.types.kind("geometry_msgs/msg/Point")
         ends = np.stack([poses[:, :-1, :2], poses[:, 1:, :2]], axis=2).reshape(-1, 2)
-        point = self._kit.types.kind("geometry_msgs/msg/Point")
-        return [point(x, y, 0.05) for x, y in ends.tolist()]
+        marker = self._marker(time, 0, _LINES, (0.01, 0.0, 0.0), _BLUE)
+        marker.points = [point(x, y, 0.05) for x, y in ends.tolist()]
+        return marker
 
     def _marker(
         self,
@@ -299,7 +206,7 @@ class MarkerOutput:
 
 
 def covariance_of(covariance: FloatArray) -> FloatArray:
-    """A covariance of (x, y, yaw), shape (3, 3), as that of a PoseWithCovariance, shape (36,)."""
+    """Write a covariance of (x, y, yaw), shape (3, 3), as that of a PoseWithCovariance, shape (36,)."""
     whole = np.zeros((6, 6))
     whole[np.ix_((0, 1, 5), (0, 1, 5))] = covariance
     return whole.ravel()

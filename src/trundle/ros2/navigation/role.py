@@ -9,32 +9,21 @@ from trundle.errors import InputError
 from trundle.mission import Cancel, Episode, Observer, RunInfo, Session, Step
 from trundle.mission.simulation import session_options
 from trundle.ros2.actions import Action
-from trundle.ros2.navigation.actions.behaviors import (
+from trundle.ros2.navigation.behaviors import (
     Behave,
     read_back_up,
     read_drive_on_heading,
     read_spin,
     read_wait,
 )
-from trundle.ros2.navigation.actions.follow import Follow
-from trundle.ros2.navigation.actions.navigate import Navigate
-from trundle.ros2.navigation.actions.parts import Kit
-from trundle.ros2.navigation.actions.plans import ComputePath, PlanServer
-from trundle.ros2.navigation.actions.refusals import REFUSED_ACTIONS, REFUSED_SERVICES, Refuse, refuse_service
-from trundle.ros2.navigation.codes import action_type
-from trundle.ros2.navigation.context import NAVIGATOR, Beliefs
-from trundle.ros2.navigation.footprint_output import FootprintOutput
+from trundle.ros2.navigation.context import NAVIGATOR, Beliefs, Kit
+from trundle.ros2.navigation.costmap_outputs import FootprintOutput, GlobalCostmapOutput, LocalCostmapOutput
+from trundle.ros2.navigation.driving import Follow, Navigate
 from trundle.ros2.navigation.inputs import PoseInputs
-from trundle.ros2.navigation.lifecycle import Lifecycle
-from trundle.ros2.navigation.outputs import (
-    GlobalCostmapOutput,
-    LocalCostmapOutput,
-    MapOutput,
-    MarkerOutput,
-    PlanOutput,
-    PoseOutput,
-)
-from trundle.ros2.navigation.services import OPTIONAL, Services
+from trundle.ros2.navigation.outputs import MapOutput, MarkerOutput, PlanOutput, PoseOutput
+from trundle.ros2.navigation.plans import ComputePath, PlanServer
+from trundle.ros2.navigation.refusals import REFUSED_ACTIONS, REFUSED_SERVICES, Refuse, refuse_service
+from trundle.ros2.navigation.services import OPTIONAL, Lifecycle, Services
 from trundle.ros2.navigation.tasks import Tasks
 from trundle.ros2.outputs.output import Output
 from trundle.ros2.role import BridgeContext
@@ -87,7 +76,7 @@ class NavigatorRole:
         return self._context.begin_session(mission.navigator, [*observers, outputs], seed, options)
 
     def lost(self, why: str) -> None:
-        """Stop the robot: who asked it to drive is out of reach."""
+        """Stop the robot, because whoever asked it to drive is out of reach."""
         if why:
             self._context.driver.steering.put(Cancel(), by=NAVIGATOR)
             self._kit.tasks.end(f"the other side is lost: {why}")
@@ -129,15 +118,15 @@ class NavigatorRole:
             self._act(refusal.name, refusal.type_name.rpartition("/")[2], Refuse(wire, refusal), optional=True)
 
     def _act(self, name: str, action: str, served: Action, *, optional: bool = False) -> None:
-        """Serve an action, if the other side knows its type; that it does not is reported, unless it may lack it."""
-        wire, type_name = self._context.wire, action_type(action)
+        """Serve an action if the other side knows its type; a missing one is reported, unless it is optional."""
+        wire, type_name = self._context.wire, f"nav2_msgs/action/{action}"
         if not wire.transport.has_services or self._knows(type_name, "Goal", "Result", "Feedback"):
             wire.act(name, type_name, served)
         elif not optional:
             self._warn_of_type(type_name)
 
     def _serve(self, name: str, type_name: str, handler: Callable[[Any], Any]) -> None:
-        """Serve a service, likewise."""
+        """Serve a service if the other side knows its type; a missing one is reported, unless it is optional."""
         wire = self._context.wire
         if not wire.transport.has_services or self._knows(type_name, "Request", "Response"):
             wire.serve(name, type_name, handler)
@@ -145,7 +134,7 @@ class NavigatorRole:
             self._warn_of_type(type_name)
 
     def _knows(self, type_name: str, *parts: str) -> bool:
-        """Whether the other side has a type, and its text can be read; later it may be too late to ask."""
+        """Return whether the other side has a type, and its text can be read; later it may be too late to ask."""
         try:
             return all(self._context.wire.types.knows(f"{type_name}_{part}") for part in parts)
         except InputError:
@@ -168,7 +157,7 @@ class NavigatorOutputs:
     Args:
         kit: What the navigator works with.
         outputs: What is published.
-        markers: Which says whether rollouts are wanted.
+        markers: The output that knows whether rollouts are wanted.
     """
 
     def __init__(self, kit: Kit, outputs: Sequence[Output], markers: MarkerOutput) -> None:
@@ -176,11 +165,11 @@ class NavigatorOutputs:
 
     @property
     def wants_rollouts(self) -> bool:
-        """Whether somebody looks at them."""
+        """Whether somebody looks at the rollouts."""
         return self._markers.wants_rollouts
 
     def on_start(self, run: RunInfo) -> None:
-        """A run begins."""
+        """Do nothing: the first period tells what is published."""
 
     def on_step(self, step: Step) -> None:
         """Publish the end of a control period."""
@@ -191,4 +180,4 @@ class NavigatorOutputs:
         self._kit.tasks.follow(step)
 
     def on_end(self, episode: Episode) -> None:
-        """A run has ended."""
+        """Do nothing: the next run may follow."""

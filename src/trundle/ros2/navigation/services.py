@@ -1,4 +1,4 @@
-"""Services of Nav2's costmaps, map server and planner server."""
+"""Services of Nav2's nodes: their lifecycle, and those of costmaps, map server and planner server."""
 
 from __future__ import annotations
 
@@ -9,8 +9,43 @@ import numpy as np
 
 from trundle.errors import InputError
 from trundle.mission import ClearObstacles
-from trundle.ros2.navigation.actions.parts import Kit
-from trundle.ros2.navigation.local_window import local_window
+from trundle.ros2.navigation.context import Kit
+from trundle.ros2.navigation.costmap_outputs import local_window
+from trundle.ros2.wire import Wire
+
+NODES = (
+    "amcl",
+    "behavior_server",
+    "bt_navigator",
+    "collision_monitor",
+    "controller_server",
+    "global_costmap/global_costmap",
+    "local_costmap/local_costmap",
+    "map_server",
+    "planner_server",
+    "smoother_server",
+    "velocity_smoother",
+    "waypoint_follower",
+)
+"""Nodes of Nav2 whose state can be asked for: all have the state of the navigator."""
+
+MANAGERS = ("lifecycle_manager_localization", "lifecycle_manager_navigation")
+
+_STATES = {"unconfigured": 1, "inactive": 2, "active": 3, "finalized": 4}
+"""Numbers of lifecycle_msgs/msg/State."""
+
+_STARTUP, _PAUSE, _RESUME, _RESET, _SHUTDOWN = range(5)
+"""Commands of nav2_msgs/srv/ManageLifecycleNodes; CONFIGURE and CLEANUP follow from Kilted on."""
+
+_AFTER = {
+    _STARTUP: "active",
+    _PAUSE: "inactive",
+    _RESUME: "active",
+    _RESET: "unconfigured",
+    _SHUTDOWN: "finalized",
+    5: "inactive",
+    6: "unconfigured",
+}
 
 _CLEARS: dict[str, tuple[str, Literal["all", "around", "except"]]] = {
     "clear_entirely": ("nav2_msgs/srv/ClearEntireCostmap", "all"),
@@ -27,6 +62,51 @@ Serve = Callable[[str, str, Callable[[Any], Any]], object]
 """Serves a service of a name, a type and a handler."""
 
 
+class Lifecycle:
+    """Answers who asks for the state of a node, and takes the commands of lifecycle managers.
+
+    The navigator is active from the start. Where it is paused, reset or shut down, goals are refused and what the robot
+    does is cancelled; started up again, it goes on.
+
+    Args:
+        wire: What serves it.
+        changed: Called with the reason why goals are refused from now on; empty where they are taken.
+
+    Attributes:
+        state: The state of all nodes.
+    """
+
+    def __init__(self, wire: Wire, changed: Callable[[str], None]) -> None:
+        self._wire, self._changed = wire, changed
+        self.state = "active"
+
+    def open(self, serve: Serve) -> None:
+        """Offer the services."""
+        for node in NODES:
+            serve(f"{node}/get_state", "lifecycle_msgs/srv/GetState", self._get_state)
+        for manager in MANAGERS:
+            serve(f"{manager}/manage_nodes", "nav2_msgs/srv/ManageLifecycleNodes", self._manage)
+            serve(f"{manager}/is_active", "std_srvs/srv/Trigger", self._is_active)
+
+    def _get_state(self, request: Any) -> Any:
+        make = self._wire.types.make
+        state = make("lifecycle_msgs/msg/State", id=_STATES[self.state], label=self.state)
+        return make("lifecycle_msgs/srv/GetState_Response", current_state=state)
+
+    def _is_active(self, request: Any) -> Any:
+        active = self.state == "active"
+        message = "" if active else f"the navigator is {self.state}"
+        return self._wire.types.make("std_srvs/srv/Trigger_Response", success=active, message=message)
+
+    def _manage(self, request: Any) -> Any:
+        after = _AFTER.get(int(request.command))
+        ok = after is not None and (self.state != "finalized" or after == "finalized")
+        if after is not None and ok and after != self.state:
+            self.state = after
+            self._changed("" if after == "active" else f"the navigator is {after}: a lifecycle manager made it so")
+        return self._wire.types.make("nav2_msgs/srv/ManageLifecycleNodes_Response", success=ok)
+
+
 class Services:
     """Clears costmaps, and answers with the map, the costmaps and whether a path is free.
 
@@ -41,7 +121,7 @@ class Services:
         self._kit = kit
 
     def open(self, serve: Serve) -> None:
-        """Offer them."""
+        """Offer the services."""
         for which in ("global", "local"):
             for verb, (type_name, region) in _CLEARS.items():
                 serve(f"{which}_costmap/{verb}_{which}_costmap", type_name, self._clear(type_name, region))
@@ -94,7 +174,7 @@ class Services:
         return answer
 
     def _is_path_valid(self, request: Any) -> Any:
-        """Whether the footprint touches nothing at the poses of a path; and the indices of those where it does."""
+        """Answer whether the footprint touches nothing at the poses of a path, with the indices where it does."""
         kit = self._kit
         poses = [kit.beliefs.read(stamped, "a pose of the path").as_tuple() for stamped in request.path.poses]
         costmap = kit.beliefs.now.costmap

@@ -18,19 +18,19 @@ class Report(Protocol):
     """What an action sends about a goal: its feedback, and the code and message of a failure."""
 
     def begin(self, time: float) -> None:
-        """The robot has taken it up, at this time of the run [s]."""
+        """Take note that the robot has taken the goal up, at this time of the run [s]."""
         ...
 
     def feedback(self, step: Step) -> dict[str, Any] | None:
-        """The fields of the feedback after a control period; None sends none."""
+        """Return the fields of the feedback after a control period, or None to send nothing."""
         ...
 
     def refused(self, error: TrundleError) -> dict[str, Any]:
-        """The fields of the result of a goal that the run refused."""
+        """Return the fields of the result of a goal that the run refused."""
         ...
 
     def ended(self, end: TaskEnd) -> dict[str, Any]:
-        """The fields of the result of a goal that has ended, however it did."""
+        """Return the fields of the result of a goal that has ended, however it did."""
         ...
 
 
@@ -52,23 +52,18 @@ class Task:
         self._runs = False
         self.failed: Callable[[], None] | None = None
 
-    @property
-    def is_over(self) -> bool:
-        """Whether it has a result."""
-        return self.goal.is_over
-
     def begin(self, time: float) -> None:
-        """The run has taken it up; see `TaskWatcher`."""
+        """Begin to report: the run has taken the goal up; see `TaskWatcher`."""
         self._report.begin(time)
         self._runs = True
 
     def refuse(self, error: TrundleError) -> None:
-        """The run has refused it."""
+        """Send the result of a goal that the run has refused."""
         fields = self._report.refused(error)
         self._later(lambda: self._fail(fields))
 
     def end(self, end: TaskEnd) -> None:
-        """The run has ended it."""
+        """Send the result of a goal that the run has ended."""
         self._runs = False
         fields = self._report.ended(end)
         match end.result:
@@ -82,7 +77,7 @@ class Task:
                 self._later(lambda: self._finish(self.goal.abort, fields))
 
     def preempt(self, end: TaskEnd) -> None:
-        """Another goal has come: end it as aborted, as Nav2 does."""
+        """End the goal as aborted because another one has come, as Nav2 does."""
         self._finish(self.goal.abort, self._report.ended(end))
 
     def follow(self, step: Step) -> None:
@@ -124,7 +119,7 @@ class Slot:
         self._current: Task | None = None
 
     def start(self, goal: ActionGoal, report: Report, directive: Directive, by: str) -> None:
-        """Do this from now on; what runs is aborted."""
+        """Do what a goal asks for from now on; what runs is aborted."""
         self.preempt("another goal has come")
         task = Task(goal, report, self._later)
         task.failed = lambda: self._give_up(task)
@@ -132,15 +127,15 @@ class Slot:
         self._steering.put(directive, by=by, watcher=task)
 
     def preempt(self, why: str) -> bool:
-        """End what runs as aborted; whether something ran."""
+        """End what runs as aborted, and return whether something ran."""
         task, self._current = self._current, None
-        if task is None or task.is_over:
+        if task is None or task.goal.is_over:
             return False
         task.preempt(TaskEnd("replaced", why, self._clock.now - self._clock.offset, self._status()))
         return True
 
     def cancel(self, goal: ActionGoal, by: str) -> bool:
-        """End a goal as its client asks; whether it runs."""
+        """End a goal as its client asks, and return whether it runs."""
         if self._current is None or self._current.goal is not goal:
             return False
         self._steering.put(self._cancel, by=by)
@@ -153,7 +148,7 @@ class Slot:
             task.follow(step)
 
     def _give_up(self, task: Task) -> None:
-        """A task has failed: the robot does not go on with it, nor with what it had before."""
+        """Stop the robot after a task that failed, so that it does not go on with it or with what it had before."""
         if self._current is task:
             self._steering.put(self._cancel, by="failed")
 

@@ -1,25 +1,26 @@
-"""`LidarOutput`: the scans of a lidar, and its points."""
+"""`LidarOutput`: the scans of a lidar and its points, in one level ring or in several."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from trundle.geometry import FloatArray
-from trundle.messages import MessageMaker
+from trundle.geometry import FloatArray, Pose2D
 from trundle.messages.qos import Qos
 from trundle.mission import Step
 from trundle.observation import Scan
 from trundle.robots import Lidar
-from trundle.ros2.outputs.rings import RingPoints
-from trundle.ros2.outputs.stencil import Stencil, mark_stamp
+from trundle.ros2.outputs.output import Stencil, mark_stamp
 from trundle.ros2.profile import Sensor
 from trundle.ros2.role import BridgeContext
-from trundle.ros2.wire import Outlet, Wire
-from trundle.sim import RobotState
+from trundle.sim import RobotState, world_of
+from trundle.sim.lidar import beam_angles
+from trundle.sim.mujoco.ring_beams import RingBeams
+from trundle.worlds import World
 
 _FLOAT32, _UINT16 = 7, 4
 _PARTS = (
@@ -32,7 +33,7 @@ _PARTS = (
 """Name, numpy's type, offset, and number of the type in sensor_msgs/PointField."""
 
 SCANS = Qos(5)
-"""Of scans and points: reliable, so that readers who ask for that get them, too; others take them as they come."""
+"""QoS of scans and points: reliable, so that readers who ask for that get them, too; others take them as they come."""
 
 POINT = np.dtype(
     {
@@ -45,6 +46,38 @@ POINT = np.dtype(
 """A point of a cloud, as lidar drivers publish it."""
 
 
+class RingPoints:
+    """Measures the points of a lidar whose rings rise and fall, in the simulated world, with its floor.
+
+    Args:
+        context: The bridge.
+        lidar: Where it is mounted, its beams in each ring, and its range.
+        rings: Elevation of each ring [deg].
+    """
+
+    def __init__(self, context: BridgeContext, lidar: Lidar, rings: Sequence[float]) -> None:
+        self._sim, self._lidar = context.mission.sim, lidar
+        rise, turn = np.meshgrid(np.radians(rings), beam_angles(lidar), indexing="ij")
+        level = np.cos(rise)
+        self._directions = np.stack([level * np.cos(turn), level * np.sin(turn), np.sin(rise)], axis=-1).reshape(-1, 3)
+        self._world: World | None = None
+        self._beams: RingBeams | None = None
+
+    def measure(self, state: RobotState) -> FloatArray:
+        """Measure points [m] in the lidar's frame, ring by ring, shape (rings × beams, 3); NaN without a return."""
+        world, lidar = world_of(self._sim), self._lidar
+        if self._beams is None or world is not self._world:
+            self._world = world
+            self._beams = RingBeams(World("empty", ()) if world is None else world)
+        sensor = state.pose @ Pose2D(lidar.x, lidar.y, lidar.yaw)
+        cos, sin = np.cos(sensor.yaw), np.sin(sensor.yaw)
+        turn = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        origin = sensor.x, sensor.y, lidar.z
+        ranges = self._beams.cast(origin, self._directions @ turn, lidar.range_max, state.movers)
+        ranges[~np.isfinite(ranges) | (ranges < lidar.range_min)] = np.nan
+        return self._directions * ranges[:, None]
+
+
 class LidarOutput:
     """Publishes the scans of a lidar as LaserScan, and as PointCloud2 in rows of one ring each.
 
@@ -53,7 +86,7 @@ class LidarOutput:
 
     Args:
         context: The bridge.
-        name: Of the lidar.
+        name: Name of the lidar.
         lidar: The lidar.
         sensor: Its topics and its frame.
     """
@@ -62,21 +95,18 @@ class LidarOutput:
         self.name, wire = name, context.wire
         self._rings = RingPoints(context, lidar, sensor.rings) if sensor.rings else None
         self._rows = len(sensor.rings) or 1
-        self._make, self._types = MessageMaker(wire.types.codec), wire.types
+        self._make, self._types = context.maker, wire.types
         self._frame = wire.names.frame(sensor.frame or name)
         self._scan_time = 1.0 / lidar.rate
-        self._scans = self._open(wire, sensor.scan, "sensor_msgs/msg/LaserScan")
-        self._points = self._open(wire, sensor.points, "sensor_msgs/msg/PointCloud2")
+        scan, points = sensor.scan, sensor.points
+        self._scans = None if scan is None else wire.outlet(scan, "sensor_msgs/msg/LaserScan", SCANS)
+        self._points = None if points is None else wire.outlet(points, "sensor_msgs/msg/PointCloud2", SCANS)
         field = wire.types.codec.kind("sensor_msgs/msg/PointField")
         self._fields = [field(name=part, offset=offset, datatype=number, count=1) for part, _, offset, number in _PARTS]
         self._angles: FloatArray = np.zeros(0)
         self._directions = np.zeros((2, 0))
         self._scan_bytes: _Filled | None = None
         self._cloud_bytes: _Filled | None = None
-
-    @staticmethod
-    def _open(wire: Wire, topic: str | None, type_name: str) -> Outlet | None:
-        return None if topic is None else wire.outlet(topic, type_name, SCANS)
 
     def publish(self, step: Step, time: float) -> None:
         """Publish the scans that arrived in a control period."""
@@ -97,18 +127,14 @@ class LidarOutput:
         if points is not None and points.is_wanted:
             filled = self._cloud_bytes = self._cloud_bytes or self._prepare_cloud(scan)
             if self._rings is None:
-                self._fill_points(filled.array, scan)
+                missed, cloud = ~np.isfinite(scan.ranges), filled.array
+                cloud["x"], cloud["y"] = np.where(missed, np.nan, scan.ranges) * self._directions
+                cloud["z"] = np.where(missed, np.nan, 0.0)
                 points.write_bytes(filled.stencil.fill(time))
             else:
                 found = self._rings.measure(state)
                 filled.array["x"], filled.array["y"], filled.array["z"] = found.T
                 points.write_bytes(filled.stencil.fill(now))
-
-    def _fill_points(self, points: npt.NDArray[np.void], scan: Scan) -> None:
-        """Put the points [m], in the frame of the lidar, into an array; those without a return are NaN."""
-        missed = ~np.isfinite(scan.ranges)
-        points["x"], points["y"] = np.where(missed, np.nan, scan.ranges) * self._directions
-        points["z"] = np.where(missed, np.nan, 0.0)
 
     def _prepare_scan(self, scan: Scan) -> _Filled:
         message = self._make.scan(scan, self._frame)
@@ -152,6 +178,6 @@ class _Filled:
 
 
 def _marks(count: int, kind: npt.DTypeLike) -> npt.NDArray[Any]:
-    """Elements that nothing else in a message has."""
+    """Make elements that nothing else in a message has."""
     numbers = np.arange(count)
     return (numbers * 37 % 251 + 1 if kind == np.uint8 else -9.7531e7 * (1.0 + numbers / 1024.0)).astype(kind)

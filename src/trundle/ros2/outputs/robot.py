@@ -2,18 +2,93 @@
 
 from __future__ import annotations
 
+import threading
+import time as real_time
+
+from trundle.export.urdf import describe_robot
+from trundle.geometry import Pose2D
+from trundle.messages.qos import LATCHED, Qos
 from trundle.mission import Episode, RunInfo, Step
-from trundle.ros2.outputs.clock import ClockOutput
-from trundle.ros2.outputs.contacts import ContactOutput
-from trundle.ros2.outputs.fixed import publish_description, publish_static_frames
 from trundle.ros2.outputs.lidar import LidarOutput
-from trundle.ros2.outputs.motion import JointOutput, MotionOutput
-from trundle.ros2.outputs.output import Output
+from trundle.ros2.outputs.motion import ContactOutput, JointOutput, MotionOutput
+from trundle.ros2.outputs.output import Cadence, Output, Stencil, mark_stamp
 from trundle.ros2.role import BridgeContext
 from trundle.sim import Substep
 
+CLOCK = Qos(10)
+"""QoS of /clock: reliable, so that readers who ask for that get it, too; time sources take it as it comes."""
+
+_REPEAT_S = 0.5
+
 FASTEST = 10.0
 """How fast a run may pass, relative to real time, for /clock to come from its physics steps."""
+
+
+class ClockOutput:
+    """Publishes the simulated time at a rate, as far as the physics steps are that short.
+
+    While the time stands, it is repeated twice a second of real time, so that nodes that start meanwhile know it.
+
+    Args:
+        context: The bridge.
+        topic: Its topic.
+    """
+
+    def __init__(self, context: BridgeContext, topic: str) -> None:
+        wire = context.wire
+        self._outlet = wire.outlet(topic, "rosgraph_msgs/msg/Clock", CLOCK)
+        message = context.maker.clock(0.0)
+        mark_stamp(message.clock)
+        self._bytes = Stencil(wire.types.encode(message))
+        self._lock = threading.Lock()
+        self._clock, self._cadence = context.clock, Cadence(1.0 / context.profile.clock_rate)
+        self._written_s = 0.0
+        wire.every_round(self._repeat)
+
+    def tick(self, time: float) -> None:
+        """Publish a time [s] if it is due."""
+        if self._cadence.is_due(time):
+            self._write(time)
+
+    def publish(self, step: Step, time: float) -> None:
+        """Publish the end of a control period, where no physics step did."""
+        self.tick(time)
+
+    def _write(self, time: float) -> None:
+        self._cadence.mark(time)
+        self._written_s = real_time.monotonic()
+        if self._outlet.is_wanted:
+            with self._lock:
+                data = self._bytes.fill(time)
+            self._outlet.write_bytes(data)
+
+    def _repeat(self) -> None:
+        if 0.0 < self._written_s < real_time.monotonic() - _REPEAT_S:
+            self._write(self._clock.now)
+
+
+def publish_static_frames(context: BridgeContext, topic: str) -> None:
+    """Publish where the lidars and the other frames of the profile are on the robot."""
+    wire, profile, robot = context.wire, context.profile, context.mission.robot
+    frame, make = wire.names.frame, context.maker
+    base = frame(profile.frames.base)
+    transforms = [
+        make.transform(0.0, frame(fixed.parent), frame(fixed.child), Pose2D(x, y, yaw), z)
+        for fixed in profile.static_frames
+        for x, y, z, yaw in (fixed.pose,)
+    ]
+    for name, sensor in profile.sensors_of(robot).items():
+        lidar = robot.lidars[name]
+        mount = Pose2D(lidar.x, lidar.y, lidar.yaw)
+        transforms.append(make.transform(0.0, base, frame(sensor.frame or name), mount, lidar.z))
+    wire.outlet(topic, "tf2_msgs/msg/TFMessage", LATCHED).write(make.transforms(transforms))
+
+
+def publish_description(context: BridgeContext, topic: str) -> None:
+    """Publish the robot as URDF, as robot_state_publisher does."""
+    wire = context.wire
+    text = describe_robot(context.mission.robot)
+    wire.outlet(topic, "std_msgs/msg/String", LATCHED).write(wire.types.make("std_msgs/msg/String", data=text))
 
 
 class RobotOutputs:
@@ -29,12 +104,10 @@ class RobotOutputs:
     def __init__(self, context: BridgeContext) -> None:
         self._context = context
         self._is_fast = False
-        wire, profile, topics = context.wire, context.profile, context.profile.topics
+        profile, topics = context.profile, context.profile.topics
         robot = context.mission.robot
         self._ticks_joints = False
-        self._clock = (
-            None if topics.clock is None else ClockOutput(wire, topics.clock, context.clock, profile.clock_rate)
-        )
+        self._clock = None if topics.clock is None else ClockOutput(context, topics.clock)
         self._joints = None if topics.joint_states is None else JointOutput(context, topics.joint_states)
         outputs: list[Output | None] = [self._clock, MotionOutput(context), self._joints]
         outputs += [

@@ -1,4 +1,4 @@
-"""`SimulationControl`: pauses, steps and restarts the simulation, and puts the robot somewhere else, as others ask."""
+"""`SimulationControl`: pauses, steps and restarts the simulation, and places the robot; `StepAction`: steps it."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ import math
 import threading
 import time as clock
 from collections.abc import Callable
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from trundle.errors import InputError
 from trundle.geometry import Pose2D
 from trundle.mission import End, Pause, PlaceRobot, Restart, Session, StepOnce
 from trundle.mission.steering.directives import Directive
+from trundle.ros2.actions import ActionGoal
 from trundle.ros2.role import BridgeContext
 
 SimulationState: TypeAlias = Literal["stopped", "playing", "paused", "quitting"]
@@ -21,7 +22,14 @@ MOST_STEPS = 100_000
 
 _BY = "ros2"
 _TAKES_S = 5.0
+"""How long a run may take to apply a directive [s]: a period of a busy simulator is far shorter."""
+
 _LOOK_S = 0.005
+
+_REPORTS = 1000
+"""An action reports at most so often, however many steps it takes."""
+
+_OK, _FAILED = 1, 4
 
 
 class ControlError(InputError):
@@ -47,7 +55,7 @@ class SimulationControl:
         """The present run.
 
         Raises:
-            ControlError: If there is none yet.
+            ControlError: If the first run has not begun.
         """
         session = self._context.session
         if session is None:
@@ -74,7 +82,7 @@ class SimulationControl:
         self._do(Pause(False))
 
     def pause(self) -> None:
-        """Let the time stand; from stopped, where it does already."""
+        """Let the time stand; a stopped simulation becomes paused."""
         self._stopped_at = None
         self._do(Pause(True))
 
@@ -113,7 +121,7 @@ class SimulationControl:
 
         Args:
             from_zero: Let the clock begin at 0, too; else it goes on.
-            paused: Whether it is paused then; none means as now.
+            paused: Whether it is paused then. If None, it stays as it is.
 
         Raises:
             ControlError: If the next run does not begin in time.
@@ -137,7 +145,7 @@ class SimulationControl:
         self._context.clock.now = 0.0
 
     def place(self, pose: Pose2D) -> None:
-        """Put the robot somewhere else, at rest; map frame.
+        """Put the robot somewhere else in the map frame, at rest.
 
         Raises:
             ControlError: If it would touch something there, or the simulator cannot do it.
@@ -165,3 +173,78 @@ class SimulationControl:
         until = clock.monotonic() + timeout_s
         while not (event.wait(_LOOK_S) or over() or wire.is_closing or clock.monotonic() > until):
             wire.take_topics()
+
+
+class StepAction:
+    """Steps as often as a goal asks for, and reports after each step; after a thousandth of them, if they are more.
+
+    Args:
+        context: The bridge.
+        control: Steers the run.
+        result: Makes a simulation_interfaces/Result from its code and message.
+    """
+
+    def __init__(self, context: BridgeContext, control: SimulationControl, result: Callable[[int, str], Any]) -> None:
+        self._context, self._control, self._result = context, control, result
+        self._goal: ActionGoal | None = None
+        self._done = self._steps = 0
+        self._asked, self._reached = 0, False
+        context.wire.every_round(self._go_on)
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether a goal is carried out."""
+        return self._goal is not None
+
+    def accepts(self, request: Any) -> bool:
+        """Return whether no other goal is carried out."""
+        return self._goal is None
+
+    def accepted(self, goal: ActionGoal) -> None:
+        """Begin to step."""
+        if not self._control.is_paused:
+            goal.abort(result=self._result(_FAILED, "the simulation is not paused: pause it first"))
+            return
+        self._goal, self._done, self._steps = goal, 0, int(goal.request.steps)
+        self._ask()
+
+    def cancel(self, goal: ActionGoal) -> bool:
+        """Stop after the steps that are under way, and return whether this goal is carried out."""
+        return goal is self._goal
+
+    def _ask(self) -> None:
+        """Step as many periods as are reported at once, or end the goal if all are driven."""
+        goal, left = self._goal, self._steps - self._done
+        if goal is None:
+            return
+        if left <= 0:
+            self._goal = None
+            goal.succeed(result=self._result(_OK, ""))
+            return
+        periods = self._context.periods
+        self._asked = min(left, max(1, self._steps // _REPORTS), 1_000_000)
+        self._reached = False
+        periods.expect(periods.count + self._asked, self._stepped)
+        self._context.driver.steering.put(StepOnce(self._asked), by=_BY)
+
+    def _stepped(self) -> None:
+        self._reached = True
+        self._context.wire.wake()
+
+    def _go_on(self) -> None:
+        goal = self._goal
+        if goal is None:
+            return
+        if self._control.session.outcome is not None:
+            self._goal = None
+            goal.abort(result=self._result(_FAILED, "the run ended before all steps were driven"))
+            return
+        if goal.cancel_requested:
+            self._goal = None
+            self._context.driver.steering.put(Pause(True), by=_BY)
+            goal.canceled(result=self._result(_FAILED, f"cancelled after {self._done} steps"))
+            return
+        if self._reached:
+            self._done += self._asked
+            goal.publish_feedback(completed_steps=self._done, remaining_steps=self._steps - self._done)
+            self._ask()

@@ -48,7 +48,7 @@ class Entities:
         self._context = context
 
     def all(self, session: Session) -> list[Entity]:
-        """All of them now; the robot is the first."""
+        """Return all entities as they are now; the robot is the first."""
         state = session.state
         pose, twist = state.pose, state.twist
         velocity = twist.v * math.cos(pose.yaw), twist.v * math.sin(pose.yaw)
@@ -75,10 +75,10 @@ class Entities:
         return self._context.mission.robot.name
 
     def one(self, name: str, session: Session) -> Entity:
-        """One by its name.
+        """Return an entity by its name.
 
         Raises:
-            UnknownNameError: If there is none of that name.
+            UnknownNameError: If no entity has that name.
         """
         found = self.all(session)
         for entity in found:
@@ -87,10 +87,10 @@ class Entities:
         raise UnknownNameError("entity", name, [entity.name for entity in found])
 
     def matching(self, pattern: str, kinds: Sequence[EntityKind], session: Session) -> list[Entity]:
-        """Those whose names match a regular expression, and that are of these kinds; all where nothing is given.
+        """Return entities of these kinds whose names match a regular expression; without kinds, of all.
 
         Raises:
-            InputError: If it is no regular expression.
+            InputError: If the pattern is not a regular expression.
         """
         try:
             expression = re.compile(pattern)

@@ -7,19 +7,18 @@ from collections.abc import Callable
 from typing import Any
 
 from trundle.errors import InputError, UnknownNameError
-from trundle.ros2.inputs.checks import BadInputError, check_frame, check_pose
+from trundle.ros2.bad_input import BadInputError, check_frame, check_pose
 from trundle.ros2.role import BridgeContext
-from trundle.ros2.simulation.control import SimulationControl, SimulationState
+from trundle.ros2.simulation.control import SimulationControl, SimulationState, StepAction
 from trundle.ros2.simulation.entities import Entities, Entity, EntityKind
-from trundle.ros2.simulation.stepping import StepAction
 
 PACKAGE = "simulation_interfaces"
 
 UNSUPPORTED, OK, NOT_FOUND, INCORRECT_STATE, FAILED = range(5)
-"""Of simulation_interfaces/Result."""
+"""Codes of simulation_interfaces/Result."""
 
 ALREADY_THERE = 101
-"""Of SetSimulationState."""
+"""A code of SetSimulationState."""
 
 _STATES: dict[SimulationState, int] = {"stopped": 0, "playing": 1, "paused": 2, "quitting": 3}
 _ROBOT, _DYNAMIC, _STATIC = 2, 4, 5
@@ -28,8 +27,9 @@ _TIME, _STATE, _SPAWNED, _ALL = 1, 2, 4, 255
 _BOX, _SPHERE = 1, 3
 
 FEATURES = (8, 10, 11, 12, 20, 21, 22, 24, 25, 26, 31, 32, 33)
-"""Of SimulatorFeatures: ENTITY_CATEGORIES, ENTITY_STATE_GETTING and _SETTING, ENTITY_INFO_GETTING, SIMULATION_RESET
-with _TIME and _STATE, SIMULATION_STATE_GETTING, _SETTING and _PAUSE, STEP_SIMULATION_SINGLE, _MULTIPLE and _ACTION."""
+"""Numbers of SimulatorFeatures: ENTITY_CATEGORIES, ENTITY_STATE_GETTING and _SETTING, ENTITY_INFO_GETTING,
+SIMULATION_RESET with _TIME and _STATE, SIMULATION_STATE_GETTING, _SETTING and _PAUSE, STEP_SIMULATION_SINGLE, _MULTIPLE
+and _ACTION."""
 
 REFUSED = {
     "SpawnEntity": "nothing can be spawned: give movers and worlds in the scenario, or drop boxes on its page",
@@ -62,7 +62,7 @@ class SimulationServices:
 
     Args:
         context: The bridge.
-        prefix: Before the services' names, such as "gzserver/".
+        prefix: What the services' names begin with, such as "gzserver/".
     """
 
     def __init__(self, context: BridgeContext, *, prefix: str = "") -> None:
@@ -207,7 +207,7 @@ class SimulationServices:
         return [entity for entity in found if self._is_within(entity, filters.bounds)]
 
     def _is_within(self, entity: Entity, bounds: Any) -> bool:
-        """Whether the middle of an entity is within a box or a sphere."""
+        """Return whether the middle of an entity is within a box or a sphere."""
         corners = [(point.x, point.y, point.z) for point in bounds.points]
         if not corners:
             return True

@@ -10,7 +10,7 @@ from typing import Literal, TypeAlias, get_args
 
 from trundle.errors import InputError, UnknownNameError
 from trundle.messages import DISTROS, Distro
-from trundle.messages.distros import DEFAULT
+from trundle.messages.codec import DEFAULT
 
 Range: TypeAlias = Literal["localhost", "subnet"]
 """How far others are looked for: on this machine, or in its networks."""
@@ -52,7 +52,7 @@ class Settings:
         distro: The distribution whose types are spoken.
         domain: The domain, 0 to 232.
         range: How far others are looked for.
-        static_peers: Addresses at which others are looked for as well; none on localhost.
+        static_peers: Addresses at which others are looked for as well; empty on localhost.
         rmw: The middleware that the environment names ("rmw_fastrtps_cpp"); "" where it names none.
         cyclonedds_uri: More configuration of Cyclone DDS; "" on localhost.
         variables: The variables of the environment that are set, as they were read.
@@ -71,7 +71,7 @@ class Settings:
     notes: tuple[str, ...] = ()
 
     def environment(self) -> Mapping[str, str]:
-        """The variables with which a ROS program joins the same domain and range; "" is for those not to be set."""
+        """Return the variables with which a ROS program joins the same domain and range; "" is for those to unset."""
         local = self.range == "localhost"
         humble = self.distro == "humble"
         return {
@@ -94,8 +94,8 @@ def read_settings(
     Only `range_="subnet"` leaves this machine, whatever the environment says.
 
     Args:
-        distro: The distribution; otherwise ROS_DISTRO, otherwise Jazzy.
-        domain: The domain; otherwise ROS_DOMAIN_ID, otherwise 0.
+        distro: The distribution. If None, it is ROS_DISTRO's, or Jazzy.
+        domain: The domain. If None, it is ROS_DOMAIN_ID's, or 0.
         range_: How far others are looked for; localhost by default.
         environ: The environment, `os.environ` by default.
 
@@ -160,7 +160,7 @@ def _domain(option: int | None, variables: Mapping[str, str]) -> int:
 
 
 def _notes_on_range(option: Range | None, variables: Mapping[str, str]) -> list[str]:
-    """What the environment asks for and does not get."""
+    """Return what the environment asks for and does not get."""
     ros_range, only = variables.get("ROS_AUTOMATIC_DISCOVERY_RANGE", ""), variables.get("ROS_LOCALHOST_ONLY", "")
     if ros_range and ros_range not in ROS_RANGES:
         raise InputError(f"ROS_AUTOMATIC_DISCOVERY_RANGE={ros_range} is none of {', '.join(ROS_RANGES)}")
@@ -190,7 +190,7 @@ def _notes_on_range(option: Range | None, variables: Mapping[str, str]) -> list[
 
 
 def _peers(variables: Mapping[str, str]) -> tuple[str, ...]:
-    """The addresses of ROS_STATIC_PEERS, which semicolons separate."""
+    """Read the addresses of ROS_STATIC_PEERS, which semicolons separate."""
     peers = tuple(
         part for part in (piece.strip() for piece in variables.get("ROS_STATIC_PEERS", "").split(";")) if part
     )

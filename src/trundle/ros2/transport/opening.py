@@ -58,5 +58,5 @@ def open_transport(
 
 
 def why_not(kind: Literal["dds", "rclpy"], *, python: str | None = None) -> str:
-    """Why a transport cannot be used here, and what to do about it; "" if it can. It opens none."""
+    """Return why a transport cannot be used here, and what to do about it; "" if it can. It opens none."""
     return library.why_not() if kind == "dds" else find.why_not(python)

@@ -1,4 +1,4 @@
-"""`Transport`: the seam between the bridge and the network.
+"""`Transport`: the seam between the bridge and the network; and `Graph`: who is on the network.
 
 Names are fully resolved ("/robot/scan"), types are "package/msg/Name", "package/srv/Name" and "package/action/Name",
 and messages are CDR bytes with their header of four bytes. The requests, responses, goals, results and feedback of
@@ -10,13 +10,86 @@ Writing is safe from any thread. One thread waits, takes and dispatches: no hand
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias
+from typing import Literal, Protocol, TypeAlias
 
 from trundle.messages import Distro, Qos
 from trundle.ros2.transport.domain import Settings
-from trundle.ros2.transport.graph import Graph
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoint:
+    """A publisher or a subscription of a topic.
+
+    Attributes:
+        kind: Which of the two.
+        topic: The topic, resolved ("/scan").
+        type_name: Its type ("sensor_msgs/msg/LaserScan").
+        type_hash: The hash of the type, `RIHS01_…`; "" where the other side states none, as on Humble.
+        qos: The quality of service that is offered or asked for; depths are not always known, and then 0.
+        node: The node that it belongs to ("/rviz"); "" where the other side does not say.
+        source: What `Sample.source` is for this publisher.
+        ours: Whether this transport made it.
+    """
+
+    kind: Literal["publisher", "subscription"]
+    topic: str
+    type_name: str
+    type_hash: str
+    qos: Qos
+    node: str
+    source: str
+    ours: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """A service or an action that a node serves or asks for.
+
+    Attributes:
+        kind: What it is, and on which side.
+        name: Its name, resolved ("/navigate_to_pose").
+        type_name: Its type ("nav2_msgs/action/NavigateToPose").
+        node: The node that it belongs to; "" where the other side does not say.
+        ours: Whether this transport made it.
+    """
+
+    kind: Literal["service server", "service client", "action server", "action client"]
+    name: str
+    type_name: str
+    node: str
+    ours: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Graph:
+    """The network as it is now.
+
+    Attributes:
+        nodes: The names of all nodes, with their namespaces ("/amcl"), sorted; trundle's own among them.
+        endpoints: All publishers and subscriptions.
+        offers: Services and actions, as far as the transport knows them.
+    """
+
+    nodes: tuple[str, ...] = ()
+    endpoints: tuple[Endpoint, ...] = ()
+    offers: tuple[Offer, ...] = ()
+
+    def topics(self) -> Mapping[str, tuple[str, ...]]:
+        """Return the types of every topic, as `ros2 topic list -t` has them; one with two is a mistake."""
+        types: dict[str, set[str]] = {}
+        for one in self.endpoints:
+            types.setdefault(one.topic, set()).add(one.type_name)
+        return {topic: tuple(sorted(types[topic])) for topic in sorted(types)}
+
+    def publishers(self, topic: str) -> tuple[Endpoint, ...]:
+        """Return the publishers of a topic."""
+        return tuple(one for one in self.endpoints if one.kind == "publisher" and one.topic == topic)
+
+    def subscriptions(self, topic: str) -> tuple[Endpoint, ...]:
+        """Return the subscriptions of a topic."""
+        return tuple(one for one in self.endpoints if one.kind == "subscription" and one.topic == topic)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +132,7 @@ class Subscription(Protocol):
         ...
 
     def take(self) -> list[Sample]:
-        """The messages that arrived, oldest first, no more than the queue holds; it never waits."""
+        """Return the messages that arrived, oldest first, no more than the queue holds; it never waits."""
         ...
 
 
@@ -106,7 +179,7 @@ class ActionHandler(Protocol):
     """Serves an action. Called in the thread that calls `Transport.dispatch`; none of these may wait."""
 
     def accepts(self, data: bytes) -> bool:
-        """Whether to accept a goal."""
+        """Return whether to accept a goal."""
         ...
 
     def accepted(self, goal: GoalHandle) -> None:
@@ -114,7 +187,7 @@ class ActionHandler(Protocol):
         ...
 
     def cancel(self, goal: GoalHandle) -> bool:
-        """Whether to let the client cancel a goal; `goal.cancel_requested` is set if so."""
+        """Return whether to let the client cancel a goal; `goal.cancel_requested` is set if so."""
         ...
 
 
@@ -198,11 +271,11 @@ class Transport(Protocol):
         ...
 
     def definition(self, type_name: str) -> str:
-        """The text of a type and of all in it, as the other side has it; "" where only trundle's own is known."""
+        """Return the text of a type and of all in it, as the other side has it; "" if only trundle's own is known."""
         ...
 
     def graph(self) -> Graph:
-        """Who is on the network now."""
+        """Return who is on the network now."""
         ...
 
     def wait(self, timeout_s: float) -> bool:

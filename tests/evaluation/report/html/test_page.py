@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from support.evaluation_rows import make_rows
-from trundle.evaluation.report.html.marks import kind_of
+from trundle.evaluation.report.html.charts import kind_of
 from trundle.evaluation.report.html.page import render_page
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics.gates import Gate

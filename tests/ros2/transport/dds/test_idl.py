@@ -7,7 +7,7 @@ from ros2.random_messages import random_message
 from ros2.transport.dds.conftest import Open, received, until
 from trundle.errors import UnknownNameError
 from trundle.messages import DISTROS, Codec, Distro, Qos
-from trundle.ros2.transport.dds.idl import IdlTypes
+from trundle.ros2.transport.dds.mapping import IdlTypes
 
 TYPES = (
     "builtin_interfaces/msg/Time",

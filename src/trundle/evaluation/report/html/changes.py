@@ -7,12 +7,11 @@ from html import escape
 
 import numpy as np
 
-from trundle.evaluation.report.comparison_text import notes, write_difference, write_p, write_value
 from trundle.evaluation.report.html.charts import interval_bar, share_axis
+from trundle.evaluation.report.text import notes, write_difference, write_p, write_value
 from trundle.evaluation.statistics.comparison import Comparison, PairComparison
 from trundle.evaluation.statistics.figures import BY_NAME, write_number, write_share
-from trundle.evaluation.statistics.intervals import CONFIDENCE, Interval, wilson
-from trundle.evaluation.statistics.ranks import rank_correlation
+from trundle.evaluation.statistics.intervals import CONFIDENCE, Interval, rank_correlation, wilson
 from trundle.evaluation.statistics.table import Table
 
 _OPEN = 3
@@ -68,7 +67,7 @@ def _pair(pair: PairComparison, *, folded: bool) -> str:
 
 
 def variations(table: Table) -> str:
-    """Which variation decides: rank correlations of what was varied with success, time and clearance."""
+    """Return which variation decides: rank correlations of what was varied with success, time and clearance."""
     names = [name for name, values in table.vary.items() if np.ptp(values[~np.isnan(values)]) > 0.0]
     if not names:
         return ""

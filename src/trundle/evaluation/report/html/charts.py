@@ -1,4 +1,4 @@
-"""Charts as SVG: intervals, bars of outcomes and distributions. They are read without colour as well."""
+"""Small charts as SVG; and the marks of outcomes, each with its own shape besides its colour."""
 
 from __future__ import annotations
 
@@ -8,10 +8,63 @@ from html import escape
 
 import numpy as np
 
-from trundle.evaluation.report.html.marks import DASHES, LINE_COLORS, kind_of, outcome_text
 from trundle.evaluation.statistics.figures import write_number
 from trundle.evaluation.statistics.intervals import Interval
 from trundle.geometry import FloatArray
+from trundle.pictures.colors import SEVERAL
+
+CLOSE = "close"
+_SHAPES = {
+    "arrived": '<path d="M-8 0 -3 6 8 -6" fill="none" stroke="currentColor" stroke-width="4"/>',
+    "collided": '<path d="M-7-7 7 7M-7 7 7-7" fill="none" stroke="currentColor" stroke-width="4.5"/>',
+    "stuck": '<path d="M-7-7h14v14h-14z"/>',
+    "timed_out": '<path d="M0-10 10 0 0 10-10 0z"/>',
+    "no_path": '<path d="M0-9 10 8h-20z"/>',
+    "arrived_by_estimate": '<path d="M-8 0 -3 6 8 -6" fill="none" stroke="currentColor" stroke-width="3" '
+    'stroke-dasharray="4 2.5"/>',
+    "finished": '<path d="M-6 9V-9h13l-4 4.5 4 4.5h-10.5V9z"/>',
+    "broken": '<circle r="8"/>',
+    CLOSE: '<path d="M0-8 8 0 0 8-8 0z" fill="none" stroke="currentColor" stroke-width="3"/>',
+}
+_KIND = {"planning_timed_out": "timed_out"}
+MARKED = tuple(_SHAPES)
+
+# Dashes beside the colours, so that lines are told apart in grey as well.
+DASHES = ("", "7 3", "2 3", "10 3 2 3", "4 4", "12 4")
+LINE_COLORS = tuple("#{:02x}{:02x}{:02x}".format(*color) for color in SEVERAL[:6])
+
+
+def kind_of(outcome: str) -> str:
+    """Return the mark of an outcome; episodes that did not end by themselves share one."""
+    kind = _KIND.get(outcome, outcome)
+    return kind if kind in _SHAPES else "broken"
+
+
+def definitions() -> str:
+    """Return the marks, to be used by name; once in a page."""
+    marks = "".join(f'<g id="m-{kind}" class="c-{kind}">{shape}</g>' for kind, shape in _SHAPES.items())
+    return f'<svg class="defs" aria-hidden="true"><defs>{marks}</defs></svg>'
+
+
+def icon(kind: str) -> str:
+    """Return a mark in a line of text."""
+    return f'<svg class="icon" viewBox="-11 -11 22 22" aria-hidden="true"><use href="#m-{kind}"/></svg>'
+
+
+def outcome_text(outcome: str) -> str:
+    """Return an outcome in words."""
+    return outcome.replace("_", " ")
+
+
+def count_text(counts: Mapping[str, int], *, skip: str = "") -> str:
+    """Return outcomes with their marks and counts, as HTML."""
+    parts = [
+        f'<span class="count">{icon(kind_of(name))}{count} {escape(outcome_text(name))}</span>'
+        for name, count in counts.items()
+        if name != skip
+    ]
+    return " ".join(parts)
+
 
 _WIDE, _HIGH = 360.0, 210.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 38.0, 10.0, 10.0, 24.0
@@ -48,7 +101,7 @@ def share_axis(lows: Sequence[float]) -> tuple[tuple[float, float], str]:
 
 
 def outcome_bar(counts: Mapping[str, int]) -> str:
-    """How episodes ended, as shares of a bar, in the given order."""
+    """Draw how episodes ended, as shares of a bar, in the given order."""
     total = sum(counts.values()) or 1
     parts: list[str] = []
     left = 0.0
@@ -69,7 +122,7 @@ def distribution(series: Sequence[tuple[str, FloatArray]], unit: str) -> str:
 
     Args:
         series: Name and values; those without a value are left out.
-        unit: Of the values.
+        unit: Unit of the values.
     """
     known = [(name, np.sort(values[~np.isnan(values)])) for name, values in series]
     shown = [(place, name, values) for place, (name, values) in enumerate(known) if len(values)]

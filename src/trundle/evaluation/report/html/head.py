@@ -7,16 +7,15 @@ from html import escape
 
 import numpy as np
 
-from trundle.evaluation.report.html.charts import interval_bar, outcome_bar, share_axis
-from trundle.evaluation.report.html.marks import count_text
+from trundle.evaluation.report.html.charts import count_text, interval_bar, outcome_bar, share_axis
 from trundle.evaluation.report.summary import count_complete, count_outcomes, describe_missing, stopped_as_dict
-from trundle.evaluation.report.table import clean
+from trundle.evaluation.report.text import clean
 from trundle.evaluation.statistics.figures import BY_NAME, write_number, write_share
 from trundle.evaluation.statistics.gates import Gate, GateResult
 from trundle.evaluation.statistics.intervals import no_failure_bound, wilson
-from trundle.evaluation.statistics.only_errors import find_only_errors
+from trundle.evaluation.statistics.pairing import find_only_errors
 from trundle.evaluation.statistics.table import LABELS, Table, group_rows, iterate_groups
-from trundle.evaluation.store.manifest import Stopped
+from trundle.evaluation.store.folder import Stopped
 
 _MOST_GROUPS = 40
 _MARKS = {"passed": ("✓", "good"), "failed": ("✕", "bad"), "undecided": ("?", "warn")}
@@ -62,17 +61,16 @@ def tiles(table: Table) -> str:
     low, high = wilson(successes, n)
     failed = {outcome: count for outcome, count in count_outcomes(table).items() if outcome != "arrived"}
     touching = int((np.nan_to_num(table.numbers["contacts"]) > 0).sum())
+    bound = f"at 95 %, fewer than {write_share(no_failure_bound(n), n)}"
     contact_note = (
-        f"at 95 %, fewer than {write_share(no_failure_bound(n), n)} of missions touch something"
-        if touching == 0
-        else f"{write_share(touching / n, n)} of all episodes"
+        f"{bound} of missions touch something" if touching == 0 else f"{write_share(touching / n, n)} of all episodes"
     )
     clearance = BY_NAME["min_clearance_m"].values(table)
     clearance = clearance[~np.isnan(clearance)]
     spl = table.numbers["spl"]
     entries = [
         ("success", write_share(successes / n, n), f"95 % interval: {write_share(low, n)} to {write_share(high, n)}"),
-        ("failed", f"{n - successes:,}", count_text(failed) if failed else f"none in {n:,}: {_bound_text(n)}"),
+        ("failed", f"{n - successes:,}", count_text(failed) if failed else f"none in {n:,}: {bound} fail"),
         ("touched something", f"{touching:,}", contact_note),
         ("mean SPL", write_number(float(np.nanmean(spl))), "path efficiency: 1 is the shortest path; a failure is 0"),
     ]
@@ -97,7 +95,7 @@ def tiles(table: Table) -> str:
 
 
 def _sensing_tiles(table: Table) -> list[tuple[str, str, str]]:
-    """What lidars, movers and localizers add: only what some episode has."""
+    """Return the figures that lidars, movers and localizers add, where some episode has them."""
     entries: list[tuple[str, str, str]] = []
     for name, title, note in (
         ("standing_contacts", "run into while standing", "episodes in which a mover touched a robot that stood"),
@@ -167,10 +165,6 @@ def _gate_item(gate: GateResult) -> str:
     mark, kind = _MARKS[gate.state]
     word = {"passed": "passed", "failed": "failed", "undecided": "not decided, so not passed"}[gate.state]
     return f'<li><b class="{kind}">{mark} {word}</b>: <code>{escape(gate.gate)}</code> {escape(gate.text)}</li>'
-
-
-def _bound_text(n: int) -> str:
-    return f"at 95 %, fewer than {write_share(no_failure_bound(n), n)} fail"
 
 
 def _count(number: int, what: str) -> str:

@@ -1,4 +1,4 @@
-"""Where robots failed, came close and stood: a map of each world, and the failures in clusters."""
+"""A map of each world with where robots failed, came close and stood; and the failures in clusters."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from trundle.evaluation.report.commands import replay_command
+from trundle.evaluation.report.html.charts import CLOSE, MARKED, count_text, icon, kind_of
 from trundle.evaluation.report.html.clusters import Cluster, find_clusters
-from trundle.evaluation.report.html.marks import CLOSE, MARKED, count_text, icon, kind_of
 from trundle.evaluation.report.html.world_map import Frame, WorldMap, draw_map
-from trundle.evaluation.report.table import cause
+from trundle.evaluation.report.text import cause, replay_command
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics.figures import write_number
 from trundle.evaluation.statistics.table import VARIANT, Table, cluster_of
@@ -26,7 +25,7 @@ Maps = Callable[[str], OccupancyGrid | None]
 _MOST_WORLDS = 6
 _MOST_MAPS = 24
 _MAP_BYTES = 260_000
-"""Of all maps in the page together."""
+"""The size of all maps in the page together; worlds with fewer failures have none."""
 _MOST_CARDS = 24
 _MOST_MARKS = 300
 _MOST_LOST = 60
@@ -46,12 +45,12 @@ class Place:
         key: Its number in the table.
         title: For people.
         rows: Numbers of its rows in the table.
-        map_key: Of its map; None where no row that was kept has one.
+        map_key: Key of its map; None where no row that was kept has one.
         failed: Its rows that did not arrive, as far as they were kept.
         located: Those of them that have a place, in order; clusters refer to them.
-        clusters: Of `located`.
+        clusters: Clusters of `located`.
         drawn: Its map; None where there is none, or no more room.
-        name: Of the map in the page.
+        name: Name of the map in the page.
     """
 
     key: int
@@ -66,7 +65,7 @@ class Place:
 
 
 def find_places(table: Table, maps: Maps) -> list[Place]:
-    """The worlds of an evaluation: those with the most failures first, with as many maps as the page has room for."""
+    """Return the worlds, those with the most failures first, with as many maps as the page has room for."""
     keys, first, codes = np.unique(table.clusters, return_index=True, return_inverse=True)
     worlds = table.named["world"]
     several = Counter(worlds.of(row) for row in first)
@@ -105,13 +104,13 @@ def _draw_maps(places: Sequence[Place], maps: Maps) -> None:
 
 
 def map_definitions(places: Sequence[Place]) -> str:
-    """The pictures of the maps, to be used by name; once in a page."""
+    """Return the pictures of the maps, to be used by name; once in a page."""
     images = "".join(place.drawn.image(place.name) for place in places if place.drawn is not None)
     return f'<svg class="defs" aria-hidden="true"><defs>{images}</defs></svg>'
 
 
 def world_maps(table: Table, places: Sequence[Place]) -> str:
-    """A map of each world, with its failures as numbered clusters, the closest passes, and some trails."""
+    """Return a map of each world, with its failures as numbered clusters, the closest passes, and some trails."""
     shown = places[:_MOST_WORLDS]
     figures = "".join(_world_figure(table, place, _numbers(places)) for place in shown)
     outcomes = {kind_of(row.outcome) for row in table.failed}
@@ -136,7 +135,7 @@ def world_maps(table: Table, places: Sequence[Place]) -> str:
 
 
 def failure_cards(table: Table, places: Sequence[Place], folder: str) -> str:
-    """Each cluster of failures with a thumbnail, its causes and the command that runs an episode again."""
+    """Return a card for each cluster of failures: a thumbnail, its causes, and the command that repeats an episode."""
     if not table.failed:
         return "<section><h2>Failures</h2><p>None: every episode arrived.</p></section>"
     numbers = _numbers(places)
@@ -159,7 +158,7 @@ def failure_cards(table: Table, places: Sequence[Place], folder: str) -> str:
 
 
 def _numbers(places: Sequence[Place]) -> dict[tuple[int, int], int]:
-    """The numbers of the clusters that have a card, by place and position in it; the largest first."""
+    """Number the clusters that have a card, by place and position in it; the largest first."""
     every = [
         (-len(cluster.members), rank, at)
         for rank, place in enumerate(places)
@@ -180,7 +179,11 @@ def _world_figure(table: Table, place: Place, numbers: dict[tuple[int, int], int
     if frame is None:
         return ""
     parts = [_ground(place, frame)]
-    arrived = [row for row in table.examples.get(table.named["world"].of(int(place.rows[0])), ()) if _is_in(row, place)]
+    arrived = [
+        row
+        for row in table.examples.get(table.named["world"].of(int(place.rows[0])), ())
+        if cluster_of(row) == place.key
+    ]
     parts += [f'<path class="trail" d="{_path(row.trail, frame)}"/>' for row in arrived]
     lost = [row for row in place.located if row.trail][:_MOST_LOST]
     parts += [f'<path class="lost" d="{_path(row.trail, frame)}"/>' for row in lost]
@@ -208,7 +211,7 @@ def _world_figure(table: Table, place: Place, numbers: dict[tuple[int, int], int
 
 
 def _frame(table: Table, place: Place) -> Frame | None:
-    """Of its map, or of what is known of its episodes; None where nothing is."""
+    """Return the frame of the place's map, or else one around its episodes; None if no position is known."""
     if place.drawn is not None:
         return place.drawn.frame
     numbers = table.numbers
@@ -219,10 +222,6 @@ def _frame(table: Table, place: Place) -> Frame | None:
     return Frame.around(points, margin=1.0) if len(points) else None
 
 
-def _is_in(row: Row, place: Place) -> bool:
-    return cluster_of(row) == place.key
-
-
 def _ground(place: Place, frame: Frame) -> str:
     if place.drawn is None:
         return f'<rect class="bare" width="{frame.width:.0f}" height="{frame.height:.0f}"/>'
@@ -230,7 +229,7 @@ def _ground(place: Place, frame: Frame) -> str:
 
 
 def _closest(table: Table, place: Place) -> list[tuple[float, float]]:
-    """Where the robots that arrived came closest to something: the closest of all."""
+    """Return where robots that arrived came closest to something, for the closest of them."""
     rows = place.rows[table.arrived[place.rows]]
     clearance = table.numbers["min_clearance_m"][rows]
     x, y = (table.numbers[name][rows].astype(float) for name in ("closest_x", "closest_y"))
@@ -240,7 +239,7 @@ def _closest(table: Table, place: Place) -> list[tuple[float, float]]:
 
 
 def _path(trail: Sequence[float], frame: Frame, scale: float = 1.0, left: float = 0.0, top: float = 0.0) -> str:
-    """A trail as an SVG path in whole units, relative after its first point."""
+    """Return a trail as an SVG path in whole units, relative after its first point."""
     points = [
         (round((frame.x(x) - left) * scale), round((frame.y(y) - top) * scale))
         for x, y in zip(trail[::2], trail[1::2], strict=True)
@@ -255,7 +254,7 @@ def _mark(kind: str, x: float, y: float) -> str:
 
 
 def _number(number: int, frame: Frame, center: tuple[float, float]) -> str:
-    """The number of a cluster, up and right of it, or on the other side at the drawing's edge."""
+    """Draw the number of a cluster, up and right of it, or on the other side at the drawing's edge."""
     x, y = frame.x(center[0]), frame.y(center[1])
     across = 24.0 if x < frame.width - 40.0 else -24.0
     up = -24.0 if y > 40.0 else 24.0
@@ -266,7 +265,7 @@ def _number(number: int, frame: Frame, center: tuple[float, float]) -> str:
 
 
 def _scale_bar(frame: Frame, width: float, height: float, scale: float = 1.0) -> str:
-    """A bar of a round length, at the lower left."""
+    """Draw a bar of a round length, at the lower left."""
     unit = frame.scale * scale
     length = max([step for step in _SCALE_STEPS if step * unit <= 0.3 * width] or [_SCALE_STEPS[0]])
     size = 22 if scale == 1.0 and width > 500.0 else 12
@@ -279,7 +278,7 @@ def _scale_bar(frame: Frame, width: float, height: float, scale: float = 1.0) ->
 
 
 def variant_labels(table: Table) -> list[str]:
-    """Labels in which the settings differ."""
+    """Return the labels in which the settings differ."""
     return [name for name in VARIANT if len(table.named[name].names) > 1]
 
 
@@ -293,7 +292,7 @@ def _card(place: Place, cluster: Cluster, number: int, folder: str, variants: Se
 
 
 def cards_without_place(table: Table, folder: str) -> list[str]:
-    """Failures of which not even the start is known: a card for each cause."""
+    """Return a card for each cause of failures of which not even the start is known."""
     causes: dict[str, list[Row]] = {}
     for row in table.failed:
         if _failed_at(row) is None:
@@ -327,7 +326,7 @@ def _words(rows: Sequence[Row], folder: str, variants: Sequence[str]) -> str:
 
 
 def thumbnail(place: Place, rows: Sequence[Row]) -> str:
-    """The surroundings of a cluster, with the route of its first episode and where all of them ended."""
+    """Draw the surroundings of a cluster, with the route of its first episode and where all of them ended."""
     points = np.array([_failed_at(row) for row in rows])
     center = points.mean(axis=0)
     half = max(_LEAST_VIEW, 1.3 * float(np.abs(points - center).max()))

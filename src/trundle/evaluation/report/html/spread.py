@@ -7,9 +7,8 @@ from html import escape
 
 import numpy as np
 
-from trundle.evaluation.report.commands import replay_command
-from trundle.evaluation.report.html.charts import distribution, line_key
-from trundle.evaluation.report.html.marks import LINE_COLORS
+from trundle.evaluation.report.html.charts import LINE_COLORS, distribution, line_key
+from trundle.evaluation.report.text import replay_command
 from trundle.evaluation.statistics.figures import BY_NAME, write_number
 from trundle.evaluation.statistics.table import VARIANT, Group, Table, group_rows, name_labels
 from trundle.geometry import FloatArray
@@ -20,7 +19,7 @@ _ROWS = 8
 
 
 def distributions(table: Table) -> str:
-    """How times, clearances, errors and planning times are spread, a line for each setting."""
+    """Return the distributions of times, clearances, errors and planning times, a line for each setting."""
     every = group_rows(table, VARIANT)
     groups = every[:_MOST_LINES]
     charts = [_chart(table, figure, groups) for figure in _SHOWN]

@@ -26,14 +26,14 @@ _UNKNOWN = 255
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """Where points of the map frame lie in a drawing.
+    """The place of a drawing in the map frame.
 
     Attributes:
         left: Least x [m].
         top: Largest y [m].
         scale: Units per metre.
-        width: Of the drawing, in units.
-        height: Likewise.
+        width: Width of the drawing, in units.
+        height: Height of the drawing, in units.
     """
 
     left: float

@@ -11,17 +11,24 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from trundle.messages import Qos
-from trundle.ros2.transport.dds import names
-from trundle.ros2.transport.dds.library import Writing
+from trundle.ros2.transport.dds.library import Writing, every_sample
+from trundle.ros2.transport.dds.mapping import (
+    DISCOVERY_TOPIC,
+    read_qos,
+    reader_qos,
+    ros_topic,
+    ros_type,
+    user_data,
+    writer_qos,
+)
 from trundle.ros2.transport.dds.participants import INFO_TYPE, NodeEndpoints, Participants, encode_info, gid_size
-from trundle.ros2.transport.dds.qos import read_qos, reader_qos, user_data, writer_qos
-from trundle.ros2.transport.graph import Endpoint, Graph, Offer
+from trundle.ros2.transport.transport import Endpoint, Graph, Offer
 
 if TYPE_CHECKING:
     from cyclonedds.domain import DomainParticipant
 
     from trundle.messages import Codec
-    from trundle.ros2.transport.dds.idl import IdlTypes
+    from trundle.ros2.transport.dds.mapping import IdlTypes
 
 INFO_QOS = Qos(1, durability="transient_local")
 
@@ -44,10 +51,10 @@ class Discovery:
     """Tells others our node and its endpoints, and reads theirs. Safe in any thread.
 
     Args:
-        participant: Ours.
+        participant: Our participant.
         idl: Makes types.
-        codec: Of our distribution.
-        namespace: Of our node ("/").
+        codec: The codec of our distribution.
+        namespace: Namespace of our node ("/").
         node: Its name.
     """
 
@@ -66,7 +73,7 @@ class Discovery:
         from cyclonedds.topic import Topic
 
         type_hash = codec.type_hash(INFO_TYPE)
-        topic = Topic(participant, names.DISCOVERY_TOPIC, idl.struct(INFO_TYPE))
+        topic = Topic(participant, DISCOVERY_TOPIC, idl.struct(INFO_TYPE))
         self._writer = DataWriter(participant, topic, writer_qos(INFO_QOS, type_hash))
         self._reader = DataReader(participant, topic, reader_qos(INFO_QOS, type_hash, kept=INFOS_KEPT))
         self._alive = SampleState.Any | ViewState.Any | InstanceState.Alive
@@ -102,17 +109,15 @@ class Discovery:
     def drain(self) -> None:
         """Read what others said of their nodes."""
         from cyclonedds._clayer import ddspy_take
-        from cyclonedds.core import InstanceState, SampleState, ViewState
 
-        mask = SampleState.Any | ViewState.Any | InstanceState.Any
         with self._lock:
-            taken = ddspy_take(self._reader._ref, mask, INFOS_KEPT)
+            taken = ddspy_take(self._reader._ref, every_sample(), INFOS_KEPT)
             for data, info in taken if isinstance(taken, list) else ():
                 if info.valid_data:
                     self._participants.update(data)
 
     def graph(self) -> Graph:
-        """Who is on the network now."""
+        """Return who is on the network now."""
         self.drain()
         with self._lock:
             alive = [one.key.bytes for one in self._read("participant")]
@@ -124,7 +129,7 @@ class Discovery:
         found: list[_Found] = [(kind, one) for kind in _KINDS for one in self._read(kind)]
         return Graph(
             tuple(sorted({node.full_name for node in nodes})),
-            tuple(self._endpoint(kind, one, owners) for kind, one in found if names.ros_topic(one.topic_name)),
+            tuple(self._endpoint(kind, one, owners) for kind, one in found if ros_topic(one.topic_name)),
             tuple(sorted(self._offers(found, owners), key=lambda offer: (offer.name, offer.kind, offer.node))),
         )
 
@@ -138,8 +143,8 @@ class Discovery:
         guid = one.key.bytes
         return Endpoint(
             kind=kind,
-            topic=names.ros_topic(one.topic_name),
-            type_name=names.ros_type(one.type_name),
+            topic=ros_topic(one.topic_name),
+            type_name=ros_type(one.type_name),
             type_hash=user_data(one.qos).get("typehash", ""),
             qos=read_qos(one.qos),
             node=owners.get(guid, ""),
@@ -148,10 +153,13 @@ class Discovery:
         )
 
     def _offers(self, found: list[_Found], owners: dict[bytes, str]) -> Iterator[Offer]:
-        """Services have a topic of requests, which servers read and clients write; of an action, one asks for goals."""
+        """Yield services and actions by their topics of requests, which servers read and clients write.
+
+        An action has several services; the one that asks for goals stands for it.
+        """
         for kind, one in found:
             parts = _SERVICE.fullmatch(one.topic_name)
-            typed = _SERVICE_TYPE.fullmatch(names.ros_type(one.type_name))
+            typed = _SERVICE_TYPE.fullmatch(ros_type(one.type_name))
             if not parts or not typed or parts[1] != "q":
                 continue
             name, type_name, side = parts[2], typed[1], "server" if kind == "subscription" else "client"

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from trundle.errors import InputError
 from trundle.messages import Qos
-from trundle.ros2.transport.dds.library import RETCODE_TIMEOUT, Writing
-from trundle.ros2.transport.dds.qos import kept_by_reader
+from trundle.ros2.transport.dds.library import RETCODE_TIMEOUT, Writing, every_sample
+from trundle.ros2.transport.dds.mapping import kept_by_reader
 from trundle.ros2.transport.transport import Sample
 
 if TYPE_CHECKING:
@@ -76,10 +76,9 @@ class DdsSubscription:
 
     def __init__(self, reader: DataReader, topic: str, type_name: str, qos: Qos) -> None:
         from cyclonedds._clayer import ddspy_take
-        from cyclonedds.core import InstanceState, SampleState, ViewState
 
         self._reader, self._ref, self._take = reader, reader._ref, ddspy_take
-        self._mask = SampleState.Any | ViewState.Any | InstanceState.Any
+        self._mask = every_sample()
         self._kept, self._depth = kept_by_reader(qos), qos.depth
         self.topic, self.type_name = topic, type_name
         self.dropped = 0
@@ -92,7 +91,7 @@ class DdsSubscription:
         return 0 if self._closed else self._reader.get_subscription_matched_status().current_count
 
     def take(self) -> list[Sample]:
-        """The last messages that arrived, as many as the quality of service has depth; it never waits."""
+        """Return the last messages that arrived, as many as the quality of service has depth; it never waits."""
         if self._closed:
             return []
         taken = self._take(self._ref, self._mask, self._kept)
@@ -110,7 +109,7 @@ class DdsSubscription:
         self._closed = True
 
     def _source(self, handle: int) -> str:
-        """The GUID of a publisher, in hex, by its handle."""
+        """Return the GUID of a publisher, in hex, by its handle."""
         known = self._sources.get(handle)
         if known is not None:
             return known

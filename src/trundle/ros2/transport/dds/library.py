@@ -21,13 +21,14 @@ if TYPE_CHECKING:
 INSTALL = 'pip install "trundle[ros2]"'
 
 NO_WHEELS_FROM = (3, 14)
+"""The first Python for which Cyclone DDS has no wheels."""
 
 RETCODE_TIMEOUT = -10
-"""Of DDS (section 2.3.3 of its specification): a writer that waited for its readers gave up."""
+"""A return code of DDS (section 2.3.3 of its specification): a writer that waited for its readers gave up."""
 
 
 def why_not() -> str:
-    """Why Cyclone DDS cannot be used here, and what to do; "" where it can."""
+    """Return why Cyclone DDS cannot be used here, and what to do; "" where it can."""
     try:
         require()
     except (MissingExtraError, TransportError) as error:
@@ -57,13 +58,20 @@ def require() -> None:
 
 
 def lacks_wheels() -> bool:
-    """Whether the extra leaves Cyclone DDS out here, because it has no wheels."""
+    """Return whether the extra leaves Cyclone DDS out here, because it has no wheels."""
     return sys.version_info >= NO_WHEELS_FROM or (sys.platform == "linux" and platform.machine() == "aarch64")
 
 
 def version() -> str:
-    """The installed version of Cyclone DDS."""
+    """Return the installed version of Cyclone DDS."""
     return importlib.metadata.version("cyclonedds")
+
+
+def every_sample() -> int:
+    """Return the mask of Cyclone DDS with which a reader takes all of its samples."""
+    from cyclonedds.core import InstanceState, SampleState, ViewState
+
+    return SampleState.Any | ViewState.Any | InstanceState.Any
 
 
 class _Container(ctypes.Structure):

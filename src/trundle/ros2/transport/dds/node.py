@@ -10,15 +10,13 @@ from typing import TYPE_CHECKING
 
 from trundle.errors import InputError
 from trundle.messages import Codec, Distro, Qos
-from trundle.ros2.transport.dds import domains, names
+from trundle.ros2.transport.dds import domains
 from trundle.ros2.transport.dds.discovery import Discovery
 from trundle.ros2.transport.dds.endpoints import DdsPublisher, DdsSubscription
-from trundle.ros2.transport.dds.idl import IdlTypes
-from trundle.ros2.transport.dds.library import Writing, delete, require, version
-from trundle.ros2.transport.dds.qos import kept_by_reader, reader_qos, writer_qos
+from trundle.ros2.transport.dds.library import Writing, delete, every_sample, require, version
+from trundle.ros2.transport.dds.mapping import IdlTypes, dds_topic, kept_by_reader, reader_qos, writer_qos
 from trundle.ros2.transport.domain import Settings
-from trundle.ros2.transport.graph import Graph
-from trundle.ros2.transport.transport import ActionHandler, Handler
+from trundle.ros2.transport.transport import ActionHandler, Graph, Handler
 
 if TYPE_CHECKING:
     from cyclonedds.core import Qos as DdsQos
@@ -82,12 +80,7 @@ class DdsTransport:
         return self._discovery.node
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> DdsPublisher:
-        """Offer a topic.
-
-        Raises:
-            UnknownNameError: If the type is not known.
-            InputError: If the name is not one of a topic.
-        """
+        """Offer a topic; see `Transport`."""
         from cyclonedds.pub import DataWriter
 
         with self._lock:
@@ -99,13 +92,8 @@ class DdsTransport:
         return publisher
 
     def subscription(self, topic: str, type_name: str, qos: Qos) -> DdsSubscription:
-        """Subscribe to a topic.
-
-        Raises:
-            UnknownNameError: If the type is not known.
-            InputError: If the name is not one of a topic.
-        """
-        from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState
+        """Subscribe to a topic; see `Transport`."""
+        from cyclonedds.core import ReadCondition
         from cyclonedds.sub import DataReader
 
         with self._lock:
@@ -114,32 +102,24 @@ class DdsTransport:
             reader = DataReader(self._participant, made, policies)
             subscription = DdsSubscription(reader, topic, type_name, qos)
             self._subscriptions.append(subscription)
-            self._waiting.attach(ReadCondition(reader, SampleState.Any | ViewState.Any | InstanceState.Any))
+            self._waiting.attach(ReadCondition(reader, every_sample()))
         self._discovery.add("subscription", reader.guid.bytes)
         return subscription
 
     def service(self, name: str, type_name: str, handler: Handler) -> None:
-        """Services cannot be served here.
-
-        Raises:
-            InputError: Always.
-        """
+        """Raise InputError: services cannot be served here."""
         raise InputError(f"{name} cannot be served: {NO_SERVICES}")
 
     def action(self, name: str, type_name: str, handler: ActionHandler) -> None:
-        """Actions cannot be served here.
-
-        Raises:
-            InputError: Always.
-        """
+        """Raise InputError: actions cannot be served here."""
         raise InputError(f"{name} cannot be served: {NO_SERVICES}")
 
     def definition(self, type_name: str) -> str:
-        """Nothing: DDS does not tell the text of a type."""
+        """Return "": DDS does not tell the text of a type."""
         return ""
 
     def graph(self) -> Graph:
-        """Who is on the network now."""
+        """Return who is on the network now."""
         return Graph() if self._closed else self._discovery.graph()
 
     def wait(self, timeout_s: float) -> bool:
@@ -166,7 +146,7 @@ class DdsTransport:
             self._guard.set(True)
 
     def dispatch(self) -> None:
-        """Nothing: there are no services."""
+        """Do nothing: there are no services."""
 
     def close(self) -> None:
         """Leave the network; a second call does nothing."""
@@ -183,7 +163,7 @@ class DdsTransport:
     def _topic(self, topic: str, type_name: str) -> Topic:
         from cyclonedds.topic import Topic
 
-        name = names.dds_topic(topic)
+        name = dds_topic(topic)
         key = name, type_name
         if key not in self._topics:
             self._topics[key] = Topic(self._participant, name, self._idl.struct(type_name))

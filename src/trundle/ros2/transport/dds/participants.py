@@ -38,12 +38,12 @@ class NodeEndpoints:
 
 
 def gid_size(distro: Distro) -> int:
-    """Bytes of a Gid: Humble's has room for other middleware."""
+    """Return the bytes of a Gid: Humble's has room for other middleware."""
     return 24 if distro == "humble" else GUID
 
 
 def encode_info(participant: bytes, nodes: Iterable[NodeEndpoints], size: int) -> bytes:
-    """The CDR bytes of a ParticipantEntitiesInfo, with Gids of `size` bytes."""
+    """Return the CDR bytes of a ParticipantEntitiesInfo, with Gids of `size` bytes."""
     out = bytearray(participant.ljust(size, b"\0"))
 
     def number(value: int) -> None:
@@ -67,7 +67,7 @@ def encode_info(participant: bytes, nodes: Iterable[NodeEndpoints], size: int) -
 
 
 def decode_info(data: bytes, size: int) -> tuple[bytes, tuple[NodeEndpoints, ...]]:
-    """The participant and its nodes in the CDR bytes of a ParticipantEntitiesInfo.
+    """Return the participant and its nodes in the CDR bytes of a ParticipantEntitiesInfo.
 
     Raises:
         InputError: If they are not such bytes.
@@ -106,7 +106,7 @@ class Participants:
             self._known.popitem(last=False)
 
     def nodes(self, alive: Iterable[bytes]) -> Iterator[NodeEndpoints]:
-        """The nodes of the participants that are alive; the others are forgotten."""
+        """Yield the nodes of the participants that are alive; the others are forgotten."""
         living = set(alive)
         for participant in list(self._known):
             if participant in living:

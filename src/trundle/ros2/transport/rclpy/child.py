@@ -1,8 +1,8 @@
 """The part of the bridge that runs in the user's ROS: it relays the bytes of topics, services and actions.
 
-Started by `relay.py` as a separate program, with the Python of the sourced ROS: Python 3.10 or later, any
-distribution from Humble on, any RMW. It imports nothing of trundle, and everything of ROS only once it runs, so
-that trundle can import the protocol from it.
+`process.py` starts it as a separate program, with the Python of the sourced ROS: Python 3.10 or later, any
+distribution from Humble on, any RMW. That Python need not have trundle, so this file imports nothing of trundle,
+and is long for that reason. It imports ROS only once it runs, so that trundle can import the protocol from it.
 
 The protocol: frames over a Unix socket, each a header (`HEADER`: length of the payload, kind, number) and its
 payload. Messages go through as their CDR bytes; everything else is JSON.
@@ -58,8 +58,8 @@ class Stream:
     """The messages of one topic that wait to be sent: the newest `depth`, in order.
 
     Args:
-        kind: Of their frames.
-        number: Of their frames.
+        kind: Kind of their frames.
+        number: Number of their frames.
         depth: How many may wait.
         patient: Whether a writer waits a moment for room before the oldest is dropped.
     """
@@ -70,7 +70,7 @@ class Stream:
         self.size = self.dropped = 0
 
     def is_full(self, size):
-        """Whether one more message of `size` bytes is too much."""
+        """Return whether one more message of `size` bytes is too much."""
         return len(self.waiting) >= self.depth or (bool(self.waiting) and self.size + size > LIMIT)
 
 
@@ -203,7 +203,7 @@ class RefusedError(Exception):
 
 
 def load_kind(name):
-    """The class of `package/msg/Name`, of a service or action, or of a part such as `package/srv/Name_Request`."""
+    """Import the class of `package/msg/Name`, of a service or action, or of a part: `package/srv/Name_Request`."""
     package, _, rest = name.partition("/")
     folder, _, last = rest.partition("/")
     if folder not in ("msg", "srv", "action") or not last.isidentifier():
@@ -227,7 +227,7 @@ _PLAIN = {"boolean": "bool", "octet": "byte", "float": "float32", "double": "flo
 
 
 def _as_field(kind):
-    """A type as rclpy writes it, as a .msg file writes it: `sequence<double, 3>` is `float64[<=3]`."""
+    """Return a type as rclpy writes it, as a .msg file writes it: `sequence<double, 3>` is `float64[<=3]`."""
     if kind.startswith("sequence<"):
         inner, _, bound = kind[len("sequence<") : -1].partition(", ")
         return f"{_as_field(inner)}[<={bound}]" if bound else f"{_as_field(inner)}[]"
@@ -241,7 +241,7 @@ def _as_field(kind):
 
 
 def _constants(kind):
-    """The constants of a message, as lines of its text; their widths are not known here and matter to nobody."""
+    """Return the constants of a message, as lines of its text; their widths are not known here and matter to nobody."""
     names = {bool: "bool", int: "int64", float: "float64", str: "string"}
     values = getattr(type(kind), f"_{type(kind).__name__}__constants", {})
     return [
@@ -259,7 +259,7 @@ def _text(kind):
 
 
 def _parts(kind):
-    """The types of a message's fields that are messages."""
+    """Return the types of a message's fields that are messages."""
     for field in kind.get_fields_and_field_types().values():
         plain = field[len("sequence<") : -1].partition(", ")[0] if field.startswith("sequence<") else field
         package, slash, name = plain.partition("[")[0].partition("/")
@@ -268,7 +268,7 @@ def _parts(kind):
 
 
 def define(name):
-    """The text of a message and of those in it, as a bag's schema has it; made from the classes that ROS uses."""
+    """Make the text of a message and of those in it, as a bag's schema has it, from the classes that ROS uses."""
     texts, ahead = {}, [name]
     while ahead:
         next_name = ahead.pop(0)
@@ -296,8 +296,8 @@ class Node:
     """A node, its participant and the threads that take what arrives for it.
 
     Args:
-        name: Of the node.
-        namespace: Of the node.
+        name: Name of the node.
+        namespace: Namespace of the node.
         threads: How many callbacks may run at a time.
     """
 
@@ -438,7 +438,7 @@ class Relay:
         self.outbox.put(REPLY, number, json.dumps(answer).encode())
 
     def _home_of(self, topic, type_name):
-        """The node for a topic of this type: in a participant of Fast DDS, a topic has one type."""
+        """Return the node for a topic of this type: in a participant of Fast DDS, a topic has one type."""
         import rclpy
 
         if "fastrtps" not in rclpy.get_rmw_implementation_identifier():
@@ -661,7 +661,7 @@ def _profile(qos):
 
 
 def _no_events(kind):
-    """No callbacks for events: rclpy's own only log, and each costs time whenever anything arrives."""
+    """Ask for no callbacks for events: rclpy's own only log, and each costs time whenever anything arrives."""
     try:
         module = importlib.import_module("rclpy.event_handler")
     except ImportError:  # Humble
@@ -670,14 +670,14 @@ def _no_events(kind):
 
 
 def _source(info):
-    """The publisher's id in a message's info; Humble and Jazzy have none there."""
+    """Return the publisher's id in a message's info; Humble and Jazzy have none there."""
     gid = info.get("publisher_gid") if isinstance(info, dict) else None
     data = gid.get("data") if isinstance(gid, dict) else None
     return bytes(data).hex().encode() if data else b""
 
 
 def _count_publishers(subscription):
-    """Humble's subscriptions cannot count: -1."""
+    """Count the publishers of a subscription; Humble's cannot: -1."""
     count = getattr(subscription, "get_publisher_count", None)
     return -1 if count is None else count()
 
@@ -704,7 +704,7 @@ _DISTRO_OF_RCLPY = {3: "humble", 4: "iron", 7: "jazzy", 9: "kilted"}
 
 
 def _distro():
-    """The distribution: as sourced, or guessed from rclpy's version."""
+    """Return the distribution: as sourced, or guessed from rclpy's version."""
     if os.environ.get("ROS_DISTRO"):
         return os.environ["ROS_DISTRO"]
     with contextlib.suppress(Exception):
@@ -714,7 +714,7 @@ def _distro():
 
 
 def _set_range(where, distro):
-    """How far discovery reaches; Humble has another variable for it."""
+    """Set how far discovery reaches; Humble has another variable for it."""
     for name in ("ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE"):
         os.environ.pop(name, None)
     if distro == "humble":
@@ -724,7 +724,7 @@ def _set_range(where, distro):
 
 
 def _die_with(parent):
-    """Be sent SIGTERM when trundle dies, however it dies."""
+    """Have this process sent SIGTERM when trundle dies, however it dies."""
     with contextlib.suppress(Exception):  # Linux alone has it; elsewhere the closed socket has to do
         ctypes.CDLL(None).prctl(1, signal.SIGTERM, 0, 0, 0)
     if os.getppid() != parent:

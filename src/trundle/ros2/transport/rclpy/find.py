@@ -7,6 +7,8 @@ import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from trundle.guard.process import last_line
+
 VARIABLE = "TRUNDLE_ROS_PYTHON"
 """Names the Python of ROS where --ros-python does not."""
 
@@ -25,7 +27,7 @@ _TRY_S = 30.0
 
 
 def candidates(python: str | None = None, environ: Mapping[str, str] | None = None) -> Sequence[str]:
-    """The Pythons to try, in this order.
+    """Return the Pythons to try, in this order.
 
     Args:
         python: The user's choice; then it is the only one.
@@ -42,7 +44,7 @@ def candidates(python: str | None = None, environ: Mapping[str, str] | None = No
 
 
 def try_python(python: str, environ: Mapping[str, str] | None = None) -> str:
-    """Why a Python cannot import rclpy; "" if it can."""
+    """Return why a Python cannot import rclpy; "" if it can."""
     try:
         done = subprocess.run(
             [python, "-c", _TRY],
@@ -63,7 +65,7 @@ def try_python(python: str, environ: Mapping[str, str] | None = None) -> str:
 
 
 def why_not(python: str | None = None, environ: Mapping[str, str] | None = None) -> str:
-    """Why rclpy cannot be used here and what to do about it; "" if it can.
+    """Return why rclpy cannot be used here and what to do about it; "" if it can.
 
     Args:
         python: The Python to use; otherwise those of `candidates`.
@@ -79,13 +81,7 @@ def why_not(python: str | None = None, environ: Mapping[str, str] | None = None)
 
 
 def describe(tried: Sequence[tuple[str, str]]) -> str:
-    """The message for Pythons that could not be used, with the reason for each."""
+    """Make the message for Pythons that could not be used, with the reason for each."""
     if not tried:
         return f"no python3 is on PATH. {ADVICE}"
     return f"no Python here imports rclpy ({'; '.join(f'{path}: {reason}' for path, reason in tried)}). {ADVICE}"
-
-
-def last_line(text: str) -> str:
-    """The last line of an output that says something: of a traceback, the error."""
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
-    return lines[-1] if lines else ""

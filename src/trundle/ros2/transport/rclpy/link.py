@@ -68,7 +68,7 @@ class Link:
 
     @property
     def pid(self) -> int:
-        """Of the child."""
+        """Process id of the child."""
         return self._process.pid
 
     def wait_until_ready(self) -> None:

@@ -6,7 +6,6 @@ import contextlib
 import json
 import logging
 import os
-import signal
 import socket
 import subprocess
 import threading
@@ -14,6 +13,7 @@ from collections import deque
 from collections.abc import Mapping
 
 from trundle.errors import TransportError
+from trundle.guard.process import kill_group, signal_name, start_process
 from trundle.ros2.transport.rclpy import child
 
 _logger = logging.getLogger(__name__)
@@ -67,8 +67,7 @@ class RosProcess:
         if not self._has_ended.wait(timeout_s):
             return "it closed its socket"
         status = self._process.returncode
-        names = {number.value: number.name for number in signal.Signals}
-        how = f"{names.get(-status, -status)} killed it" if status < 0 else f"it ended with code {status}"
+        how = f"{signal_name(-status)} killed it" if status < 0 else f"it ended with code {status}"
         return f"{how}: {self._lines[-1]}" if self._lines else how
 
     def close(self) -> None:
@@ -78,21 +77,19 @@ class RosProcess:
         if not self._has_ended.wait(_LEAVE_S):
             self._process.terminate()
             if not self._has_ended.wait(_TERM_S):
-                self._process.kill()
+                kill_group(self._process)
                 self._has_ended.wait()
         self.socket.close()
 
     def _keep(self, command: list[str], environ: dict[str, str], theirs: socket.socket) -> None:
         try:
             with theirs:
-                self._started = process = subprocess.Popen(
+                self._started = process = start_process(
                     command,
-                    pass_fds=(theirs.fileno(),),
-                    stdin=subprocess.DEVNULL,
+                    environ=environ,
                     stdout=subprocess.PIPE,
                     stderr=subprocess.STDOUT,
-                    start_new_session=True,  # Ctrl-C is for trundle, which has it leave in order
-                    env=environ,
+                    pass_fds=(theirs.fileno(),),
                 )
         except OSError as error:
             self._started = error

@@ -7,21 +7,18 @@ import json
 import logging
 import os
 import threading
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
 from typing import Any
 
 from trundle.errors import InputError, TransportError, TrundleError
 from trundle.messages import DISTROS, Distro, Qos
 from trundle.ros2.transport.domain import NEAREST, Settings
-from trundle.ros2.transport.graph import Graph
 from trundle.ros2.transport.rclpy import child
+from trundle.ros2.transport.rclpy.endpoints import RelayedPublisher, RelayedSubscription, Requests
 from trundle.ros2.transport.rclpy.find import candidates, describe
 from trundle.ros2.transport.rclpy.link import Link
-from trundle.ros2.transport.rclpy.network import full_name, read_graph
-from trundle.ros2.transport.rclpy.requests import Requests
-from trundle.ros2.transport.rclpy.topics import RelayedPublisher, RelayedSubscription
-from trundle.ros2.transport.transport import ActionHandler, Handler
+from trundle.ros2.transport.transport import ActionHandler, Endpoint, Graph, Handler, Offer
 
 _logger = logging.getLogger(__name__)
 
@@ -62,12 +59,15 @@ def open_rclpy(
 class RclpyTransport:
     """A node of the user's own ROS, on any RMW and with the user's types: topics, services and actions.
 
+    What is offered, asked for or served raises InputError if this ROS does not have the type or refuses the name, and
+    TransportError if the child is gone.
+
     Args:
         python: The Python that imports rclpy.
         settings: Domain and range.
         node: Name of our node.
         namespace: Its namespace.
-        retry_s: How long to wait before each try to start the child again once it is lost; none: it is left to
+        retry_s: How long to wait before each try to start the child again once it is lost. If empty, it is left to
             `restart`.
 
     Raises:
@@ -129,53 +129,33 @@ class RclpyTransport:
         )
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> RelayedPublisher:
-        """Offer a topic.
-
-        Raises:
-            InputError: If this ROS does not have the type, or refuses the name.
-            TransportError: If the child is gone.
-        """
+        """Offer a topic; see `Transport`."""
         number = next(self._numbers)
         self._publishers[number] = publisher = RelayedPublisher(number, qos, self._link.outbox)
-        self._make("publisher", number, topic=topic, type=type_name, qos=_as_json(qos))
+        self._make("publisher", number, topic=topic, type=type_name, qos=asdict(qos))
         return publisher
 
     def subscription(self, topic: str, type_name: str, qos: Qos) -> RelayedSubscription:
-        """Subscribe to a topic.
-
-        Raises:
-            InputError: If this ROS does not have the type, or refuses the name.
-            TransportError: If the child is gone.
-        """
+        """Subscribe to a topic; see `Transport`."""
         number = next(self._numbers)
         self._subscriptions[number] = subscription = RelayedSubscription(qos)
-        self._make("subscription", number, topic=topic, type=type_name, qos=_as_json(qos))
+        self._make("subscription", number, topic=topic, type=type_name, qos=asdict(qos))
         return subscription
 
     def service(self, name: str, type_name: str, handler: Handler) -> None:
-        """Serve a service.
-
-        Raises:
-            InputError: If this ROS does not have the type, or refuses the name.
-            TransportError: If the child is gone.
-        """
+        """Serve a service; see `Transport`."""
         number = next(self._numbers)
-        self._requests.add_service(number, handler)
+        self._requests.services[number] = handler
         self._make("service", number, name=name, type=type_name)
 
     def action(self, name: str, type_name: str, handler: ActionHandler) -> None:
-        """Serve an action.
-
-        Raises:
-            InputError: If this ROS does not have the type, or refuses the name.
-            TransportError: If the child is gone.
-        """
+        """Serve an action; see `Transport`."""
         number = next(self._numbers)
-        self._requests.add_action(number, handler)
+        self._requests.actions[number] = handler
         self._make("action", number, name=name, type=type_name)
 
     def definition(self, type_name: str) -> str:
-        """The text of a type and of all in it, as this ROS has it; "" if it does not have it.
+        """Return the text of a type and of all in it, as this ROS has it; "" if it does not have it.
 
         Raises:
             TransportError: If the child is gone.
@@ -186,7 +166,7 @@ class RclpyTransport:
             return ""
 
     def graph(self) -> Graph:
-        """Who is on the network now.
+        """Return who is on the network now.
 
         Raises:
             TransportError: If the child is gone.
@@ -296,7 +276,7 @@ class RclpyTransport:
         elif kind == child.NOTE:
             _logger.warning("%s", payload.decode(errors="replace"))
         elif kind in (child.REQUEST, child.GOAL, child.STARTED, child.CANCEL):
-            self._requests.add(kind, number, payload)
+            self._requests.waiting.append((kind, number, payload))
             self._arrived.set()
         else:
             raise child.BrokenStreamError(f"a frame of kind {kind}, which is not known")
@@ -310,5 +290,45 @@ class RclpyTransport:
             self._publishers[int(number)].matched = int(matched)
 
 
-def _as_json(qos: Qos) -> dict[str, object]:
-    return {"depth": qos.depth, "reliability": qos.reliability, "durability": qos.durability}
+def read_graph(report: Mapping[str, Any]) -> Graph:
+    """Read the graph of a child's report, without what ROS's own tools hide: names with a part that begins with "_"."""
+    ours = {full_name(*node) for node in report["ours"]}
+    endpoints = [_endpoint(entry, ours) for entry in report["endpoints"] if not _is_hidden(entry["topic"])]
+    offers = [_offer(entry, ours) for entry in report["offers"] if not _is_hidden(entry["name"])]
+    nodes = sorted({full_name(*node) for node in report["nodes"]})
+    return Graph(tuple(node for node in nodes if not _is_hidden(node)), tuple(endpoints), tuple(offers))
+
+
+def full_name(name: str, namespace: str) -> str:
+    """Return a node's name with its namespace ("/robot/amcl"); "" if it is not known, as of a program without ROS."""
+    if not name or name.startswith(("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")):
+        return ""
+    return f"{namespace.rstrip('/')}/{name}"
+
+
+def _is_hidden(name: str) -> bool:
+    return any(part.startswith("_") for part in name.split("/"))
+
+
+def _endpoint(entry: Mapping[str, Any], ours: set[str]) -> Endpoint:
+    node = full_name(entry["node"], entry["namespace"])
+    best_effort, latched = entry["reliability"] == "best_effort", entry["durability"] == "transient_local"
+    return Endpoint(
+        kind=entry["kind"],
+        topic=entry["topic"],
+        type_name=entry["type"],
+        type_hash=entry["hash"] if entry["hash"].startswith("RIHS") else "",
+        qos=Qos(
+            int(entry["depth"]),
+            "best_effort" if best_effort else "reliable",
+            "transient_local" if latched else "volatile",
+        ),
+        node=node,
+        source=entry["gid"] if entry["kind"] == "publisher" else "",
+        ours=node in ours,
+    )
+
+
+def _offer(entry: Mapping[str, Any], ours: set[str]) -> Offer:
+    node = full_name(entry["node"], entry["namespace"])
+    return Offer(entry["kind"], entry["name"], entry["type"], node, node in ours)

@@ -1,0 +1,133 @@
+"""`Notes`: what is written down while parameters are read; which plugin counts; why one has no counterpart."""
+
+from __future__ import annotations
+
+from fnmatch import fnmatchcase
+
+from trundle.files.yaml_config import Plain
+from trundle.nav2.names import plain_plugin
+from trundle.nav2.parameters import NodeParameters, Parameter
+from trundle.nav2.remarks import Remark
+
+_ROS = "ROS's own: topics, frames, clocks and lifecycles"
+_WINDOW = "trundle has one costmap, the global one; a controller sees all of it"
+_SPEED = "trundle's own search, samples or checks take its place"
+
+_BY_NODE = {
+    "amcl": "AMCL's own; the localizer of a scenario is chosen with --localizer",
+    "bt_navigator": "trundle has no behavior trees; `recovery` and `replan_interval_s` say what it does",
+    "map_server": "the map is what trundle run is given",
+    "map_saver": "trundle map writes maps",
+    "waypoint_follower": "goals with tasks are a scenario's `goals`",
+    "route_server": "trundle has no route graphs",
+    "docking_server": "trundle does not dock",
+    "following_server": "trundle does not follow objects",
+    "loopback_simulator": "trundle simulates by itself",
+    "lifecycle_manager": _ROS,
+    "robot_state_publisher": _ROS,
+    "smoother_server": "Nav2's default behavior trees call no smoother; --smoother constrained smooths trundle's paths",
+}
+
+_BY_NAME = (
+    ("use_sim_time", _ROS),
+    ("bond_*", _ROS),
+    ("*introspection_mode", _ROS),
+    ("*_topic", _ROS),
+    ("*.topic", _ROS),
+    ("topic", _ROS),
+    ("*_frame", _ROS),
+    ("*_frame_id", _ROS),
+    ("*base_frame", _ROS),
+    ("*sensor_frame", _ROS),
+    ("*transform_tolerance", _ROS),
+    ("tf_*", _ROS),
+    ("*publish*", _ROS),
+    ("*visualize*", _ROS),
+    ("*debug*", _ROS),
+    ("*TrajectoryVisualizer*", _ROS),
+    ("*map_subscribe_transient_local", _ROS),
+    ("*always_send_full_costmap", _ROS),
+    ("*enable_stamped_cmd_vel", _ROS),
+    ("*use_realtime_priority", _ROS),
+    ("*update_frequency", "trundle's costmap is updated with every scan"),
+    ("rolling_window", _WINDOW),
+    ("resolution", _WINDOW),
+    ("width", _WINDOW),
+    ("height", _WINDOW),
+    ("*.z_*", "trundle's lidars are planar"),
+    ("*origin_z", "trundle's lidars are planar"),
+    ("*_obstacle_height", "trundle's lidars are planar"),
+    ("*.m??_height", "trundle's lidars are planar"),
+    ("*mark_threshold", "trundle's lidars are planar"),
+    ("*inf_is_valid", "it is a setting of the robot's lidars"),
+    ("*.v?_*", _SPEED),
+    ("*.a?_*", _SPEED),
+    ("*y_velocity*", "trundle's robots do not drive sideways"),
+)
+
+
+class Notes:
+    """Collects remarks on parameters, in the order in which they were found."""
+
+    def __init__(self) -> None:
+        self.remarks: list[Remark] = []
+
+    def changed(self, node: NodeParameters, name: str, text: str) -> None:
+        """Note that a parameter means something else here; nothing is noted where the file does not give it."""
+        found = node.find(name)
+        if found is not None:
+            self.remarks.append(Remark("changed", node.name, found.name, found.value, text, found.line))
+
+    def default(self, node: NodeParameters, name: str, value: Plain, text: str) -> None:
+        """Do as `changed` does, also where the file does not give the parameter and Nav2's default counts."""
+        found = node.find(name)
+        if found is not None:
+            self.changed(node, name, text)
+        else:
+            self.remarks.append(Remark("changed", node.name, name, value, f"(Nav2's default) {text}"))
+
+    def ignored(self, node: NodeParameters, name: str, text: str) -> None:
+        """Note that a parameter of the file has no counterpart, for this reason."""
+        found = node.find(name)
+        if found is not None:
+            self.ignore_parameter(node.name, found, text)
+
+    def ignore_parameter(self, node: str, found: Parameter, text: str) -> None:
+        """Note that a parameter that was not read has no counterpart."""
+        self.remarks.append(Remark("no counterpart", node, found.name, found.value, text, found.line))
+
+
+def choose_plugin(
+    node: NodeParameters, lists: tuple[str, ...], default: str, default_plugin: str, notes: Notes
+) -> tuple[str, str]:
+    """Return the name and the type of the plugin that Nav2's default behavior tree calls.
+
+    Args:
+        node: The server's parameters.
+        lists: Parameters that list the plugins' names, of which distributions have one or the other.
+        default: The name that counts where it is in the list, and where there is no list; else the first one does.
+        default_plugin: The type that counts where the file does not give it.
+        notes: Where the others are noted.
+
+    Raises:
+        InputError: If a list is none of names, or a type is no text.
+    """
+    chosen = default
+    for key in lists:
+        names = node.texts(key, ())
+        if names:
+            chosen = default if default in names else names[0]
+        if len(names) > 1:
+            notes.changed(node, key, f"trundle uses one: {chosen}")
+    return chosen, plain_plugin(node.of_plugin(chosen).text("plugin", default_plugin))
+
+
+def reason_for(node: str, name: str) -> str:
+    """Return the reason why a parameter has no counterpart."""
+    for pattern, reason in _BY_NAME:
+        if fnmatchcase(name, pattern):
+            return reason
+    for known, reason in _BY_NODE.items():
+        if node.startswith(known):
+            return reason
+    return "trundle has nothing like it"

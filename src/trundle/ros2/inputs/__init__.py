@@ -1,1 +1,0 @@
-"""What the bridge takes from the network to drive the robot."""

@@ -1,0 +1,240 @@
+"""`RunFeed`: what pages are shown of one run, or of a world in which nothing runs yet."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from trundle import page
+from trundle.costmap import Costmap
+from trundle.errors import WorldError
+from trundle.maps import OccupancyGrid
+from trundle.mission import Episode, LiveStatus, RunInfo, SteeringReport, Step
+from trundle.observation import Scan
+from trundle.page import RunLines
+from trundle.page.run_lines import goal_of
+from trundle.robots import Robot
+from trundle.serve.messages import encode, encode_items, encode_message
+from trundle.worlds import World
+
+if TYPE_CHECKING:
+    pass
+
+FRAME_PERIOD_S = 0.0495
+"""At most 20 frames in a second, at the server's ticks."""
+
+COSTMAP_PERIOD_S = 0.5
+"""A costmap is by far the largest message, and changes slowly: two in a second leave room for the frames."""
+
+_MOST_AT_ONCE = 200
+"""Steps that are encoded at once, so that a run at full speed goes on in between."""
+
+_BATCH_BYTES = 256 * 1024
+"""A client that catches up gets messages of about this size."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Chunk:
+    first: int
+    rows: str
+    paths: str
+    events: str
+
+    def __len__(self) -> int:
+        return len(self.rows) + len(self.paths) + len(self.events)
+
+
+class RunLog:
+    """Holds what a run has told so far, encoded once for all clients, each of which has a cursor in it."""
+
+    def __init__(self) -> None:
+        self._chunks: list[_Chunk] = []
+        self._rows = 0
+
+    def add(self, rows: Sequence[object], paths: Sequence[object], events: Sequence[object]) -> None:
+        """Append what is new."""
+        if rows or paths or events:
+            self._chunks.append(_Chunk(self._rows, *map(encode_items, (rows, paths, events))))
+            self._rows += len(rows)
+
+    def read(self, cursor: int) -> tuple[str, int] | None:
+        """Return the `log` message for a client whose cursor is here, and its next cursor; None if it has everything.
+
+        Cursors start at 0. A page takes "from": 0 for the beginning of everything: a message that goes on before there
+        are rows has none.
+        """
+        size, end = 0, cursor
+        while end < len(self._chunks) and (end == cursor or size + len(self._chunks[end]) <= _BATCH_BYTES):
+            size += len(self._chunks[end])
+            end += 1
+        if end == cursor:
+            return None
+        part = self._chunks[cursor:end]
+        rows = ",".join(chunk.rows for chunk in part if chunk.rows)
+        paths = ",".join(chunk.paths for chunk in part if chunk.paths)
+        events = ",".join(chunk.events for chunk in part if chunk.events)
+        first = f'"from":{part[0].first},' if cursor == 0 or part[0].first else ""
+        text = f'{{"type":"log",{first}"rows":[{rows}],"paths":[{paths}],"events":[{events}]}}'
+        return text, end
+
+
+@dataclass(frozen=True, slots=True)
+class Newest:
+    """A message of which only the newest counts.
+
+    Attributes:
+        number: Grows with every new one.
+        text: The message; "" where there has been none.
+    """
+
+    number: int = 0
+    text: str = ""
+
+    def next(self, text: str) -> Newest:
+        """Return the one that replaces it."""
+        return Newest(self.number + 1, text)
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """An event that is not seen in the steps, such as a takeover.
+
+    Attributes:
+        time: Simulated time [s].
+        text: What happened.
+    """
+
+    time: float
+    text: str
+
+
+_Item: TypeAlias = Step | Episode | Note
+
+
+class RunFeed:
+    """One run as the pages get it. The thread that runs it hands over what happens; the server's thread encodes it.
+
+    The run only appends to lists and replaces references, so it never waits for the server or a client.
+
+    Args:
+        number: Number of the run, from 1; 0 if nothing has run.
+        scene: The `scene` message.
+        info: The start of the run; None if nothing runs.
+        orders: Number that orders to the run carry; None if it takes no orders.
+
+    Attributes:
+        log: Rows, paths and events.
+        solids: Messages of what was added to the world.
+        end: The `end` message, once the run is over and recorded.
+        frame: The newest `frame` message.
+        costmap: The newest `costmap` message.
+    """
+
+    def __init__(self, number: int, scene: str, info: RunInfo | None = None, orders: int | None = None) -> None:
+        self.number, self.scene = number, scene
+        self._lines = None if info is None else RunLines(info)
+        self.run = None
+        if self._lines is not None:
+            self.run = encode_message("run", info=self._lines.info, n=number, orders=orders)
+        self.log = RunLog()
+        self.solids: list[str] = []
+        self.end: str | None = None
+        self.frame, self.costmap = Newest(), Newest()
+        self._items: deque[_Item] = deque()
+        self._taken = (0, 0, 0)
+        self._step: Step | None = None
+        self._scans: dict[str, Scan] = {}
+        self._framed: tuple[Step | None, str, object] = (None, "", None)
+        self._mapped: Costmap | None = None
+        self._mapped_s = self._framed_s = 0.0
+        self._goals = () if info is None else info.goals
+
+    # Any thread -----------------------------------------------------------------------------------------------------
+
+    def add(self, item: Step | Episode | Note) -> None:
+        """Take a step, the end, or another event."""
+        self._items.append(item)
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether something happened that is not in the log yet."""
+        return bool(self._items)
+
+    # The server's thread --------------------------------------------------------------------------------------------
+
+    def encode(self, status: LiveStatus, *, watched: bool) -> None:
+        """Encode what is new: the log always, so that it stays small; frames and costmaps for clients alone."""
+        self._encode_log()
+        step = self._step
+        if step is None or not watched:
+            return
+        now = time.monotonic()
+        if now - self._framed_s >= FRAME_PERIOD_S and self._framed != (framed := (step, status.state, status.steering)):
+            self._framed, self._framed_s = framed, now
+            self.frame = self.frame.next(self._encode_frame(step, status))
+        costmap = step.costmap
+        if costmap is not None and costmap is not self._mapped and now - self._mapped_s >= COSTMAP_PERIOD_S:
+            self._mapped, self._mapped_s = costmap, now
+            self.costmap = self.costmap.next(encode_message("costmap", **page.costmap_png(costmap)))
+
+    def _encode_log(self) -> None:
+        lines = self._lines
+        if lines is None:
+            return
+        for _ in range(min(len(self._items), _MOST_AT_ONCE)):
+            item = self._items[0]
+            if isinstance(item, Step):
+                lines.add(item)
+                self._step = item
+                self._scans |= {scan.lidar: scan for scan in item.scans}
+            elif isinstance(item, Episode):
+                lines.end(item)
+            else:
+                lines.note(item.time, "steer", item.text)
+            self._items.popleft()
+        rows, paths, events = self._taken
+        self._taken = len(lines.rows), len(lines.paths), len(lines.events)
+        self.log.add(lines.rows[rows:], lines.paths[paths:], lines.events[events:])
+
+    def _encode_frame(self, step: Step, status: LiveStatus) -> str:
+        lines, steering = self._lines, status.steering
+        fields: dict[str, Any] = {
+            "row": None if lines is None else lines.rows[-1],
+            "factor": round(status.factor, 3),
+            "speed": "max" if status.speed == math.inf else status.speed,
+            "paused": status.state == "paused",
+            "manual": None if steering is None or steering.manual is None else page_number(steering.by),
+            "held_back": None if steering is None else steering.held_back or None,
+            "goals": self._goals_ahead(step, steering),
+        }
+        return encode({"type": "frame", **page.frame_of(step, scans=tuple(self._scans.values())), **fields})
+
+    def _goals_ahead(self, step: Step, steering: SteeringReport | None) -> list[Any]:
+        """Return the goal that the robot drives to and those after it, as [x, y, yaw]."""
+        goals = self._goals if steering is None else steering.goals
+        return [goal_of(goal) for goal in goals[step.goal :]]
+
+
+def page_name(client: int) -> str:
+    """Return the name of a page as the giver of a directive, for the record."""
+    return f"page {client}"
+
+
+def page_number(name: str) -> int | None:
+    """Return the client that `page_name` names, or None for other names."""
+    number = name.removeprefix("page ")
+    return int(number) if number != name and number.isdigit() else None
+
+
+def scene_message(world: World | None, robot: Robot, grid: OccupancyGrid | None) -> tuple[str, str]:
+    """Return the `scene` message, and a remark for people: why it shows the map alone, what it leaves out, or ""."""
+    try:
+        scene = page.scene_of(world, robot, grid)
+    except WorldError as error:
+        scene = page.scene_of(None, robot, grid)
+        return encode_message("scene", scene=scene), f"the page shows the map alone: {error}"
+    return encode_message("scene", scene=scene), scene["note"]
