@@ -254,7 +254,7 @@ def test_the_seed_reaches_the_simulator(make_sim, navigator, start):
 
 def test_a_navigator_that_only_says_it_arrived_is_not_believed(make_sim, navigator, start, monkeypatch):
     def claim(pose, twist=None, *, time=None):
-        navigator.status = NavigationStatus.ARRIVED
+        monkeypatch.setattr(type(navigator), "status", NavigationStatus.ARRIVED)
 
     monkeypatch.setattr(navigator, "update", claim)
     episode = run(make_sim(), navigator, start, (6.5, 1.5))

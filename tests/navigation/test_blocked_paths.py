@@ -9,7 +9,7 @@ from trundle.errors import NoPathError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.mission import Outcome, run
 from trundle.navigation import NavigationStatus, Navigator
-from trundle.navigation.block_watch import BlockWatch
+from trundle.navigation.progress import BlockWatch
 from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.worlds import World

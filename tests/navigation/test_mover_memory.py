@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from trundle.navigation.sensing.mover_memory import KEPT_S, MoverMemory
+from trundle.navigation.obstacle_watch import KEPT_S, MoverMemory
 from trundle.observation import Track
 
 

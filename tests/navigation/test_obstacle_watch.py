@@ -2,7 +2,7 @@ import itertools
 import math
 
 from trundle.geometry import Pose2D
-from trundle.navigation.sensing.obstacle_watch import LONG_DETOUR_M, PLAN_EVERY_S, SELDOM_S, STAND_OFF_M, ObstacleWatch
+from trundle.navigation.obstacle_watch import LONG_DETOUR_M, PLAN_EVERY_S, SELDOM_S, STAND_OFF_M, ObstacleWatch
 
 
 def test_a_short_detour_is_taken_at_once_and_a_long_one_after_the_wait():

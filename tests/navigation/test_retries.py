@@ -9,7 +9,7 @@ from trundle.geometry import Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, run
 from trundle.navigation import NavigationStatus, Navigator
-from trundle.navigation.retries import Retries
+from trundle.navigation.progress import Retries
 from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.worlds import World

@@ -8,6 +8,7 @@ import pytest
 
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid, SpeedMask
+from trundle.navigation import Navigator
 from trundle.navigation.speed_limiter import SpeedLimiter, fastest_s, limits_along, slow_down
 from trundle.path import Path
 from trundle.planning import PathCheck
@@ -80,3 +81,15 @@ def test_a_slower_command_keeps_its_arc(v):
     slower = slow_down(Twist2D(v, 0.6), 0.2)
     assert (abs(slower.v), slower.w / slower.v) == pytest.approx((0.2, 0.6 / v))
     assert slow_down(slower, 0.2) == slower
+
+
+def test_a_new_path_that_is_shorter_than_what_was_driven_is_looked_ahead_from_its_beginning():
+    grid = OccupancyGrid(np.zeros((120, 400), np.int8), 0.05)
+    everywhere = SpeedMask(OccupancyGrid(np.full(grid.shape, 50, np.int8), grid.resolution))
+    navigator = Navigator(grid, CARTER, speed_mask=everywhere)
+    navigator.set_goal(17.0, 3.0)
+    for x in np.arange(1.5, 13.0, 0.4).tolist():
+        navigator.update((x, 3.0, 0.0))
+    navigator.static_costmap = navigator.static_costmap.update(slice(60, 62), slice(300, 302), 100)
+    assert navigator.update((x, 3.0, 0.0)).v > 0.0
+    assert (navigator.replans, navigator.speed_limit) == (1, pytest.approx(0.5 * TOP))

@@ -5,7 +5,7 @@ from trundle.control.collision import stopping_poses
 from trundle.costmap import Costmap
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
-from trundle.navigation.sensing.unseen_space import slow_down_in_unseen
+from trundle.navigation.command_check import slow_down_in_unseen
 from trundle.robots import Robot
 
 CARTER = Robot.load("nova_carter")

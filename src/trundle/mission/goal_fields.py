@@ -11,7 +11,7 @@ from trundle.files.config_fields import Angle, NotNegative, PoseNumbers
 from trundle.files.yaml_config import Config
 from trundle.geometry import Goal
 from trundle.navigation.behaviors import Behavior, Spin, Wait
-from trundle.navigation.behaviors.choice import BehaviorChoices, shorten_behavior
+from trundle.navigation.behaviors.behavior import BehaviorChoices, shorten_behavior
 from trundle.navigation.waypoint import Waypoint
 
 

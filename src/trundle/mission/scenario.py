@@ -32,7 +32,7 @@ from trundle.mission.steering.file import load_directives
 from trundle.mission.steering.queue import Steering
 from trundle.navigation import Agent, Navigator, NavigatorSettings
 from trundle.navigation.agents import create_agent
-from trundle.navigation.behaviors.choice import shorten_behavior
+from trundle.navigation.behaviors.behavior import shorten_behavior
 from trundle.robots import Robot, is_robot_file
 from trundle.sim import Simulator
 from trundle.values import as_path

@@ -4,9 +4,9 @@ from trundle.control.latency import Latency
 from trundle.files.choice import Choice
 from trundle.navigation.agent import Agent, AgentInfo, AgentReport
 from trundle.navigation.agents import AgentLike, CommandScript, agent_names, create_agent
-from trundle.navigation.assisted_teleop import AssistedCommand
+from trundle.navigation.command_check import AssistedCommand
 from trundle.navigation.navigator import Navigator
-from trundle.navigation.settings import NavigatorSettings
+from trundle.navigation.navigator_settings import NavigatorSettings
 from trundle.navigation.status import NavigationStatus
 from trundle.navigation.waypoint import Waypoint
 

@@ -15,8 +15,8 @@ from trundle.errors import InputError, PlanningError, ScenarioError
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import SpeedMask
-from trundle.navigation.assisted_teleop import AssistedCommand
 from trundle.navigation.behaviors import Behavior, BehaviorRun
+from trundle.navigation.command_check import AssistedCommand
 from trundle.navigation.status import NavigationStatus
 from trundle.observation import Estimate, Observation, Track
 from trundle.path import Path

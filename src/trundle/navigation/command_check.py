@@ -1,60 +1,185 @@
-"""`CommandCheck`: slows commands down by the speed mask and in unseen space, and says which leave room to stop."""
+"""What of a command may be sent: `CommandCheck`, with `slow_down_in_unseen`; by hand, `assist_teleop`."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
 from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop
-from trundle.geometry import Twist2D
-from trundle.navigation.drive import Drive, Now
+from trundle.costmap import LETHAL, Costmap
+from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.navigation.followed_path import FollowedPath
-from trundle.navigation.sensing.sensed_map import SensedMap
-from trundle.navigation.sensing.unseen_space import slow_down_in_unseen
+from trundle.navigation.sensing import SensedMap
 from trundle.navigation.speed_limiter import SpeedLimiter, slow_down
-from trundle.robots import Robot
+from trundle.navigation.state import Snapshot
+from trundle.robots import Limits, Robot
+
+_SLOWER = (1.0, 0.75, 0.5, 0.25, 0.1)
+"""Shares of a command that are tried, the fastest first: few, as each costs a check of the footprint's sweep."""
+_CREEP_MPS, _CREEP_RADPS = 0.05, 0.2
+"""So slowly the robot drives into what it cannot see [m/s, rad/s]; it then stops within a few millimetres."""
+_MARGIN_M = 0.2  # added to what it may touch while it stops, to cut that part out of the costmap
+_HIDDEN_CELLS = 1.5
+"""So many cells round its footprint a robot hides from its lidars; taken as unseen, they made it creep at a start."""
 
 
 class CommandCheck:
     """Checks the commands of a controller, of a behavior, and by hand.
 
     Args:
-        drive: The drive that it is part of; gets the speed limit.
         robot: The robot.
         sensed: The costmap with what its scans saw.
         limiter: Of the speed mask, or None.
         dt: Control period [s].
+
+    Attributes:
+        speed_limit: What the speed mask allowed when it was last asked [m/s], infinite where it limits nothing.
     """
 
-    def __init__(self, drive: Drive, robot: Robot, sensed: SensedMap, limiter: SpeedLimiter | None, dt: float) -> None:
-        self._drive, self._robot, self._sensed, self._limiter, self._dt = drive, robot, sensed, limiter, dt
+    def __init__(self, robot: Robot, sensed: SensedMap, limiter: SpeedLimiter | None, dt: float) -> None:
+        self._robot, self._sensed, self._limiter, self._dt = robot, sensed, limiter, dt
         self._padded = robot.planar.padded(FOOTPRINT_PADDING_M).outline
+        self.begin()
+
+    def begin(self) -> None:
+        """Forget the last speed limit: there is another goal."""
+        self.speed_limit = math.inf
 
     def set_path(self, followed: FollowedPath) -> None:
         """Look ahead along this path from now on."""
         if self._limiter is not None:
             self._limiter.set_path(followed.check)
 
-    def limit_speed(self, now: Now, followed: FollowedPath | None, *, backwards: bool = False) -> None:
-        """Hand the speed that the mask allows here and ahead on the path to the controller."""
+    def limit_speed(self, now: Snapshot, followed: FollowedPath | None, *, backwards: bool = False) -> float | None:
+        """Return the speed [m/s] that the mask allows here and ahead on the path; None without a mask."""
         if self._limiter is None:
-            return
+            return None
         index = 0 if followed is None else followed.index
-        limit = self._limiter.limit(now.pose, now.twist, index, self._dt, backwards=backwards)
-        self._drive.speed_limit = limit
-        self._drive.controller.set_speed_limit(limit)
+        self.speed_limit = self._limiter.limit(now.pose, now.twist, index, self._dt, backwards=backwards)
+        return self.speed_limit
 
-    def slow_down(self, command: Twist2D, now: Now, followed: FollowedPath | None) -> Twist2D:
-        """The same arc within the speed limit of now, and within what was seen."""
+    def slow_down(self, command: Twist2D, now: Snapshot, followed: FollowedPath | None) -> Twist2D:
+        """Return the same arc within the speed limit of now, and within what was seen."""
         self.limit_speed(now, followed, backwards=command.v < 0.0)
         return self.cut(command, now)
 
-    def cut(self, command: Twist2D, now: Now) -> Twist2D:
-        """The same arc within the last speed limit, and within what was seen."""
-        command = slow_down(command, self._drive.speed_limit)
+    def cut(self, command: Twist2D, now: Snapshot) -> Twist2D:
+        """Return the same arc within the last speed limit, and within what was seen."""
+        command = slow_down(command, self.speed_limit)
         if not self._sensed.is_active:
             return command
         limits = self._robot.limits
         return slow_down_in_unseen(now.costmap, limits, now.pose, now.twist, command, self._dt, padded=self._padded)
 
-    def can_stop(self, command: Twist2D, now: Now) -> bool:
+    def can_stop(self, command: Twist2D, now: Snapshot) -> bool:
         """Whether a command leaves the robot room to stop before it touches something."""
         limits = self._robot.limits
         return can_stop(now.costmap, limits, now.pose, now.twist, command, self._dt, padded=self._padded)
+
+
+@dataclass(frozen=True, slots=True)
+class AssistedCommand:
+    """What may be sent of a command by hand.
+
+    Attributes:
+        command: The same arc, as fast as it may be driven; (0, 0) where it may not.
+        reason: What held it back; empty where nothing did.
+    """
+
+    command: Twist2D
+    reason: str = ""
+
+
+def assist_teleop(
+    wish: Twist2D, allowed: Twist2D, can_stop: Callable[[Twist2D], bool], obstacle: str
+) -> AssistedCommand:
+    """Slow a command by hand down until the robot can stop before it touches something, after Nav2's AssistedTeleop.
+
+    Args:
+        wish: The command, within the robot's limits.
+        allowed: The same arc within the speed limit, and within what was seen.
+        can_stop: Whether a command leaves the robot room to stop.
+        obstacle: What it would touch, for the reason.
+    """
+    for share in _SLOWER:
+        slower = Twist2D(share * allowed.v, share * allowed.w)
+        if can_stop(slower):
+            if share < 1.0:
+                return AssistedCommand(slower, f"slowed down before {obstacle}")
+            return AssistedCommand(slower, "" if slower == wish else "slowed down by a speed limit or unseen space")
+    return AssistedCommand(Twist2D(), f"stopped before {obstacle}")
+
+
+def slow_down_in_unseen(
+    costmap: Costmap, limits: Limits, pose: Pose2D, twist: Twist2D, command: Twist2D, dt: float, *, padded: FloatArray
+) -> Twist2D:
+    """The same arc, as slow as it takes to stop before the first cell that was never seen.
+
+    Where it stands, and in what it hides from its own lidars there, nothing is taken to be in its way.
+
+    Where no share of the command does, the robot creeps, at 0.05 m/s and 0.2 rad/s at most: it then stops within a few
+    millimetres, and what its lidars cannot see from where it stands does not hold it for ever.
+
+    Args:
+        costmap: Where it drives; without `unseen` cells the command stays as it is.
+        limits: Of the robot.
+        pose: Where it is, map frame.
+        twist: How it moves, base_link.
+        command: The command.
+        dt: For how long it is sent [s].
+        padded: The footprint's outline [m], base_link, widened by the clearance to keep.
+    """
+    if costmap.unseen is None or command == Twist2D():
+        return command
+    fastest = max(abs(command.v), abs(twist.v))
+    stop_m = fastest * (dt + fastest / (2.0 * limits.linear_acceleration))
+    near = _seen_around(costmap, pose, costmap.circumscribed_radius + stop_m + _MARGIN_M)
+    if near is None:
+        return command
+    for share in _SLOWER:
+        slower = Twist2D(share * command.v, share * command.w)
+        if can_stop(near, limits, pose, twist, slower, dt, padded=padded):
+            return slower
+    share = min(1.0, _CREEP_MPS / max(abs(command.v), 1e-9), _CREEP_RADPS / max(abs(command.w), 1e-9))
+    return Twist2D(share * command.v, share * command.w)
+
+
+def _stood_on(costmap: Costmap, pose: Pose2D, rows: slice, cols: slice) -> npt.NDArray[np.bool_]:
+    """Cells that the robot stands on or hides from its lidars: whose centre is within its outline, or a cell beside."""
+    row, col = np.mgrid[rows, cols]
+    x, y = costmap.cell_to_world(row, col)
+    dx, dy = x - pose.x, y - pose.y
+    cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
+    ahead, left = cos * dx + sin * dy, cos * dy - sin * dx
+    corners = costmap.planar.padded(_HIDDEN_CELLS * costmap.resolution).outline
+    inside = np.ones(row.shape, np.bool_)
+    for (x0, y0), (x1, y1) in zip(corners.tolist(), np.roll(corners, -1, axis=0).tolist(), strict=True):
+        inside &= (x1 - x0) * (left - y0) - (y1 - y0) * (ahead - x0) >= 0.0
+    return inside
+
+
+def _seen_around(costmap: Costmap, pose: Pose2D, reach: float) -> Costmap | None:
+    """The part of a costmap around a pose, with unseen cells occupied; None if all of it was seen."""
+    if costmap.unseen is None:
+        return None
+    row, col = (int(index) for index in costmap.world_to_cell(pose.x, pose.y))
+    cells = int(reach / costmap.resolution) + 1
+    rows, cols = (slice(max(0, at - cells), max(0, at + cells + 1)) for at in (row, col))
+    unseen = costmap.unseen[rows, cols]
+    if not unseen.any():
+        return None
+    unseen = unseen & ~_stood_on(costmap, pose, rows, cols)
+    corner = Pose2D(cols.start * costmap.resolution, rows.start * costmap.resolution)
+    planar: FloatArray = costmap.planar  # type: ignore[assignment]  # taken as it is
+    return Costmap(
+        np.where(unseen, np.uint8(LETHAL), costmap.data[rows, cols]),
+        costmap.resolution,
+        costmap.origin @ corner,
+        planar,
+        costmap.inflation_radius,
+        costmap.cost_scaling_factor,
+    )

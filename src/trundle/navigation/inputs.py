@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import numbers
 import os
 import warnings
 from collections.abc import Sequence
-from typing import cast
+from typing import NamedTuple, cast
 
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.errors import InputError, RobotWarning
 from trundle.geometry import Goal, Pose2D, Twist2D, wrap_angle
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
-from trundle.observation import Estimate, Observation
+from trundle.observation import Estimate, Observation, Scan, check_scans
 from trundle.robots import Robot
-from trundle.values import as_sequence, check_kind, is_finite_number
+from trundle.values import as_number, as_sequence, check_kind, is_finite_number
 
 UPDATE_TAKES = "update takes (pose, twist, time=…, scans=…) or (observation, estimate)"
 _CREDIBLE = 4.0  # times its limits: so fast may a robot be that is pushed, or runs down a ramp
@@ -69,21 +70,43 @@ def read_pose(pose: Pose2D | Sequence[float]) -> Pose2D:
     return Pose2D.of(numbers)
 
 
-def read_observed(
-    pose: object, twist: object, observation: object, estimate: object
-) -> tuple[Observation, Estimate] | None:
-    """The observation and the estimate of an update, given by name, or by position as `pose` and `twist`.
+class Given(NamedTuple):
+    """What an update is given.
 
-    None means that the update is by a pose.
+    Attributes:
+        pose: Where the robot is, map frame.
+        twist: How it moves, base_link; None where that is not known.
+        time: Now [s]; None where that is not known.
+        scans: Those that arrived since the last update.
+        estimate: Where a localizer believes the robot to be; None where the pose is given alone.
+    """
+
+    pose: Pose2D
+    twist: Twist2D | None
+    time: float | None
+    scans: tuple[Scan, ...] = ()
+    estimate: Estimate | None = None
+
+
+def read_update(
+    pose: object, twist: object, time: object, scans: Sequence[Scan], observation: object, estimate: object
+) -> Given:
+    """Take what `Navigator.update` is given: a pose and what goes with it; or an observation and an estimate.
+
+    These two may be given by name, or by position as `pose` and `twist`.
 
     Raises:
-        InputError: If one of them is missing, is of another kind, or is given beside a pose or a twist.
+        InputError: If something is missing, is of another kind or not finite, or is given twice.
     """
     kinds = (Observation, Estimate)
     if observation is None and estimate is None and not isinstance(pose, kinds) and not isinstance(twist, kinds):
         if pose is None:
             raise InputError(f"there is neither a pose nor an observation; {UPDATE_TAKES}")
-        return None
+        here = read_pose(cast("Pose2D | Sequence[float]", pose))
+        now = None if time is None else as_number(time, "time")
+        if now is not None and not math.isfinite(now):
+            raise InputError(f"time must be a finite number of seconds, got {time!r}")
+        return Given(here, cast("Twist2D | None", twist), now, check_scans(scans) if scans else ())
     if observation is None:
         observation, pose = pose, None
     if estimate is None:
@@ -93,7 +116,22 @@ def read_observed(
         raise InputError(f"there are both {both}; {UPDATE_TAKES}")
     check_kind(observation, Observation, "an update's observation", UPDATE_TAKES)
     check_kind(estimate, Estimate, "an update's estimate", UPDATE_TAKES)
-    return cast("Observation", observation), cast("Estimate", estimate)
+    if time is not None or scans:
+        raise InputError(f"an observation has its own time and scans: leave these out; {UPDATE_TAKES}")
+    return read_observed(cast("Observation", observation), cast("Estimate", estimate))
+
+
+def read_observed(observation: Observation, estimate: Estimate) -> Given:
+    """Take what a session and a localizer give.
+
+    Raises:
+        InputError: If its time is not finite, or its scans are none.
+    """
+    time = as_number(observation.time, "time")
+    if not math.isfinite(time):
+        raise InputError(f"time must be a finite number of seconds, got {time!r}")
+    scans = check_scans(observation.scans) if observation.scans else ()
+    return Given(estimate.pose, observation.twist, time, scans, estimate)
 
 
 def read_goal(goal: Pose2D | Sequence[float] | float, y: float | None = None, yaw: float | None = None) -> Goal:
@@ -113,7 +151,7 @@ def read_goal(goal: Pose2D | Sequence[float] | float, y: float | None = None, ya
 
 
 def credible_twist(twist: object, robot: Robot) -> Twist2D:
-    """How the robot moves, cut to what it can at all, with a `RobotWarning` that names the caller's caller.
+    """How the robot moves, cut to what it can at all, with a `RobotWarning` for what calls `update`.
 
     Raises:
         InputError: If it is no twist.
@@ -129,6 +167,6 @@ def credible_twist(twist: object, robot: Robot) -> Twist2D:
         f"{robot.name} cannot move by {twist.v:g} m/s and {twist.w:g} rad/s; these are cut to {v_most:g} m/s "
         f"and {w_most:g} rad/s: check the units of the twist and where it comes from",
         RobotWarning,
-        stacklevel=3,
+        stacklevel=4,
     )
     return Twist2D(min(v_most, max(-v_most, twist.v)), min(w_most, max(-w_most, twist.w)))

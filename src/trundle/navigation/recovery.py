@@ -8,14 +8,14 @@ from collections.abc import Sequence
 from trundle.geometry import Twist2D
 from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import BackUp, Behavior, Replan, ReplanWith
-from trundle.navigation.drive import Drive, Now, count_reason
-from trundle.navigation.path_progress import PathProgress
+from trundle.navigation.progress import PathProgress, Retries
 from trundle.navigation.replanner import Replanner
-from trundle.navigation.retries import Retries
-from trundle.navigation.sensing.sensed_map import SensedMap
+from trundle.navigation.sensing import SensedMap
+from trundle.navigation.state import NOTHING, Decision, DriveState, Snapshot
 from trundle.navigation.status import NavigationStatus
 
 _STAND = Twist2D(0.0, 0.0)
+_WAIT = Decision(_STAND, status=NavigationStatus.BLOCKED, restarts_progress=True)
 _LEAST_BACK_M = 0.1
 _NO_PROGRESS = "no progress along the path"
 
@@ -28,7 +28,6 @@ class Recovery:
     something that was sensed, which may move away, the navigator replans by itself: there only the other steps run.
 
     Args:
-        drive: The drive, whose status it keeps.
         sensed: The costmap with what its scans saw.
         replanner: Plans again.
         runner: Runs the steps.
@@ -39,7 +38,6 @@ class Recovery:
 
     def __init__(
         self,
-        drive: Drive,
         sensed: SensedMap,
         replanner: Replanner,
         runner: BehaviorRunner,
@@ -47,7 +45,7 @@ class Recovery:
         retries: Retries,
         progress: PathProgress,
     ) -> None:
-        self._drive, self._sensed, self._replanner, self._runner = drive, sensed, replanner, runner
+        self._sensed, self._replanner, self._runner = sensed, replanner, runner
         self.steps = tuple(steps)
         self._retries, self._progress = retries, progress
         self._others = tuple(step for step in self.steps if isinstance(step, ReplanWith) or not _replans(step))
@@ -63,41 +61,41 @@ class Recovery:
 
     # Blocked --------------------------------------------------------------------------------------------------------
 
-    def watch(self, command: Twist2D, now: Now, reason: str) -> Twist2D:
+    def watch(self, command: Twist2D, now: Snapshot, state: DriveState, reason: str) -> Decision:
         """Pass the controller's command on; if it makes no progress before the goal, begin to recover.
 
         Args:
             command: The command.
             now: Where the robot is.
+            state: What the drive has come to.
             reason: Why the controller makes no progress, if it says so.
         """
-        followed, drive = self._replanner.followed, self._drive
+        followed = self._replanner.followed
         left_m = 0.0 if followed is None else followed.left_m
         strays = followed is not None and self._progress.is_lost(followed, now.pose, now.twist)
         if not self._retries.is_blocked(command, now.twist, left_m) and not strays:
-            if command != _STAND:
-                drive.status = NavigationStatus.DRIVING
-            return command
+            return Decision(command, status=NavigationStatus.DRIVING if command != _STAND else None)
         if strays:
-            reason = _NO_PROGRESS
-            count_reason(drive, reason)
-        if self._replanner.is_given and not strays:
-            return self._wait_on_given()
-        if self._replanner.obstacle.is_blocked and not strays:
-            return self._wait_for_obstacle(now)
+            said = Decision(reasons=(_NO_PROGRESS,))
+            return said.then(self._try_again(now, state.after(said), left_m, _NO_PROGRESS, strays=True))
+        if self._replanner.is_given:
+            return self._wait_on_given(state)
+        if self._replanner.obstacle.is_blocked:
+            return self._wait_for_obstacle(now, state)
+        return self._try_again(now, state, left_m, reason, strays=False)
+
+    def _try_again(self, now: Snapshot, state: DriveState, left_m: float, reason: str, *, strays: bool) -> Decision:
+        """Run the next step that helps here, or give up where all were tried too often."""
         tries = self.steps and not self._replanner.is_given
         if not tries or (not self._retries.try_again(left_m) and (strays or not self._is_patient())):
-            self._give_up()
-            return _STAND
-        drive.status = NavigationStatus.BLOCKED
-        drive.progress_checker.reset()
+            return _give_up(state)
         if self._retries.count <= 1:
             self._next = 0
         turn = [self.steps[(self._next + k) % len(self.steps)] for k in range(len(self.steps))]
         self._untried = [step for step in turn if self._runner.helps(step, now)] or turn
         self._next += turn.index(self._untried[0])
         self._reason = reason or "no progress"
-        return self._run_next(now)
+        return _WAIT.then(self._run_next(now, state))
 
     def _is_patient(self) -> bool:
         """Whether to start over with the tries of recovery: what holds the robot may be sensed, and may move away."""
@@ -106,26 +104,24 @@ class Recovery:
         self._retries.reset()
         return True
 
-    def _wait_for_obstacle(self, now: Now) -> Twist2D:
+    def _wait_for_obstacle(self, now: Snapshot, state: DriveState) -> Decision:
         """Stand in front of what was sensed on the path, run a step now and then, and give up after a while."""
-        obstacle, drive = self._replanner.obstacle, self._drive
-        if self._replanner.gives_up(now):
-            if self._replanner.searches_less and self._replanner.replan(now):
+        obstacle = self._replanner.obstacle
+        if self._replanner.gives_up(now, state):
+            last = self._replanner.replan(now, state) if self._replanner.searches_less else NOTHING
+            if self._replanner.searches_less and not self._replanner.finds_none(last):
                 obstacle.clear()
-                return _STAND
-            self._give_up()
-            return _STAND
-        drive.status = NavigationStatus.BLOCKED
-        drive.progress_checker.reset()
+                return last.then(Decision(_STAND))
+            return last.then(_give_up(state.after(last)))
         others = self._steps_at_obstacle(now)
-        if others and drive.error is not None and obstacle.backs_up(now.time):
+        if others and state.error is not None and obstacle.backs_up(now.time):
             self._untried = [others[self._next_other % len(others)]]
             self._next_other += 1
-            self._reason = drive.message
-            return self._run_next(now)
-        return _STAND
+            self._reason = state.message
+            return _WAIT.then(self._run_next(now, state))
+        return _WAIT
 
-    def _steps_at_obstacle(self, now: Now) -> list[Behavior]:
+    def _steps_at_obstacle(self, now: Snapshot) -> list[Behavior]:
         """The steps that help there; before what moves the robot backs up as far as gives that room, and no farther."""
         steps = [step for step in self._others if self._runner.helps(step, now)]
         room_m = self._replanner.obstacle.room_m
@@ -135,41 +131,35 @@ class Recovery:
             return [step for step in steps if not isinstance(step, BackUp)]
         return [BackUp(max(-room_m, step.distance), step.speed) if isinstance(step, BackUp) else step for step in steps]
 
-    def _wait_on_given(self) -> Twist2D:
+    def _wait_on_given(self, state: DriveState) -> Decision:
         """Stand on a path that is followed as it is, while what was sensed there may move away; or give up."""
-        obstacle, drive = self._replanner.obstacle, self._drive
-        if not obstacle.is_blocked or obstacle.gives_up:
-            self._give_up()
-            return _STAND
-        drive.status = NavigationStatus.BLOCKED
-        drive.progress_checker.reset()
-        return _STAND
-
-    def _give_up(self) -> None:
-        self._drive.status = NavigationStatus.STUCK if self._drive.error is None else NavigationStatus.NO_PATH
+        obstacle = self._replanner.obstacle
+        return _WAIT if obstacle.is_blocked and not obstacle.gives_up else _give_up(state)
 
     # Steps ----------------------------------------------------------------------------------------------------------
 
-    def continue_step(self, now: Now) -> Twist2D:
-        """The command of the step that is running; when it ends, replan or run the next one."""
-        command = self._runner.step(now)
-        return self._after_step(now) if command is None else command
+    def continue_step(self, now: Snapshot, state: DriveState) -> Decision:
+        """Go on with the step that is running; when it ends, replan or run the next one."""
+        ran = self._runner.step(now, state)
+        return ran if ran.command is not None else ran.then(self._after_step(now, state.after(ran)))
 
-    def _run_next(self, now: Now) -> Twist2D:
+    def _run_next(self, now: Snapshot, state: DriveState) -> Decision:
         """Run the next of the steps that were not tried yet."""
         self._step = self._untried.pop(0)
         self._next += 1
-        command = self._runner.start(self._step, self._reason, now, recovery=True)
-        return self._after_step(now) if command is None else command
+        ran = self._runner.start(self._step, self._reason, now, state, recovery=True)
+        return ran if ran.command is not None else ran.then(self._after_step(now, state.after(ran)))
 
-    def _after_step(self, now: Now) -> Twist2D:
-        drive = self._drive
-        drive.progress_checker.reset()
+    def _after_step(self, now: Snapshot, state: DriveState) -> Decision:
+        ended = Decision(_STAND, restarts_progress=True)
         if self._runner.runs[-1].result == "failed" and self._untried:
-            return self._run_next(now)
-        if not _replans(self._step):
-            self._replanner.replan(now)
-        return _STAND
+            return ended.then(self._run_next(now, state))
+        return ended if _replans(self._step) else ended.then(self._replanner.replan(now, state))
+
+
+def _give_up(state: DriveState) -> Decision:
+    """End the drive: it has no path, or makes no progress although there is one."""
+    return Decision(_STAND, status=NavigationStatus.STUCK if state.error is None else NavigationStatus.NO_PATH)
 
 
 def _replans(step: Behavior) -> bool:

@@ -1,7 +1,8 @@
-"""`NavigationStatus`: what a navigator is doing."""
+"""`NavigationStatus`: what a navigator is doing, and when that changes."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from enum import StrEnum
 
 
@@ -39,3 +40,36 @@ FINAL = frozenset(
     }
 )
 """The robot stands still until there is another goal."""
+
+_S = NavigationStatus
+
+ANY_STATUS_TO: Mapping[NavigationStatus, str] = {
+    _S.IDLE: "`reset` or `cancel`",
+    _S.DRIVING: "`set_goal`, `set_goals` or `follow`",
+    _S.BEHAVING: "`run`",
+}
+"""What a program asks for, which changes every status to this one."""
+
+TRANSITIONS: Mapping[tuple[NavigationStatus, NavigationStatus], str] = {
+    (_S.DRIVING, _S.BLOCKED): "no progress, or a plan has to wait",
+    (_S.DRIVING, _S.BEHAVING): "a waypoint with tasks is reached",
+    (_S.BLOCKED, _S.BEHAVING): "a waypoint with tasks is reached",
+    (_S.BEHAVING, _S.DRIVING): "the behaviors have ended, or `cancel_behavior`: on to the goal",
+    (_S.BLOCKED, _S.DRIVING): "the controller commands a motion again, or the next goal is taken up",
+    (_S.BEHAVING, _S.ARRIVED): "the tasks of the last goal have succeeded",
+    (_S.DRIVING, _S.ARRIVED): "the robot stands at the last goal",
+    (_S.BLOCKED, _S.ARRIVED): "the robot stands at the last goal",
+    (_S.BEHAVING, _S.FINISHED): "the behavior has succeeded, or `cancel_behavior`, and there is no goal to drive on to",
+    (_S.BEHAVING, _S.IDLE): "`cancel_behavior`, and there is no goal",
+    (_S.BEHAVING, _S.STUCK): "a task has failed, or a behavior and there is no goal to drive on to",
+    (
+        _S.DRIVING,
+        _S.STUCK,
+    ): "no progress within the time allowance, or after all tries of recovery; or a task has failed at once",
+    (_S.BLOCKED, _S.STUCK): "no progress within the time allowance, or after all tries of recovery",
+    (_S.DRIVING, _S.NO_PATH): "no path, and nothing that was sensed may move away",
+    (_S.BLOCKED, _S.NO_PATH): "no path, and the robot has waited or tried for long enough",
+    (_S.DRIVING, _S.PLANNING_TIMED_OUT): "the third plan in a row missed its deadline",
+    (_S.BLOCKED, _S.PLANNING_TIMED_OUT): "the third plan in a row missed its deadline",
+}
+"""The event of each other change of status; no other change happens."""

@@ -45,7 +45,7 @@ class Waypoint(Goal):
 
 
 def tasks_of(goal: Goal) -> tuple[Behavior, ...]:
-    """The tasks of a waypoint; none of another goal."""
+    """Return the tasks of a waypoint; another goal has none."""
     return goal.tasks if isinstance(goal, Waypoint) else ()
 
 

@@ -8,7 +8,7 @@ from trundle.control.collision import FOOTPRINT_PADDING_M, stopping_poses
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.navigation import Agent, AgentInfo, NavigationStatus
 from trundle.navigation.agent import CONTROL_PERIOD_S
-from trundle.navigation.assisted_teleop import AssistedCommand, assist_teleop
+from trundle.navigation.command_check import AssistedCommand, assist_teleop
 from trundle.observation import Estimate, Observation
 from trundle.sim import Simulator
 from trundle.sim.footprint import FootprintChecker

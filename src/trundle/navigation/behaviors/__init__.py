@@ -10,9 +10,8 @@ from trundle.navigation.behaviors.behavior import (
     describe_behaviors,
 )
 from trundle.navigation.behaviors.drive_clear import DriveClear
-from trundle.navigation.behaviors.map_steps import ClearCostmap, Replan, ReplanWith
 from trundle.navigation.behaviors.motions import BackUp, DriveOnHeading, Spin
-from trundle.navigation.behaviors.waiting import Wait
+from trundle.navigation.behaviors.standing import ClearCostmap, Replan, ReplanWith, Wait
 
 __all__ = [
     "BackUp",

@@ -1,30 +1,32 @@
-"""The protocol of behaviors, what they get, and the behaviors by name."""
+"""The protocol of behaviors, what they get, and behaviors by name: `create_behavior`, `BehaviorChoice`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import inspect
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol, TypeAlias, cast, runtime_checkable
+from typing import Annotated, Any, Literal, Protocol, TypeAlias, cast, runtime_checkable
 
-from trundle.costmap import Costmap
+from pydantic import BeforeValidator, model_validator
+
 from trundle.errors import InputError
-from trundle.geometry import Pose2D, Twist2D
-from trundle.planning import Planner
+from trundle.files.choice import Choice
+from trundle.geometry import Twist2D
+from trundle.navigation.state import Snapshot as BehaviorContext
 from trundle.registry import Contract, Registry
-from trundle.robots import Robot
 
 BEHAVIORS: Registry[Behavior] = Registry(
     "behavior",
     "trundle.behaviors",
     {
         "back_up": "trundle.navigation.behaviors.motions:BackUp",
-        "clear_costmap": "trundle.navigation.behaviors.map_steps:ClearCostmap",
+        "clear_costmap": "trundle.navigation.behaviors.standing:ClearCostmap",
         "drive_clear": "trundle.navigation.behaviors.drive_clear:DriveClear",
         "drive_on_heading": "trundle.navigation.behaviors.motions:DriveOnHeading",
-        "replan": "trundle.navigation.behaviors.map_steps:Replan",
-        "replan_with": "trundle.navigation.behaviors.map_steps:ReplanWith",
+        "replan": "trundle.navigation.behaviors.standing:Replan",
+        "replan_with": "trundle.navigation.behaviors.standing:ReplanWith",
         "spin": "trundle.navigation.behaviors.motions:Spin",
-        "wait": "trundle.navigation.behaviors.waiting:Wait",
+        "wait": "trundle.navigation.behaviors.standing:Wait",
     },
     contract=Contract({"update": "context"}, files=False),
 )
@@ -34,34 +36,6 @@ ASKED_FOR = "asked for"
 
 BehaviorResult: TypeAlias = Literal["succeeded", "failed", "interrupted", "running"]
 """How a behavior ended, or that it has not."""
-
-
-@dataclass(frozen=True, slots=True)
-class BehaviorContext:
-    """What a behavior knows in a control period.
-
-    Attributes:
-        time: Now [s], any origin.
-        pose: Where the robot is, map frame.
-        twist: How it moves, base_link.
-        costmap: The obstacles, with what the scans saw.
-        dt: Length of the control period [s].
-        robot: The robot.
-        sees: Whether scans have been put into the costmap.
-        clear_costmap: Forgets what the scans saw.
-        replan: Plans from here to the goal, by the navigator's planner (None) or another one, and follows that path.
-            Raises `BehaviorFailedError` if there is no goal or no path.
-    """
-
-    time: float
-    pose: Pose2D
-    twist: Twist2D
-    costmap: Costmap
-    dt: float
-    robot: Robot
-    sees: bool
-    clear_costmap: Callable[[], None]
-    replan: Callable[[Planner | None], None]
 
 
 @runtime_checkable
@@ -168,3 +142,80 @@ def check_behavior_kind(behavior: object) -> None:
 def snake_case(name: str) -> str:
     """The name of a class as the name of a behavior: `BackUp` is back_up."""
     return "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in name).lstrip("_")
+
+
+_FORM = "write back_up, back_up=0.5 or {back_up: {distance: 0.5}}"
+
+
+class BehaviorChoice(Choice):
+    """A behavior: `back_up`, `back_up=0.5`, `{back_up: 0.5}` or `{back_up: {distance: 0.5}}`.
+
+    Attributes:
+        name: Its name.
+        options: Its options, passed by keyword.
+    """
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read(cls, given: object) -> object:
+        if isinstance(given, str):
+            name, equals, value = (part.strip() for part in given.partition("="))
+            return {"name": name, "options": _first_option(name, _number(value)) if equals else {}}
+        if isinstance(given, Mapping) and len(cast("Mapping[str, Any]", given)) == 1 and "name" not in given:
+            ((name, value),) = cast("Mapping[str, Any]", given).items()
+            if value is None or isinstance(value, Mapping):
+                return {"name": name, "options": cast("object", value or {})}
+            return {"name": name, "options": _first_option(name, value)}
+        return cast("object", given)
+
+    def make(self) -> Behavior:
+        """Make the behavior.
+
+        Raises:
+            UnknownNameError: If there is no such behavior.
+            InputError: If it does not take an option or a value.
+        """
+        return create_behavior(self.name, **dict[str, Any](self.options))
+
+
+def shorten_behavior(choice: Mapping[str, Any]) -> object:
+    """Write a behavior without options as its name alone, and one with options as `{name: {…}}`."""
+    return {choice["name"]: choice["options"]} if choice["options"] else choice["name"]
+
+
+def _first_option(name: str, value: object) -> dict[str, object]:
+    """The options of a behavior of which only the first value is given."""
+    maker = cast("Callable[..., object]", BEHAVIORS.load(name))
+    for parameter in inspect.signature(maker).parameters.values():
+        if parameter.kind is parameter.POSITIONAL_OR_KEYWORD:
+            return {parameter.name: value}
+    raise InputError(f"behavior {name!r} takes no value")
+
+
+def _number(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _split(given: object) -> object:
+    """Take one step alone, and split text at commas, also where it is one of a list."""
+    if isinstance(given, str | Mapping | Choice):
+        given = (cast("object", given),)
+    if isinstance(given, list | tuple):
+        items = cast("list[object]", given)
+        split = [_parts(item) if isinstance(item, str) else (item,) for item in items]
+        return tuple(part for parts in split for part in parts)
+    raise InputError(f"a list of behaviors is needed, got {given!r}; {_FORM}")
+
+
+def _parts(text: str) -> tuple[str, ...]:
+    return tuple(part.strip() for part in text.split(",") if part.strip())
+
+
+BehaviorChoices: TypeAlias = Annotated[
+    tuple[BehaviorChoice, ...],
+    BeforeValidator(_split, json_schema_input_type=str | list[str | dict[str, Any]]),
+]
+"""Behaviors in order; text is split at commas."""

@@ -48,7 +48,7 @@ class DriveClear(Behavior):
 
     @property
     def time_allowance(self) -> float:
-        """As long as it takes to try every motion, and to drive one of them [s]."""
+        """Time in which it can try every motion, and drive one of them [s]."""
         return 15.0
 
     def helps(self, context: BehaviorContext) -> bool:

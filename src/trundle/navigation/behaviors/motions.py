@@ -33,7 +33,7 @@ class DriveOnHeading(Behavior):
     Args:
         distance: How far [m].
         speed: How fast at most [m/s]; the robot slows down before the end.
-        allowance: Time after which it has failed [s]; none means twice the time that it takes at its speed, and 5 s.
+        allowance: Time after which it has failed [s]. If None, twice the time that it takes at its speed, and 5 s.
 
     Raises:
         InputError: If one is not a positive number.
@@ -110,7 +110,7 @@ class Spin(Behavior):
             means a quarter turn, as in Nav2, where no heading is given.
         speed: How fast at most [rad/s].
         heading: The yaw to turn to instead [rad], map frame, on the shorter side.
-        allowance: Time after which it has failed [s]; none means twice the time that it takes at its speed, and 5 s.
+        allowance: Time after which it has failed [s]. If None, twice the time that it takes at its speed, and 5 s.
 
     Raises:
         InputError: If both an angle and a heading are given, one is not finite, or the speed is not positive.

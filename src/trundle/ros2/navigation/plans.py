@@ -13,7 +13,7 @@ import numpy as np
 from trundle.costmap import Costmap
 from trundle.errors import InputError, PlanningError, TrundleError, UnknownNameError
 from trundle.geometry import FloatArray, Goal, Pose2D
-from trundle.navigation.joined_path import join_legs
+from trundle.navigation.route_planner import join_legs
 from trundle.path import Path
 from trundle.planning import Planner, create_planner, planner_names
 from trundle.planning.cancellation import Cancellation

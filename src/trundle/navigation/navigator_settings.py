@@ -9,11 +9,11 @@ from pydantic import Field
 from trundle.control import GoalChecker, ProgressChecker
 from trundle.files.config_fields import Angle, NotNegative, Positive
 from trundle.files.yaml_config import Config
-from trundle.navigation.behaviors.choice import BehaviorChoice, BehaviorChoices
-from trundle.navigation.retries import RETRIES
+from trundle.navigation.behaviors.behavior import BehaviorChoice, BehaviorChoices
+from trundle.navigation.progress import RETRIES
 
 LEAST_FREQUENCY, MOST_FREQUENCY = 0.1, 1000.0
-"""Of control [Hz]."""
+"""The lowest and the highest frequency of control [Hz]."""
 
 
 class NavigatorSettings(Config):

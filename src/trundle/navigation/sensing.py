@@ -1,4 +1,4 @@
-"""`SensedMap`: the costmap that a navigator drives on, with what its scans saw."""
+"""What a navigator makes of scans: `SensedMap`, the costmap with what they saw; `SensedTracks`, what moves."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ import numpy as np
 from trundle.costmap import LETHAL, Costmap, CostmapSettings
 from trundle.costmap.layers import LayeredCostmap, LayersSettings
 from trundle.errors import SensorWarning
-from trundle.geometry import Pose2D
+from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import UNKNOWN
-from trundle.observation import Estimate, Scan
+from trundle.observation import Estimate, Scan, Track
 from trundle.robots import Robot
+from trundle.tracking import Tracker, TrackerSettings
 
 RESOLUTION_M = 0.05
 _AROUND_M = 6.0
@@ -102,7 +103,7 @@ class SensedMap:
             elif not _contains(self.costmap, points):
                 self.costmap = self._static = self._blank(points)
 
-    def update(self, scans: Sequence[Scan], estimate: Estimate, goal: Pose2D | None) -> None:
+    def update(self, scans: Sequence[Scan], estimate: Estimate, goal: Goal | None) -> None:
         """Put scans into the costmap.
 
         Args:
@@ -194,3 +195,41 @@ def _without_map(settings: CostmapSettings | None) -> CostmapSettings:
 def _contains(costmap: Costmap, points: Sequence[tuple[float, float]]) -> bool:
     array = np.array(points)
     return bool(costmap.contains(*costmap.world_to_cell(array[:, 0], array[:, 1])).all())
+
+
+class SensedTracks:
+    """Follows what moves through a navigator's scans; the tracker is made at the first one.
+
+    Args:
+        robot: The robot.
+        tracking: When something counts as moving; None for the defaults, False to follow nothing.
+        warn: Whether to warn of scans that are left out.
+    """
+
+    def __init__(self, robot: Robot, tracking: TrackerSettings | Literal[False] | None, *, warn: bool) -> None:
+        self._robot, self._warns = robot, warn
+        self._settings = None if tracking is False else tracking
+        self._is_on = tracking is not False
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what was followed."""
+        self._tracker: Tracker | None = None
+        self._time: float | None = None
+        self._may_go_back = True
+
+    def begin(self) -> None:
+        """Expect that the time may start over: there is a new goal."""
+        self._may_go_back = True
+
+    def update(self, scans: Sequence[Scan], estimate: Estimate) -> tuple[Track, ...]:
+        """Take the scans that arrived since the last call; return all tracks, predicted to now, map frame."""
+        if not self._is_on or (self._tracker is None and len(scans) == 0):
+            return ()
+        if self._tracker is None:
+            self._tracker = Tracker(self._robot, self._settings, warn=self._warns)
+        if self._time is not None and estimate.time < self._time and self._may_go_back:
+            self._tracker.reset()
+        self._time, self._may_go_back = estimate.time, False
+        tracks = self._tracker.update(scans, estimate.time, estimate.odom_pose)
+        return tuple(track.seen_from(estimate.T_map_odom) for track in tracks)
