@@ -270,7 +270,7 @@ class Session:
         Raises:
             BaseException: What a plug-in raised; the run has ended as `error`, and observers were notified.
         """
-        return self._last() if self._attempt(self._drive_when_steered) else None
+        return self._loop.last if self._attempt(self._drive_when_steered) and self._loop is not None else None
 
     def steer(self) -> bool:
         """Apply the directives that are due; `step` does so first, and waits while the run is paused.
@@ -285,10 +285,7 @@ class Session:
 
     def drive(self) -> Step | None:
         """Drive one control period as things stand: `step` without directives; for a loop that calls `steer`."""
-        return self._last() if self._attempt(self._drive) else None
-
-    def _last(self) -> Step | None:
-        return None if self._loop is None else self._loop.last
+        return self._loop.last if self._attempt(self._drive) and self._loop is not None else None
 
     def run(self) -> Episode:
         """Drive until the run has ended, and return the episode.
