@@ -16,8 +16,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from trundle.bags import Recorder, recover
 from trundle.mission import Episode, RunInfo, Scenario, Step
-from trundle.recording import Recorder, recover
 
 LOST_S = 1.2
 PACE = 20.0

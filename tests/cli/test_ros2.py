@@ -357,7 +357,7 @@ def test_without_the_messages_the_install_line_is_printed(
 def test_without_the_libraries_of_recordings_the_install_line_is_printed(
     trundle: Trundle, network: FakeNetwork, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name in [name for name in sys.modules if name.startswith(("trundle.recording", "trundle.ros2.record"))]:
+    for name in [name for name in sys.modules if name.startswith(("trundle.bags", "trundle.ros2.record"))]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "zstandard", None)
     done = trundle("ros2", "serve", "office", *ROBOT, "--record")

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from cyclopts import App
 
-from trundle.ros2.navigation.refusals import REFUSED_ACTIONS, REFUSED_SERVICES
+from trundle.ros2.navigator_role.refusals import REFUSED_ACTIONS, REFUSED_SERVICES
 from trundle.ros2.profile import Profile, profile_names
 
 PAGE = (Path(__file__).parents[2] / "docs" / "ros2.md").read_text()

@@ -296,7 +296,7 @@ def _suite(_: Child, file: Path) -> None:
 
 
 def _mcap(_: Child, file: Path) -> None:
-    from trundle.recording import read_info, read_run, recover
+    from trundle.bags import read_info, read_run, recover
 
     read_info(file)
     try:

@@ -323,8 +323,8 @@ vary: {friction: {uniform: [0.5, 1.0]}}
 
 def recordings(folder: Path) -> list[Path]:
     """A run as MCAP, complete and cut off."""
+    from trundle.bags import Recorder
     from trundle.mission import Scenario
-    from trundle.recording import Recorder
 
     scenario = Scenario.make(
         world={"name": "warehouse", "options": {"size": [14, 11]}}, backend="kinematic", seed=5, time_limit_s=3

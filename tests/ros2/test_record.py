@@ -10,11 +10,11 @@ import yaml
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 
+from trundle.bags import read_info, recover
+from trundle.bags.bag_writer import BagWriter
 from trundle.errors import InputError, OutputError
 from trundle.messages.codec import DISTROS, OLD_BAGS, Codec
 from trundle.messages.qos import CLOCK, LATCHED, Qos
-from trundle.recording import read_info, recover
-from trundle.recording.bag_writer import BagWriter
 from trundle.ros2.record import WireRecord
 
 TEXT = "std_msgs/msg/String"

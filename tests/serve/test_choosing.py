@@ -3,7 +3,7 @@ import pytest
 from trundle.errors import InputError, ScenarioError
 from trundle.mission import Scenario
 from trundle.serve.choosing import Choices, choose
-from trundle.serve.messages import Preview, Setup
+from trundle.serve.page_messages import Preview, Setup
 
 
 def _base() -> Scenario:

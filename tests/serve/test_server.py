@@ -14,7 +14,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from serve.conftest import Served
 from trundle.errors import InputError
 from trundle.serve import server as server_module
-from trundle.serve.messages import Order
+from trundle.serve.page_messages import Order
 from trundle.serve.server import Page, PageServer
 
 

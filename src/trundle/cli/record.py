@@ -30,7 +30,7 @@ def info(file: Path, /, *, distro: options.Distro = None, json: options.Json = F
     Args:
         file: A .mcap or .db3 file, or the folder of a rosbag2.
     """
-    from trundle.recording import read_info
+    from trundle.bags import read_info
 
     found = read_info(file, distro=distro or DEFAULT)
     facts = found.as_dict()
@@ -76,8 +76,8 @@ def recover(
         file: The MCAP file, such as run.partial.mcap.
         out: The new file; default: run.mcap for run.partial.mcap, and name.recovered.mcap for others.
     """
-    from trundle.recording import recover as recover_file
-    from trundle.recording.extra import check_extra
+    from trundle.bags import recover as recover_file
+    from trundle.bags.extra import check_extra
 
     check_extra("a recording")
     done = recover_file(file, out, overwrite=overwrite)
@@ -124,12 +124,12 @@ def to_run(
         video: Write video.mp4 too.
         out: Output folder, which must not hold a run; default: a new one under runs.
     """
+    from trundle.bags import read_run
+    from trundle.bags.bag_content import TopicNames
     from trundle.cli.shared.missions import report
     from trundle.record.folder_claim import check_free
     from trundle.record.progress import ProgressBar
     from trundle.record.run_folder import RunFolder
-    from trundle.recording import read_run
-    from trundle.recording.bag_content import TopicNames
 
     check_free(out, overwrite=overwrite, extra=_EXTRAS)
     found = read_run(file, robot=robot, names=TopicNames(map_, odom, plan), distro=distro or DEFAULT)

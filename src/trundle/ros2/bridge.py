@@ -14,12 +14,12 @@ from trundle.mission import Episode, Mission, Observer, Scenario, Session
 from trundle.mission.place import make_place
 from trundle.mission.simulation import start_backend, wrap_backend
 from trundle.ros2.names import Names
-from trundle.ros2.navigation.role import NavigatorRole
+from trundle.ros2.navigator_role.role import NavigatorRole
 from trundle.ros2.outputs.robot import RobotOutputs
 from trundle.ros2.profile import Profile
 from trundle.ros2.role import BridgeContext, Driver, LiveDriver, Role, RoleName, SimulationClock
-from trundle.ros2.simulation.role import SimulatorRole
-from trundle.ros2.simulation.services import SimulationServices
+from trundle.ros2.simulator_role.role import SimulatorRole
+from trundle.ros2.simulator_role.services import SimulationServices
 from trundle.ros2.wire import Record, Wire
 from trundle.sim.footprint import FootprintChecker
 

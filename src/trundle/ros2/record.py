@@ -9,13 +9,13 @@ import time as clock
 from collections.abc import Mapping
 from typing import Protocol, Self
 
+from trundle.bags.bag_writer import BagWriter, Topic
+from trundle.bags.extra import check_extra
+from trundle.bags.recorder import FLUSH_S, check_free, partial_name
 from trundle.errors import InputError, OutputError
 from trundle.files.writing import cannot_write, output_path
 from trundle.messages.codec import Distro
 from trundle.messages.qos import Qos
-from trundle.recording.bag_writer import BagWriter, Topic
-from trundle.recording.extra import check_extra
-from trundle.recording.recorder import FLUSH_S, check_free, partial_name
 
 _LOGGER = logging.getLogger(__name__)
 

@@ -7,7 +7,7 @@ from trundle.errors import InputError
 from trundle.mission import Scenario
 from trundle.planning.planner import planner_names
 from trundle.robots import robot_names
-from trundle.serve.messages import Preview, Setup
+from trundle.serve.page_messages import Preview, Setup
 from trundle.worlds import world_names
 
 _OF_A_PLACE = {

@@ -13,7 +13,7 @@ from trundle.mission import LiveStatus
 from trundle.serve.choosing import Choices
 from trundle.serve.clients import Client
 from trundle.serve.driver_lock import DriverLock
-from trundle.serve.messages import Drive, Message, Ping, encode_message, parse_message
+from trundle.serve.page_messages import Drive, Message, Ping, encode_message, parse_message
 from trundle.serve.run_feed import RunFeed
 
 MAX_CLIENTS = 64

@@ -18,7 +18,7 @@ from trundle.observation import Scan
 from trundle.page import RunLines
 from trundle.page.run_lines import goal_of
 from trundle.robots import Robot
-from trundle.serve.messages import encode, encode_items, encode_message
+from trundle.serve.page_messages import encode, encode_items, encode_message
 from trundle.worlds import World
 
 if TYPE_CHECKING:

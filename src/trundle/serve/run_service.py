@@ -15,7 +15,7 @@ from trundle.mission.place import make_place
 from trundle.mission.run_files import RECORD
 from trundle.serve.choosing import choose
 from trundle.serve.hub import Hub
-from trundle.serve.messages import Message, Order, Preview, Setup
+from trundle.serve.page_messages import Message, Order, Preview, Setup
 from trundle.serve.run_feed import RunFeed, scene_message
 from trundle.serve.steerer import Refuse, Steerer
 from trundle.serve.watch import Watch

@@ -23,7 +23,7 @@ from trundle.errors import InputError
 from trundle.serve.access import Access
 from trundle.serve.clients import Client, fragments, is_long
 from trundle.serve.hub import Hub, TooManyMessagesError
-from trundle.serve.messages import MAX_BYTES
+from trundle.serve.page_messages import MAX_BYTES
 from trundle.serve.run_files import ServedFile, TooLargeError, find_run_file, list_run_files, read_run_file
 
 _LOGGER = logging.getLogger(__name__)

@@ -24,7 +24,7 @@ from trundle.mission import (
     StepOnce,
 )
 from trundle.mission.steering.directives import Directive
-from trundle.serve.messages import Message, Order
+from trundle.serve.page_messages import Message, Order
 from trundle.serve.run_feed import page_name
 
 MAX_BOXES, MAX_GOALS = 100, 200

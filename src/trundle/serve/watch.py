@@ -8,7 +8,7 @@ from pathlib import Path
 from trundle.mission import Episode, Observer, RunInfo, Steering, Step
 from trundle.page.scene import solid_instances
 from trundle.serve.hub import Hub
-from trundle.serve.messages import encode_message
+from trundle.serve.page_messages import encode_message
 from trundle.serve.run_feed import RunFeed, scene_message
 from trundle.worlds import World
 

@@ -3,7 +3,7 @@
 import pytest
 
 from trundle.geometry import Twist2D
-from trundle.ros2.simulation.role import CommandArbiter
+from trundle.ros2.simulator_role.role import CommandArbiter
 
 FORWARD, LEFT, STAND = Twist2D(0.5, 0.0), Twist2D(0.0, 0.5), Twist2D()
 

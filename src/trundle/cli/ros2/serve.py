@@ -165,10 +165,10 @@ def _target(out: Path | None, *, record: bool, overwrite: bool) -> Path | None:
         if out is not None:
             raise InputError(f"--out {out} is for a recording: give --record with it")
         return None
-    from trundle.recording.extra import check_extra
+    from trundle.bags.extra import check_extra
 
     check_extra("--record")
-    from trundle.recording.recorder import check_free
+    from trundle.bags.recorder import check_free
 
     if out is None:
         return None

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Self
 from trundle.errors import InputError
 
 if TYPE_CHECKING:
+    from trundle.bags import Recorder
     from trundle.messages.codec import Distro
     from trundle.mission import Observer, Scenario
     from trundle.mission.fields import RecordChoice
     from trundle.record.run_folder import WriteExtra
-    from trundle.recording import Recorder
 
 FILE = "run.mcap"
 
@@ -58,8 +58,8 @@ class FolderRecording:
         self._recorder: Recorder | None = None
         if choice is None:
             return
-        from trundle.recording.extra import check_extra
-        from trundle.recording.recorder import check_free
+        from trundle.bags.extra import check_extra
+        from trundle.bags.recorder import check_free
 
         check_extra("--record")
         if out is not None and not overwrite:
@@ -83,8 +83,8 @@ class FolderRecording:
         """Return the observers that record a run into a folder that was claimed."""
         if self._choice is None:
             return []
+        from trundle.bags import Recorder
         from trundle.messages.codec import DEFAULT
-        from trundle.recording import Recorder
 
         distro = self._choice.distro or DEFAULT
         self._recorder = Recorder(folder / FILE, scenario=scenario, distro=distro, overwrite=True, named_by_folder=True)

@@ -1,0 +1,82 @@
+"""`PoseInputs`: the topics /goal_pose and /initialpose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from trundle.messages import readers
+from trundle.messages.qos import Qos
+from trundle.mission import SetGoal, SetPose
+from trundle.ros2.bad_input import STAMP_S, BadInputError, check_frame, check_pose
+from trundle.ros2.navigator_role.context import FrameError, Kit
+
+_GOAL, _POSE = "goal_pose", "initialpose"
+
+
+class PoseInputs:
+    """Takes goals and the localizer's pose from topics, as RViz sends them.
+
+    A message is dropped, with one warning for each kind, where its frame is not known, a number is not finite, or the
+    quaternion has length 0. A stamp that is far from the simulated time is reported and otherwise left out of account,
+    as it is in Nav2: a pose on the map is the same at any time.
+
+    Args:
+        kit: What the navigator works with.
+        told: Called when a pose was told, whether the run takes it or not.
+    """
+
+    def __init__(self, kit: Kit, told: Callable[[], None]) -> None:
+        self._kit, self._told = kit, told
+
+    def open(self) -> None:
+        """Listen to both topics."""
+        wire = self._kit.context.wire
+        wire.listen(_GOAL, "geometry_msgs/msg/PoseStamped", Qos(10), self._goal)
+        wire.listen(_POSE, "geometry_msgs/msg/PoseWithCovarianceStamped", Qos(10), self._pose)
+
+    def _goal(self, message: Any, source: str) -> None:
+        kit = self._kit
+        try:
+            pose = kit.beliefs.read(message, "the goal")
+        except (BadInputError, FrameError) as error:
+            self._drop(_GOAL, error)
+            return
+        if kit.tasks.refuses:
+            kit.context.wire.warn(f"{_GOAL}: refused", f"a goal of {_GOAL} is refused: {kit.tasks.refuses}")
+            return
+        self._look_at_stamp(_GOAL, message)
+        kit.tasks.drive.preempt("a goal came on /goal_pose")
+        kit.context.driver.steering.put(SetGoal(pose), by=_GOAL, refused=self._refused(_GOAL))
+
+    def _pose(self, message: Any, source: str) -> None:
+        kit = self._kit
+        try:
+            check_frame(message.header.frame_id, (kit.map_frame,))
+            pose = check_pose(message.pose.pose)
+        except BadInputError as error:
+            self._drop(_POSE, error)
+            return
+        self._look_at_stamp(_POSE, message)
+        kit.context.driver.steering.put(SetPose(pose), by=_POSE, refused=self._refused(_POSE))
+        self._told()
+
+    def _drop(self, topic: str, error: BadInputError | FrameError) -> None:
+        kind = error.kind if isinstance(error, BadInputError) else "wrong frame"
+        self._kit.context.wire.warn(f"{topic}: {kind}", f"a message of {topic} is dropped: {error}")
+
+    def _refused(self, topic: str) -> Callable[[str], None]:
+        def report(why: str) -> None:
+            self._kit.context.wire.warn(f"{topic}: refused", f"a message of {topic} is refused: {why}")
+
+        return report
+
+    def _look_at_stamp(self, topic: str, message: Any) -> None:
+        time, now = readers.read_stamp(message.header.stamp), self._kit.beliefs.now.time
+        if time != 0.0 and abs(time - now) > STAMP_S:
+            where = "past" if time < now else "future"
+            self._kit.context.wire.warn(
+                f"{topic}: stamp in the {where}",
+                f"a message of {topic} is stamped {time:.3f} s, in the {where} of the simulated time {now:.3f} s; it "
+                "is taken all the same: set use_sim_time of the node that sends it",
+            )

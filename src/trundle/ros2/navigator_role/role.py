@@ -1,0 +1,183 @@
+"""`NavigatorRole`: trundle drives, and ROS programs use it as they use Nav2."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from trundle.errors import InputError
+from trundle.mission import Cancel, Episode, Observer, RunInfo, Session, Step
+from trundle.mission.simulation import session_options
+from trundle.ros2.actions import Action
+from trundle.ros2.navigator_role.behaviors import (
+    Behave,
+    read_back_up,
+    read_drive_on_heading,
+    read_spin,
+    read_wait,
+)
+from trundle.ros2.navigator_role.context import NAVIGATOR, Beliefs, Kit
+from trundle.ros2.navigator_role.costmap_outputs import FootprintOutput, GlobalCostmapOutput, LocalCostmapOutput
+from trundle.ros2.navigator_role.driving import Follow, Navigate
+from trundle.ros2.navigator_role.inputs import PoseInputs
+from trundle.ros2.navigator_role.outputs import MapOutput, MarkerOutput, PlanOutput, PoseOutput
+from trundle.ros2.navigator_role.plans import ComputePath, PlanServer
+from trundle.ros2.navigator_role.refusals import REFUSED_ACTIONS, REFUSED_SERVICES, Refuse, refuse_service
+from trundle.ros2.navigator_role.services import OPTIONAL, Lifecycle, Services
+from trundle.ros2.navigator_role.tasks import Tasks
+from trundle.ros2.outputs.output import Output
+from trundle.ros2.role import BridgeContext
+
+
+class NavigatorRole:
+    """Drives by goals, paths and behaviors from the network, and publishes what a navigator of Nav2 does.
+
+    Args:
+        context: What it plugs into.
+
+    Attributes:
+        lifecycle: The state of Nav2's nodes.
+    """
+
+    def __init__(self, context: BridgeContext) -> None:
+        self._context = context
+        tasks = Tasks(context)
+        self._kit = Kit(context, tasks, Beliefs(context))
+        self._plans = PlanServer(self._kit)
+        self.lifecycle = Lifecycle(context.wire, self._change_state)
+
+    def open(self) -> None:
+        """Open topics, services and actions."""
+        kit, wire = self._kit, self._context.wire
+        self._pose_output, self._markers = PoseOutput(kit), MarkerOutput(kit)
+        self._outputs: list[Output] = [
+            self._pose_output,
+            MapOutput(kit),
+            GlobalCostmapOutput(kit),
+            LocalCostmapOutput(kit),
+            FootprintOutput(kit, "global_costmap"),
+            FootprintOutput(kit, "local_costmap"),
+            PlanOutput(kit),
+            self._markers,
+        ]
+        PoseInputs(kit, self._pose_output.answer).open()
+        self._open_actions()
+        self.lifecycle.open(self._serve)
+        Services(kit).open(self._serve)
+        for refusal in REFUSED_SERVICES:
+            self._serve(refusal.name, refusal.type_name, refuse_service(wire, refusal))
+
+    def begin(self, observers: Sequence[Observer], seed: int | None) -> Session:
+        """Begin a run; see `Role`. It waits for goals."""
+        mission = self._context.mission
+        self._pose_output.begin()
+        options = session_options(mission.scenario, mission.grid, mission.navigator.robot)
+        outputs = NavigatorOutputs(self._kit, self._outputs, self._markers)
+        return self._context.begin_session(mission.navigator, [*observers, outputs], seed, options)
+
+    def lost(self, why: str) -> None:
+        """Stop the robot, because whoever asked it to drive is out of reach."""
+        if why:
+            self._context.driver.steering.put(Cancel(), by=NAVIGATOR)
+            self._kit.tasks.end(f"the other side is lost: {why}")
+
+    def close(self) -> None:
+        """End what runs, and tell its clients."""
+        self._plans.close()
+        self._kit.tasks.end("the bridge has ended")
+        self._kit.tasks.flush()
+
+    def _change_state(self, refuses: str) -> None:
+        tasks = self._kit.tasks
+        tasks.refuses = refuses
+        if refuses:
+            self._context.driver.steering.put(Cancel(), by=NAVIGATOR)
+            tasks.end(refuses)
+
+    # Opening --------------------------------------------------------------------------------------------------------
+
+    def _open_actions(self) -> None:
+        kit = self._kit
+        self._act("navigate_to_pose", "NavigateToPose", Navigate(kit, "navigate_to_pose", through=False))
+        self._act(
+            "navigate_through_poses", "NavigateThroughPoses", Navigate(kit, "navigate_through_poses", through=True)
+        )
+        self._act("follow_path", "FollowPath", Follow(kit, "follow_path"))
+        to, through = "compute_path_to_pose", "compute_path_through_poses"
+        self._act(to, "ComputePathToPose", ComputePath(kit, self._plans, to, through=False))
+        self._act(through, "ComputePathThroughPoses", ComputePath(kit, self._plans, through, through=True))
+        for name, action, read in (
+            ("spin", "Spin", read_spin),
+            ("backup", "BackUp", read_back_up),
+            ("drive_on_heading", "DriveOnHeading", read_drive_on_heading),
+            ("wait", "Wait", read_wait),
+        ):
+            self._act(name, action, Behave(kit, name, action, read))
+        wire = self._context.wire
+        for refusal in REFUSED_ACTIONS:
+            self._act(refusal.name, refusal.type_name.rpartition("/")[2], Refuse(wire, refusal), optional=True)
+
+    def _act(self, name: str, action: str, served: Action, *, optional: bool = False) -> None:
+        """Serve an action if the other side knows its type; a missing one is reported, unless it is optional."""
+        wire, type_name = self._context.wire, f"nav2_msgs/action/{action}"
+        if not wire.transport.has_services or self._knows(type_name, "Goal", "Result", "Feedback"):
+            wire.act(name, type_name, served)
+        elif not optional:
+            self._warn_of_type(type_name)
+
+    def _serve(self, name: str, type_name: str, handler: Callable[[Any], Any]) -> None:
+        """Serve a service if the other side knows its type; a missing one is reported, unless it is optional."""
+        wire = self._context.wire
+        if not wire.transport.has_services or self._knows(type_name, "Request", "Response"):
+            wire.serve(name, type_name, handler)
+        elif type_name not in OPTIONAL:
+            self._warn_of_type(type_name)
+
+    def _knows(self, type_name: str, *parts: str) -> bool:
+        """Return whether the other side has a type, and its text can be read; later it may be too late to ask."""
+        try:
+            return all(self._context.wire.types.knows(f"{type_name}_{part}") for part in parts)
+        except InputError:
+            return False
+
+    def _warn_of_type(self, type_name: str) -> None:
+        package = type_name.partition("/")[0]
+        distro = self._context.wire.types.distro
+        debian = package.replace("_", "-")
+        self._context.wire.warn(
+            f"{package} is not installed",
+            f"the ROS {distro} in use has no {type_name}, so what needs it is not served: sudo apt install "
+            f"ros-{distro}-{debian}",
+        )
+
+
+class NavigatorOutputs:
+    """Publishes what the navigator knows of a run, and sends feedback.
+
+    Args:
+        kit: What the navigator works with.
+        outputs: What is published.
+        markers: The output that knows whether rollouts are wanted.
+    """
+
+    def __init__(self, kit: Kit, outputs: Sequence[Output], markers: MarkerOutput) -> None:
+        self._kit, self._outputs, self._markers = kit, outputs, markers
+
+    @property
+    def wants_rollouts(self) -> bool:
+        """Whether somebody looks at the rollouts."""
+        return self._markers.wants_rollouts
+
+    def on_start(self, run: RunInfo) -> None:
+        """Do nothing: the first period tells what is published."""
+
+    def on_step(self, step: Step) -> None:
+        """Publish the end of a control period."""
+        time = self._kit.context.clock.offset + step.state.time
+        self._kit.beliefs.take(step, time)
+        for output in self._outputs:
+            output.publish(step, time)
+        self._kit.tasks.follow(step)
+
+    def on_end(self, episode: Episode) -> None:
+        """Do nothing: the next run may follow."""
