@@ -3,7 +3,8 @@ import pytest
 
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
-from trundle.navigation import CommandScript, NavigationStatus, Navigator
+from trundle.navigation import Agent, AgentReport, CommandScript, NavigationStatus, Navigator
+from trundle.path import Path
 from trundle.testing import ConformanceError, check_agent
 
 ROOM = OccupancyGrid(np.zeros((160, 160), dtype=np.int8), 0.05, Pose2D(-4.0, -4.0))
@@ -88,6 +89,59 @@ class Frozen(Standing):
     ],
 )
 def test_broken_agents_are_found(agent, message):
+    with pytest.raises(ConformanceError, match=message):
+        check_agent(lambda robot: agent())
+
+
+class Whole(Standing, Agent):
+    """Derives from the base class, and overrides nothing that has a default."""
+
+
+class Nameless(Whole):
+    def info(self):
+        return "nameless"
+
+
+class Silent(Whole):
+    def report(self, *, rollouts=False):
+        return None
+
+
+class TwoFaced(Whole):
+    def report(self, *, rollouts=False):
+        return AgentReport(NavigationStatus.ARRIVED)
+
+
+class Lost(Whole):
+    plans = True
+
+    def plan(self, start, /):
+        return Path([(0.0, 0.0, 0.0), (-3.0, 0.0, 0.0)])
+
+
+class Shy(Whole):
+    def plan(self, start, /):
+        return Path([(0.0, 0.0, 0.0), (2.0, 1.0, 0.0)])
+
+
+class Loose(Whole):
+    def assist_teleop(self, command, observation, estimate):
+        return command
+
+
+@pytest.mark.parametrize(
+    ("agent", "message"),
+    [
+        (Nameless, "must return an AgentInfo"),
+        (Silent, "must return an AgentReport"),
+        (TwoFaced, "must report its status"),
+        (Lost, "must lead to its goal"),
+        (Shy, "must say so by its attribute plans"),
+        (Loose, "must return an AssistedCommand"),
+    ],
+)
+def test_broken_optional_members_are_found(agent, message):
+    check_agent(lambda robot: Whole())
     with pytest.raises(ConformanceError, match=message):
         check_agent(lambda robot: agent())
 

@@ -30,7 +30,7 @@ class Rules(Config):
 
     Attributes:
         arrival_radius: The run ends as arrived when the robot truly is this close to its last goal [m], at any speed
-            and yaw, whatever it believes; none means when the robot says that it has arrived.
+            and yaw, whatever it believes. If None, when the robot says that it has arrived.
         every_contact: A moving obstacle that runs into the robot while it stands is a collision, too.
     """
 
@@ -42,11 +42,11 @@ class AssumedLimits(Config):
     """Limits that the robot's software keeps to; the robot's own hold where they are lower.
 
     Attributes:
-        linear_speed: Maximum forward speed [m/s]; none means the robot's.
-        reverse_speed: Maximum reverse speed [m/s], as a positive number; none means the robot's.
-        angular_speed: Maximum turning speed in both directions [rad/s]; none means the robot's.
-        linear_acceleration: Maximum acceleration and deceleration [m/s²]; none means the robot's.
-        angular_acceleration: Maximum angular acceleration and deceleration [rad/s²]; none means the robot's.
+        linear_speed: Maximum forward speed [m/s]. If None, the robot's.
+        reverse_speed: Maximum reverse speed [m/s], as a positive number. If None, the robot's.
+        angular_speed: Maximum turning speed in both directions [rad/s]. If None, the robot's.
+        linear_acceleration: Maximum acceleration and deceleration [m/s²]. If None, the robot's.
+        angular_acceleration: Maximum angular acceleration and deceleration [rad/s²]. If None, the robot's.
     """
 
     linear_speed: Speed | None = None
@@ -70,8 +70,8 @@ class Assumed(Config):
 
     Attributes:
         footprint: Corners of the convex outline that it plans and drives with, base_link [m], clockwise or
-            counter-clockwise; none means the robot's.
-        limits: Speeds and accelerations that it keeps to; none means the robot's.
+            counter-clockwise. If None, the robot's.
+        limits: Speeds and accelerations that it keeps to. If None, the robot's.
     """
 
     footprint: Annotated[tuple[tuple[Coordinate, Coordinate], ...], Field(min_length=3, max_length=64)] | None = None
@@ -107,7 +107,7 @@ class WorldChoice(Choice):
     Attributes:
         name: Name of a generated world, or the path of a world's file; a path in a file is relative to that file.
         options: Options of the generator, or of the file's loader.
-        seed: Seed of a generated world; none means the scenario's.
+        seed: Seed of a generated world. If None, the scenario's.
     """
 
     seed: int | None = None
@@ -137,7 +137,7 @@ class MapOptions(Config):
         height: Height of the walls [m].
         unknown: What unknown cells are in the simulated world; in the map they stay unknown. None means solid where
             the scenario's `unknown` is blocked, and free otherwise.
-        max_cells: The most cells of the map; none means 20 million.
+        max_cells: The most cells of the map. If None, 20 million.
     """
 
     height: Positive = 1.0
@@ -150,7 +150,7 @@ class RecordChoice(Config):
 
     Attributes:
         name: The format: "mcap" is rosbag2's.
-        distro: The distribution of ROS 2 whose message types, hashes and QoS the recording has; none means jazzy.
+        distro: The distribution of ROS 2 whose message types, hashes and QoS the recording has. If None, jazzy.
     """
 
     name: Literal["mcap"] = "mcap"
@@ -170,7 +170,7 @@ class RunSettings(NavigatorSettings):
     """Those of a navigator; without a planning deadline, so that a run is the same however busy the computer is.
 
     Attributes:
-        planning_deadline_s: How long a plan may take [s] of the computer's time, three times at most; none means as
+        planning_deadline_s: How long a plan may take [s] of the computer's time, three times at most. If None, as
             long as it takes.
     """
 
@@ -183,11 +183,11 @@ class ScenarioFields(CostmapSettings, RunSettings):
     Beside its own fields it has those of `CostmapSettings` and `RunSettings`.
 
     Attributes:
-        name: Name of the run; none means robot and place.
+        name: Name of the run. If None, robot and place.
         world: A world, generated or from a file; its map is made as the robot needs it. Either this or `map`.
         map: Path of a ROS map's YAML, extruded into a world. In a file, it is relative to that file.
-        map_options: How the map is extruded; none means walls of 1 m.
-        floor_z: Height [m] of the floor in the world's file; none means the one under the start, or where none is
+        map_options: How the map is extruded. If None, walls of 1 m.
+        floor_z: Height [m] of the floor in the world's file. If None, the one under the start, or where none is
             given, under most of the world (with backend isaac 0, as Isaac Sim takes the file as it is).
         compat: "humble" reads the map and the masks as ROS 2 Humble does.
         keepout: Path of a keep-out mask's YAML, a ROS map; in a file, relative to that file.
@@ -195,7 +195,7 @@ class ScenarioFields(CostmapSettings, RunSettings):
         robot: Catalogue name or path of a robot's YAML; a path in a file is relative to that file.
         assumed: What its software takes the robot for, where that differs: outline, speeds and accelerations. None
             means the robot as it is.
-        start: (x, y) or (x, y, yaw) [m, m, rad], map frame; none means picked from the free space by seed.
+        start: (x, y) or (x, y, yaw) [m, m, rad], map frame. If None, picked from the free space by seed.
         goal: (x, y), to be reached with any yaw, or (x, y, yaw); none, and no `goals`, means picked by seed.
         goals: Several of these, to be reached in order; or waypoints with tasks, `{pose: [5, 3], wait: 2.0}`.
         through: Whether the robot drives through the goals without stopping, but for waypoints with tasks and the last.
@@ -203,30 +203,30 @@ class ScenarioFields(CostmapSettings, RunSettings):
             an object.
         controller: Controller, likewise.
         smoother: Smoother of the planned paths, likewise; none drives them as they are planned.
-        agent: What drives instead of planner, controller and smoother, likewise; none means that these drive.
-        unmapped: Boxes in the world that are not on the robot's map, drawn by seed; none means no such boxes.
+        agent: What drives instead of planner, controller and smoother, likewise. If None, that these drive.
+        unmapped: Boxes in the world that are not on the robot's map, drawn by seed. If None, no such boxes.
         movers: What moves in the world besides the robot and the world's movers: on a path, or crowds of people and
             forklifts.
         backend: Simulator, likewise.
-        actuation: How the robot's motion differs from what its software believes; none means not at all.
-        latency: How late scans and commands arrive; none means not at all.
-        odometry: How far its odometry is from its motion; none means not at all.
+        actuation: How the robot's motion differs from what its software believes. If None, not at all.
+        latency: How late scans and commands arrive. If None, not at all.
+        odometry: How far its odometry is from its motion. If None, not at all.
         lidar: Which of the robot's lidars are simulated: all (true), none (false), or a list of names. With them it
             senses obstacles that are not on its map.
         known_map: Whether the robot starts with the map of its surroundings. Without it, it drives by its lidars alone;
             unknown space can then be driven, at a cost, also where `unknown` is blocked.
         localizer: What estimates the robot's pose, likewise; none gives it the true pose.
-        layers: How scans are put into the costmap; none means the defaults.
+        layers: How scans are put into the costmap. If None, the defaults.
         collision_monitor: Whether every command passes a collision monitor (true or its settings), or none (false). Not
             given means one where there are scans.
-        rules: What ends the run besides the usual; none means nothing.
+        rules: What ends the run besides the usual. If None, nothing.
         directives: Path of the directives that steer the run, as a steered run has recorded them; in a file, relative
             to that file. None means that nothing steers it.
-        record: What `trundle run` writes besides the run's other files: "mcap" is run.mcap, a rosbag2; none means
+        record: What `trundle run` writes besides the run's other files: "mcap" is run.mcap, a rosbag2. If None,
             nothing.
         seed: For everything random: the world, the picked poses and the simulator.
         resolution: Edge of a cell [m] of the map that is made of a world.
-        time_limit_s: Simulated time [s] at which the run is stopped; none means `trundle.run`'s default.
+        time_limit_s: Simulated time [s] at which the run is stopped. If None, `trundle.run`'s default.
     """
 
     name: str | None = None

@@ -254,8 +254,8 @@ def compute_metrics(
         unseen_contacts: What was touched and no lidar could see.
         monitor_stops: How often a collision monitor stopped the robot; none without one.
         recoveries: Number of steps of recovery that ran.
-        standing_reasons: In how many control periods the controller made no progress, by reason; none means never.
-        truth: What was measured around the robot; none means that nothing is known but the costmap and the plans, and
+        standing_reasons: In how many control periods the controller made no progress, by reason. If None, never.
+        truth: What was measured around the robot. If None, that nothing is known but the costmap and the plans, and
             `path_length_m` stands for the shortest path.
     """
     if truth is None:

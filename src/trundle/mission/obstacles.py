@@ -42,18 +42,18 @@ class MoverChoice(Config):
     `{name: door, box: [1.0, 0.1, 2.0], waypoints: [[0, 2, 0], [5, 3, 0]]}`.
 
     Attributes:
-        name: Its name, under which contacts are reported; of a crowd, none means `people` or `forklifts`.
+        name: Its name, under which contacts are reported; if None, `people` or `forklifts` of a crowd.
         crowd: What a crowd is of.
         count: How many there are in the crowd.
         sees_robot: Whether a crowd stops for the robot and goes around it.
-        area: (x0, y0, x1, y1) [m]: where the crowd stays; none means anywhere in the world.
-        seed: Of the crowd's random places; none means the scenario's.
+        area: (x0, y0, x1, y1) [m]: where the crowd stays. If None, anywhere in the world.
+        seed: Of the crowd's random places. If None, the scenario's.
         body: The body of a mover. Either this, `box` or `cylinder`.
         box: Size (x, y, z) [m] of a mover that is a box on the floor.
         cylinder: Radius and height [m] of a mover that is a cylinder on the floor.
         waypoints: (t, x, y) or (t, x, y, yaw) each [s, m, m, rad], which a mover passes. Either this or `path`.
         path: (x, y) each [m], followed at constant speed.
-        speed: Along the path, or the fastest of the crowd [m/s]; none means 1.2.
+        speed: Along the path, or the fastest of the crowd [m/s]. If None, 1.2.
         start_s: When a mover sets off along its path [s].
         interpolation: Between the points: straight, or a smooth Catmull-Rom curve.
         repeat: After the last point: stay there, start again, or return in reverse.

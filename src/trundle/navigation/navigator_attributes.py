@@ -253,21 +253,24 @@ class NavigatorAttributes(Agent):
 
     def report(self, *, rollouts: bool = False) -> AgentReport:
         """Say what it is doing, and why."""
+        # It is asked in every control period: what stands in the properties above is read without them.
+        state, replanner, controller = self._state, self._replanner, self._controller
+        followed = replanner.followed
         return AgentReport(
-            status=self.status,
-            message=self.message,
-            error=self.error,
-            path=self.path,
-            distance_remaining=self.distance_remaining,
-            costmap=self.costmap,
+            status=state.status,
+            message=state.message,
+            error=state.error,
+            path=None if followed is None else followed.path,
+            distance_remaining=None if followed is None else followed.left_m,
+            costmap=self._sensed.costmap,
             tracks=self.tracks,
-            rollouts=self.rollouts if rollouts else None,
-            intent=self.intent,
-            goals_reached=self.goals_reached,
-            behaviors=self.behavior_runs,
-            replans=self.replans,
-            planning_time_s=self.planning_time_s,
-            standing_reasons=self.standing_reasons,
-            waits_to_plan=self.waits_to_plan,
-            follows_given=self.follows_given,
+            rollouts=controller.rollouts() if rollouts else None,
+            intent=controller.intent,
+            goals_reached=self._goal_queue.goals_reached,
+            behaviors=self._runner.runs,
+            replans=state.replans,
+            planning_time_s=state.planning_time_s,
+            standing_reasons=state.standing_reasons,
+            waits_to_plan=replanner.tries.pending,
+            follows_given=replanner.is_given,
         )

@@ -28,7 +28,7 @@ class NavigatorSettings(Config):
         required_movement_radius: The robot makes progress when it moves this far [m].
         movement_time_allowance: Without progress for longer than this [s] the robot is stuck.
         control_frequency: Commands per second [Hz], 0.1 to 1000.
-        replan_interval_s: After this time [s] it looks for a better path; none means only where the path is blocked.
+        replan_interval_s: After this time [s] it looks for a better path. If None, only where the path is blocked.
         replan_margin: A path that is not blocked is replaced by one that is cheaper by this share of what is left of
             it, so that the robot does not oscillate between equal-cost paths.
         planning_deadline_s: How long a plan may take [s] of the computer's time. After that the robot waits for 1 s and

@@ -7,13 +7,15 @@ from typing import cast
 
 import numpy as np
 
+from trundle.control.latency import Latency
 from trundle.errors import InputError
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
-from trundle.navigation import Agent, NavigationStatus
+from trundle.navigation import Agent, AgentInfo, AgentReport, AssistedCommand, NavigationStatus
 from trundle.navigation.agents import AgentLike, create_agent
 from trundle.navigation.status import FINAL
 from trundle.observation import Estimate, Observation, Scan
+from trundle.path import Path
 from trundle.robots import Robot
 from trundle.testing.conformance import ConformanceError, accept, expect
 
@@ -29,7 +31,9 @@ def check_agent(agent: AgentLike, *, robot: Robot | None = None) -> None:
     or is still busy after a minute, and stands still from then on. A reset makes it as new: the same seed and
     observations give the same commands. Two agents share no state. It does not modify the scans that it gets, takes
     observations with and without them, and takes a second one at the same time after a new goal. Where it says that it
-    has arrived, its estimate is at the goal.
+    has arrived, its estimate is at the goal. What it says of itself by `info` and `report`, and what it makes of being
+    told the latency, a changed command and a command by hand, is of the kinds that `Agent` names; where it takes
+    several goals at once it counts them, and where it plans it returns a path to its goal or None.
 
     Args:
         agent: An agent in any of the ways of `AgentLike`, or a function that makes one for a robot. A class gets an
@@ -57,6 +61,7 @@ def check_agent(agent: AgentLike, *, robot: Robot | None = None) -> None:
     expect(_drive(one, driven, scans=False) == first, "two agents must not share state; found: one changed the other")
     _drive(make(driven), driven, scans=True)
     _check_second_goal(make(driven))
+    _check_optional(make(driven))
 
 
 def _drive(agent: Agent, robot: Robot, *, scans: bool) -> list[Twist2D]:
@@ -91,6 +96,35 @@ def _check_second_goal(agent: Agent) -> None:
     _command(agent, observation, estimate)
     agent.set_goal(Goal(1.0, -1.0))
     _command(agent, observation, estimate)
+
+
+def _check_optional(agent: Agent) -> None:
+    """Check the members that have a default, for an agent that overrides them."""
+    info = agent.info()
+    expect(isinstance(info, AgentInfo), f"an agent's info() must return an AgentInfo; found: {info!r}")
+    expect(isinstance(info.controller, str), f"an agent's controller is named by a text; found: {info.controller!r}")
+    agent.reset(seed=7)
+    agent.set_latency(Latency(scan_age_s=0.1, command_delay_s=0.1))
+    try:
+        agent.set_goals((_GOAL, Goal(1.0, -1.0)))
+    except InputError:  # it takes one goal at a time
+        agent.set_goal(_GOAL)
+    path = agent.plan(_START)
+    if path is not None:
+        expect(agent.plans, "an agent that plans must say so by its attribute plans")
+        near = path.goal.distance_to(_GOAL.pose)
+        expect(near <= 0.5, f"an agent's plan must lead to its goal {_GOAL}; found a path to {path.goal}")
+    observation, estimate = Observation(0.0, Twist2D(), _START), Estimate(0.0, _START)
+    _command(agent, observation, estimate)
+    agent.set_sent_command(Twist2D())
+    for rollouts in (False, True):
+        report = agent.report(rollouts=rollouts)
+        expect(isinstance(report, AgentReport), f"an agent's report() must return an AgentReport; found: {report!r}")
+        expect(report.status is agent.status, f"an agent must report its status {agent.status}; found: {report.status}")
+        expect(report.goals_reached >= 0, f"an agent counts goals from 0; found: {report.goals_reached}")
+    expect(report.path is None or isinstance(report.path, Path), f"an agent's path is a Path; found: {report.path!r}")
+    assisted = agent.assist_teleop(Twist2D(0.1, 0.0), observation, estimate)
+    expect(isinstance(assisted, AssistedCommand), f"assist_teleop must return an AssistedCommand; found: {assisted!r}")
 
 
 def _command(agent: Agent, observation: Observation, estimate: Estimate) -> Twist2D:

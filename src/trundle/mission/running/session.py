@@ -71,7 +71,7 @@ class Session:
         latency: How late scans and commands arrive; reported to the agent by `set_latency`.
         monitor: The collision monitor that every command passes. None means a `CollisionMonitor` from the first scan
             on, True one from the start, and False none.
-        time_limit_s: Simulated time [s] at which the run is stopped; none means 60 s for every goal plus four times
+        time_limit_s: Simulated time [s] at which the run is stopped. If None, 60 s for every goal plus four times
             what the planned paths take at the robot's top speed, or at what a speed mask allows, and what the tasks of
             waypoints may take. Without a goal it means no limit.
         observers: Notified in this order.
