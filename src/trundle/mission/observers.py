@@ -244,7 +244,7 @@ class Observers:
     @property
     def want_rollouts(self) -> bool:
         """Whether one of them uses the samples of the controller."""
-        return any(observer.wants_rollouts for observer in self._of_rollouts)
+        return bool(self._of_rollouts) and any(observer.wants_rollouts for observer in self._of_rollouts)
 
     def on_start(self, info: RunInfo) -> None:
         """Notify them before the first step."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Literal, Protocol
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal, NamedTuple, Protocol
 
 from trundle.control import GoalChecker, Rollouts
 from trundle.control.intent import Intent
@@ -24,6 +25,9 @@ from trundle.robots import Robot
 
 CONTROL_PERIOD_S = 0.05
 """Length of the control periods of an agent that does not say it [s]: 20 Hz, Nav2's default."""
+
+
+_NONE: Mapping[str, int] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,9 +55,10 @@ class AgentInfo:
     plugins: tuple[object, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class AgentReport:
+class AgentReport(NamedTuple):
     """What an agent is doing after a control period; all but the status may be left out.
+
+    It is a named tuple, as one is made in every control period: a frozen dataclass takes four times as long.
 
     Attributes:
         status: What it is doing.
@@ -87,7 +92,7 @@ class AgentReport:
     behaviors: tuple[BehaviorRun, ...] = ()
     replans: int = 0
     planning_time_s: float = 0.0
-    standing_reasons: Mapping[str, int] = field(default_factory=dict[str, int])
+    standing_reasons: Mapping[str, int] = _NONE
     waits_to_plan: bool = False
     follows_given: bool = False
 
