@@ -54,7 +54,11 @@ TARGETS = {
     "hybrid_astar": Target(fuzz_hybrid_astar.one_round, ("HybridAStar", "flood_poses"), 700),
     "smoothing": Target(fuzz_smoothing.one_round, ("PathSmoother",), 250),
     "curves": Target(fuzz_curves.one_round, ("shortest_curves",), 500),
-    "mppi": Target(fuzz_mppi.one_round, ("Mppi",), 150),
+    "mppi": Target(
+        fuzz_mppi.one_round,
+        ("Mppi", "MppiState", "MppiLimits", "MppiNoise", "MppiWindow", "MppiAim", "MppiCritics"),
+        150,
+    ),
     "inflation": Target(fuzz_inflation.one_round, ("inflate",), 150),
     "footprint": Target(
         fuzz_footprint.one_round, ("footprint_collides", "footprint_clearance", "footprint_sweep"), 400
