@@ -91,9 +91,19 @@ class UnknownNameError(InputError):
         if hint is not None:
             super().__init__(f"{kind} {name!r} {hint}")
             return
-        nearest = difflib.get_close_matches(name, self.choices, n=1)
-        guess = f" Did you mean {nearest[0]!r}?" if nearest else ""
+        nearest = respell(name, self.choices) or next(iter(difflib.get_close_matches(name, self.choices, n=1)), None)
+        guess = f" Did you mean {nearest!r}?" if nearest else ""
         super().__init__(f"unknown {kind} {name!r}.{guess} There are: {', '.join(self.choices) or 'none'}.")
+
+
+def respell(name: str, choices: Iterable[str]) -> str | None:
+    """Return the choice of which a name is only another spelling, in case, hyphens, blanks or `*`: `A*` is `astar`."""
+    wanted = _letters(name)
+    return next((choice for choice in choices if _letters(choice) == wanted), None) if wanted else None
+
+
+def _letters(name: str) -> str:
+    return "".join(character for character in name.lower().replace("*", "star") if character.isalnum())
 
 
 class MissingExtraError(TrundleError, ImportError):

@@ -6,6 +6,7 @@ import pytest
 from support.command_line import Trundle
 from trundle.doctor import check_machine
 from trundle.errors import RobotWarning
+from trundle.extras import EXTRAS, install_line
 from trundle.robots import Robot
 from trundle.robots.file_format import describe_robot
 
@@ -34,9 +35,17 @@ def test_a_missing_library_is_named_with_its_installation(trundle: Trundle, monk
     monkeypatch.setitem(__import__("sys").modules, "trimesh", None)
     done = trundle("doctor")
     assert done.code == 0
-    (line,) = [line for line in done.out.splitlines() if " trimesh " in line]
+    (line,) = [line for line in done.out.splitlines() if " mesh " in line]
     assert line.startswith("missing")
-    assert 'pip install "trundle[mesh]"' in line
+    assert "no trimesh" in line
+    assert install_line("mesh") in line
+
+
+def test_every_extra_is_listed_with_its_state(trundle: Trundle) -> None:
+    checks = {check["name"]: check for check in trundle("doctor", "--json").json["checks"]}
+    for extra, has in EXTRAS.items():
+        assert checks[extra]["status"] in ("pass", "missing")
+        assert any(library in checks[extra]["detail"] for library in has.modules)
 
 
 @pytest.mark.parametrize("backend", ["mujoco", "kinematic"])

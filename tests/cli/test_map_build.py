@@ -69,7 +69,7 @@ def test_a_maps_height_and_unknown_cells_are_as_its_options_say(trundle: Trundle
     ("arguments", "words"),
     [
         (("warehose",), "Did you mean 'warehouse'?"),
-        (("none.yaml",), "none.yaml: there is no such file"),
+        (("none.yaml",), "none.yaml: no such file"),
         (("warehouse", "--robot", "nova_cartr"), "Did you mean 'nova_carter'?"),
         (("warehouse", "--set", "isle_width=2"), "did you mean 'aisle_width'?"),
         (("warehouse", "--set", "aisle_width"), "give KEY=VALUE"),

@@ -130,10 +130,10 @@ def test_the_winner_of_a_merge_is_chosen(trundle: Trundle, source: Path, tmp_pat
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("none.yaml", "-o", "new.yaml"), "cannot read none.yaml"),
+        (("none.yaml", "-o", "new.yaml"), "none.yaml: no such file"),
         (("maps/noise.png", "-o", "new.yaml"), "give the map's YAML file"),
         (("maps/noise.yaml",), "--out"),
-        (("maps/noise.yaml", "none.map", "-o", "new.yaml"), "cannot read none.map"),
+        (("maps/noise.yaml", "none.map", "-o", "new.yaml"), "none.map: no such file"),
         (("maps/noise.yaml", "-o", "new.png"), ".yaml or .yml or .map, or a folder"),
         (("maps/noise.yaml", "-o", "maps/noise.yaml"), "is a file of the source map maps/noise.yaml"),
         (("maps/noise.yaml", "-o", "maps/noise.yml"), "maps/noise.png is a file of the source map maps/noise.yaml"),

@@ -5,6 +5,7 @@ import sys
 import pytest
 
 from support.command_line import Trundle
+from trundle.extras import install_line
 
 
 @pytest.mark.parametrize("quiet", [False, True])
@@ -15,4 +16,4 @@ def test_a_run_without_pyav_says_how_to_get_its_video(
     options = ("--quiet",) if quiet else ()
     done = trundle("run", "maze", "--seed", "1", "--time-limit", "1", "--json", *options)
     assert "video.gif" in done.json["files"]
-    assert ('For an MP4: pip install "trundle[video]"' in done.err) is not quiet
+    assert (f"For an MP4: {install_line('video')}" in done.err) is not quiet

@@ -101,7 +101,7 @@ def bad(tmp_path: Path, name: str) -> Path:
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("missing", "none.yaml: No such file"),
+        ("missing", "none.yaml: no such file"),
         ("empty", "the file is empty"),
         ("binary", "not a text file in UTF-8"),
         ("no image", "room.png"),
@@ -132,7 +132,7 @@ def test_a_map_that_cannot_be_used(
     ("arguments", "code", "words"),
     [
         (("--robot", "nova_cartr"), 2, "Did you mean 'nova_carter'?"),
-        (("--robot", "none.yaml"), 2, "cannot read none.yaml"),
+        (("--robot", "none.yaml"), 2, "none.yaml: no such file"),
         (("--planner", "lest_cost"), 2, "Did you mean 'least_cost'?"),
         (("--start", "0,0,0", "--goal", "60,2"), 2, "goal"),
         (("--start", "-0.9,0", "--goal", "4,2"), 2, "start"),

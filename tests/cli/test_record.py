@@ -4,6 +4,7 @@ import pytest
 
 from trundle.cli.entry import run_command
 from trundle.cli.shared.termination import BAD_INPUT, DONE, NOT_THERE
+from trundle.extras import install_line
 
 RUN = ["run", "warehouse", "--seed", "4", "--backend", "kinematic", "--time-limit", "2", "--no-video", "--quiet"]
 
@@ -68,7 +69,7 @@ def test_without_the_extra_one_message_names_the_install_line(tmp_path, capsys, 
     for command in ([*RUN, "--record", "-o", str(tmp_path / "x")], ["record", "info", str(tmp_path / "x.mcap")]):
         assert run_command(command) == BAD_INPUT
         message = capsys.readouterr().err
-        assert 'needs rosbags, which is not installed. Install it with: pip install "trundle[record]"' in message
+        assert f"needs rosbags, which is not installed. Install it with: {install_line('record')}" in message
 
 
 @pytest.mark.parametrize("verb", ["info", "recover", "to-run"])

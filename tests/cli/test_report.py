@@ -65,7 +65,15 @@ def test_without_a_browser_a_replay_says_what_to_do(
     monkeypatch.setattr(webbrowser, "open", lambda address: False)
     done = trundle("replay", run, "--browser")
     assert done.code == 0
-    assert done.err == "No browser was found here: copy the file to a machine with one, and open it there\n"
+    address = (run / "report.html").resolve().as_uri()
+    copy = f"Copy {run / 'report.html'} to a machine with one; the address here is {address}\n"
+    assert done.err == f"No browser was found here. {copy}"
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("sys.platform", "linux")
+    done = trundle("replay", run, "--browser")
+    assert done.code == 0
+    assert done.err == f"There is no display here, so no browser was opened. {copy}"
 
 
 @pytest.mark.parametrize("verb", ["report", "replay"])

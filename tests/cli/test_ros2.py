@@ -16,6 +16,7 @@ from ros2.fake_transport import FakeNetwork, FakeTransport
 from support.command_line import Trundle
 from support.page_visitor import OpenPage
 from trundle.errors import MissingExtraError, SimulationError
+from trundle.extras import install_line
 from trundle.messages.codec import Codec
 from trundle.messages.qos import CLOCK, SENSOR, Qos
 from trundle.ros2.bridge import Bridge
@@ -351,7 +352,7 @@ def test_without_the_messages_the_install_line_is_printed(
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "rosbags" else found(name))
     done = trundle("ros2", verb)
     assert done.code == 2
-    assert 'pip install "trundle[ros2]"' in done.err
+    assert install_line("ros2") in done.err
 
 
 def test_without_the_libraries_of_recordings_the_install_line_is_printed(
@@ -363,7 +364,7 @@ def test_without_the_libraries_of_recordings_the_install_line_is_printed(
     done = trundle("ros2", "serve", "office", *ROBOT, "--record")
     assert done.code == 2
     assert "zstandard" in done.err
-    assert 'pip install "trundle[record]"' in done.err
+    assert install_line("record") in done.err
 
 
 def test_check_reports_a_network_without_problems(trundle: Trundle, network: FakeNetwork) -> None:

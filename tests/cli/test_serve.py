@@ -144,7 +144,7 @@ def test_without_a_browser_the_address_is_to_be_opened(
     monkeypatch.setattr(sys, "platform", "linux")
     with browser.serving(None) as page:
         browser.announce(page)
-        assert "No browser was found here" in capsys.readouterr().err
+        assert "There is no display here, so no browser was opened" in capsys.readouterr().err
         monkeypatch.setenv("SSH_CONNECTION", "1.2.3.4 1 5.6.7.8 22")
         browser.announce(page)
         port = page.server.port

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import re
 import tempfile
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from PIL import Image
 from trundle.errors import MapError, OutputError
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
+from trundle.maps.ros_writer import is_as_written
 
 finite = st.floats(-1e6, 1e6, allow_nan=False)
 resolutions = st.floats(1e-3, 1e3)
@@ -70,10 +72,28 @@ def test_scale_keeps_the_order_of_shades():
     assert len(np.unique(again[1:])) > 40
 
 
+@pytest.mark.parametrize("edit", ["image", "yaml", "after", "no hash", "no image"])
+def test_a_map_that_was_edited_is_told_from_one_that_was_not(tmp_path, edit):
+    grid, file = OccupancyGrid(np.zeros((4, 5), dtype=np.int8), 0.05), tmp_path / "map.yaml"
+    grid.save(file)
+    assert is_as_written(file)
+    text = file.read_text()
+    if edit == "image":
+        Image.new("L", (5, 4), 0).save(tmp_path / "map.png")
+    elif edit == "no image":
+        (tmp_path / "map.png").unlink()
+    else:
+        edits = {"yaml": text.replace("0.65", "0.6"), "after": f"{text}# mine\n", "no hash": text.partition("#")[0]}
+        file.write_text(edits[edit])
+    assert not is_as_written(file)
+
+
 def test_what_is_written(tmp_path):
     grid = OccupancyGrid(np.array([[0, 100, -1], [-1, 0, 0]]), 0.0125, Pose2D(-1.23456789, 1e-7, 0.1))
     grid.save(tmp_path / "map.yaml")
-    assert (tmp_path / "map.yaml").read_text() == (
+    *lines, told = (tmp_path / "map.yaml").read_text().splitlines(keepends=True)
+    assert re.fullmatch("# sha256 of these lines and the image, as trundle wrote them: [0-9a-f]{64}\n", told)
+    assert "".join(lines) == (
         "image: map.png\nmode: trinary\nresolution: 0.0125\norigin: [-1.23456789, 1e-07, 0.1]\nnegate: 0\n"
         "occupied_thresh: 0.65\nfree_thresh: 0.196\n"
     )

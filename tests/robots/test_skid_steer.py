@@ -107,7 +107,8 @@ def test_naming_one_wheel_a_side_takes_those_behind_it(tmp_path):
         "model: husky.urdf\ndrive: {left_joint: front_left_wheel, right_joint: front_right_wheel}\n"
         "limits: {linear_speed: 1.0, angular_speed: 2.0, linear_acceleration: 1.0, angular_acceleration: 3.0}\n"
     )
-    assert Robot.load(tmp_path / "husky.yaml").drive.axles == robot.drive.axles
+    with pytest.warns(RobotWarning, match="2 wheels a side, and is taken as skid-steer"):
+        assert Robot.load(tmp_path / "husky.yaml").drive.axles == robot.drive.axles
 
 
 def test_three_axles_are_one_drive(tmp_path):
@@ -197,6 +198,64 @@ def test_wheels_with_rollers_are_refused(tmp_path):
     file.write_text(file.read_text().replace("</robot>", rollers + "</robot>"))
     with pytest.raises(RobotError, match=r"'front_left_wheel' is a mecanum or omni wheel, with 8 rollers"):
         read(file)
+
+
+RIDGEBACK_PLUGIN = """<gazebo><plugin name="ridgeback_ros_force_based_move"
+  filename="libridgeback_ros_force_based_move.so"><commandTopic>cmd_vel</commandTopic></plugin></gazebo>"""
+FRICTIONLESS = '<gazebo reference="front_left_wheel_link"><mu1>0.0</mu1><mu2>0.0</mu2></gazebo>'
+DIAGONAL = '<gazebo reference="front_left_wheel_link"><mu1>1.0</mu1><mu2>0.0</mu2><fdir1>1 -1 0</fdir1></gazebo>'
+DRIVE_PLUGIN = '<gazebo><plugin filename="gz-sim-mecanum-drive-system" name="gz::sim::systems::MecanumDrive"/></gazebo>'
+
+
+@pytest.mark.parametrize(
+    ("part", "why"),
+    [
+        (RIDGEBACK_PLUGIN, "by its plugin libridgeback_ros_force_based_move.so"),
+        (DRIVE_PLUGIN, "by its plugin gz-sim-mecanum-drive-system"),
+        (FRICTIONLESS, "'front_left_wheel' is a mecanum or omni wheel, as it has no friction"),
+        (DIAGONAL, "'front_left_wheel' is a mecanum wheel, by the diagonal of its friction"),
+    ],
+)
+def test_wheels_that_roll_sideways_are_told_by_what_the_simulator_gets(tmp_path, part, why):
+    file = write(tmp_path)
+    file.write_text(file.read_text().replace("</robot>", part + "</robot>"))
+    with pytest.raises(RobotError, match=why):
+        read(file)
+
+
+def test_wheels_that_roll_sideways_are_told_by_their_meshes(tmp_path):
+    file = write(tmp_path)
+    mesh = '<visual><geometry><mesh filename="package://r/meshes/Mecanum_left.stl"/></geometry></visual></link>'
+    text = file.read_text()
+    at = text.index("</link>", text.index("front_left_wheel_link"))
+    file.write_text(text[:at] + mesh + text[at + len("</link>") :])
+    with pytest.raises(RobotError, match=r"is a mecanum wheel, by its mesh Mecanum_left\.stl"):
+        read(file)
+
+
+def test_a_wheel_across_the_others_is_refused_and_a_caster_is_not(tmp_path):
+    file = write(tmp_path, ends=("front",))
+    text = file.read_text()
+    across = wheel("back_wheel", -0.3, 0.0, HUSKY).replace('axis xyz="0 1 0"', 'axis xyz="1 0 0"')
+    file.write_text(text.replace("</robot>", across + "</robot>"))
+    with pytest.raises(RobotError, match="'back_wheel' is an omni wheel, by its axis"):
+        read(file)
+    file.write_text(text.replace("</robot>", across.replace("back_wheel", "back_caster_wheel") + "</robot>"))
+    assert read(file).drive.axles == ()
+
+
+def test_two_plain_wheels_may_be_pushed_by_a_plugin_that_knows_no_wheels(tmp_path):
+    file = write(tmp_path, ends=("front",))
+    plugin = '<gazebo><plugin name="move" filename="libgazebo_ros_planar_move.so"/></gazebo>'
+    file.write_text(file.read_text().replace("</robot>", plugin + "</robot>"))
+    assert read(file).drive.axles == ()
+
+
+def test_several_plain_wheels_a_side_get_one_warning(tmp_path):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        Robot.from_model(write(tmp_path))
+    assert sum("2 wheels a side, and is taken as skid-steer" in str(one.message) for one in caught) == 1
 
 
 def test_wheels_that_are_not_opposite_each_other_are_refused(tmp_path):

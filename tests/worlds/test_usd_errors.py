@@ -154,5 +154,5 @@ def test_an_option_that_there_is_not_lists_those_that_there_are(write_usd, optio
 
 def test_without_usd_core_the_install_line_is_given(write_usd, monkeypatch):
     monkeypatch.setitem(sys.modules, "pxr.Usd", None)
-    with pytest.raises(MissingExtraError, match=r'pip install "trundle\[usd\]"'):
+    with pytest.raises(MissingExtraError, match=r'pip install ".*\[usd\]"'):
         load_usd(write_usd('def Cube "A" {}'))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from trundle.extras import check_extra
 from trundle.lazy import lazy_names
 
 if TYPE_CHECKING:
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from trundle.bags.recorder import Recorder
     from trundle.bags.recovery import Recovered, recover
 
-__getattr__ = lazy_names(
+_find = lazy_names(
     __name__,
     {
         "BagInfo": "trundle.bags.info",
@@ -27,5 +28,12 @@ __getattr__ = lazy_names(
         "recover": "trundle.bags.recovery",
     },
 )
+
+
+def __getattr__(name: str) -> object:
+    if name in __all__:
+        check_extra("record", "a recording")
+    return _find(name)
+
 
 __all__ = ["BagInfo", "Recorder", "Recovered", "RunFromBag", "read_info", "read_run", "recover"]

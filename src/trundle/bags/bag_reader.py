@@ -9,8 +9,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from trundle.bags.extra import check_extra
 from trundle.errors import InputError
+from trundle.extras import check_extra
 from trundle.messages.codec import DEFAULT, Distro
 from trundle.values import as_path
 
@@ -49,7 +49,7 @@ class BagReader:
     """
 
     def __init__(self, path: str | os.PathLike[str], *, distro: Distro = DEFAULT) -> None:
-        check_extra("reading a bag")
+        check_extra("record", "reading a bag")
         self.path = Path(as_path(path, "a bag"))
         self._distro = distro
         self.topics: tuple[BagTopic, ...] = ()

@@ -10,10 +10,10 @@ from pathlib import Path
 from mcap.records import Channel, Message, Metadata, Schema
 
 from trundle.bags.bag_reader import BagReader, BagTopic
-from trundle.bags.extra import check_extra
 from trundle.bags.records import BagRecords, has_end
 from trundle.bags.run_record import RunRecord, parse_records, read_record
 from trundle.errors import InputError
+from trundle.extras import check_extra
 from trundle.messages.codec import DEFAULT, Distro
 from trundle.values import as_path
 
@@ -71,7 +71,7 @@ def read_info(path: str | os.PathLike[str], *, distro: Distro = DEFAULT) -> BagI
         InputError: If it is not a bag, or nothing of it can be read.
         MissingExtraError: If rosbags or mcap is not installed.
     """
-    check_extra("reading a bag")
+    check_extra("record", "reading a bag")
     source = Path(as_path(path, "a bag"))
     if source.suffix == ".mcap" and not source.is_dir() and not has_end(source):
         return _scan(source)

@@ -10,11 +10,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
-from trundle.bags.extra import check_extra
 from trundle.bags.run_record import END_RECORD, RUN_RECORD, describe_run
 from trundle.costmap import Costmap
 from trundle.costmap.costs import LETHAL, NO_INFORMATION
 from trundle.errors import InputError, OutputError, UnknownNameError
+from trundle.extras import check_extra
 from trundle.files.writing import cannot_write, output_path
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
@@ -68,7 +68,7 @@ class Recorder:
         overwrite: bool = False,
         named_by_folder: bool = False,
     ) -> None:
-        check_extra()
+        check_extra("record", "a recording")
         if distro not in DISTROS:
             raise UnknownNameError("ROS 2 distribution", distro, DISTROS)
         self.path = output_path(path)

@@ -109,7 +109,7 @@ def _dispatch(arguments: Sequence[str]) -> int:
         return _install_completion(arguments[1:])
     verb = arguments[0]
     if verb not in VERBS:
-        raise UnknownNameError("verb", verb, VERBS)
+        raise UnknownNameError("verb", verb, VERBS, hint=_hint_at_verb(verb, arguments))
     from cyclopts import CycloptsError
 
     app = _make_app([verb])
@@ -124,6 +124,16 @@ def _dispatch(arguments: Sequence[str]) -> int:
         plugins = _describe_plugins()
         print(plugins, end="\n" if plugins else "")
     return code if isinstance(code, int) else DONE
+
+
+def _hint_at_verb(verb: str, arguments: Sequence[str]) -> str | None:
+    """Say what to write where the words of a command are in another order; None where that is not clear."""
+    first = next((argument for argument in arguments if argument in VERBS), None)
+    if first is None:
+        return None
+    if verb.startswith("-"):
+        return f"is an option, and options come after the verb: trundle {first} … {verb}"
+    return f"is not one; write the verb first: trundle {first} {verb} …" if first == arguments[1] else None
 
 
 def _describe_plugins() -> str:

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import isaac, options, output, sources
+from trundle.files.kinds import ROBOT
 
 MODEL_SUFFIXES = (".xml", ".mjcf", ".urdf", ".usd", ".usda", ".usdc", ".usdz")
 
@@ -50,6 +51,7 @@ def joints(
     from trundle.sim.mujoco.simulator import check_stands
 
     if robot.lower().endswith(MODEL_SUFFIXES):
+        sources.check_file_exists(robot, ROBOT)
         found = list_joints(robot)
     else:
         machine = sources.load_robot(robot)

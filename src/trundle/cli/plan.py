@@ -105,6 +105,7 @@ def plan(
     for text, kind in ((map_file, MAP), (robot, ROBOT), (keepout, MAP), (speed_mask, MAP)):
         if text is not None:
             check_given(text, kind)
+    sources.warn_of_units(map_file)
     first = options.parse_pose("--start", start) if start else None
     last = options.parse_goal("--goal", goal) if goal else None
     target = _find_target(out)

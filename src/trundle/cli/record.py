@@ -77,9 +77,7 @@ def recover(
         out: The new file; default: run.mcap for run.partial.mcap, and name.recovered.mcap for others.
     """
     from trundle.bags import recover as recover_file
-    from trundle.bags.extra import check_extra
 
-    check_extra("a recording")
     done = recover_file(file, out, overwrite=overwrite)
     facts = {
         "file": done.path,

@@ -69,7 +69,7 @@ def replay(
         run: The folder that trundle run wrote.
         browser: Open the page in the browser.
     """
-    from trundle.cli.shared.browser import open_browser
+    from trundle.cli.shared.browser import has_screen, open_browser
     from trundle.files.opening import is_file
     from trundle.mission.run_files import read_record
     from trundle.page.report import REPORT, report_folder
@@ -83,5 +83,6 @@ def replay(
     else:
         output.print_facts({"replay": address})
     if browser and not open_browser(address):
-        output.remark("No browser was found here: copy the file to a machine with one, and open it there", quiet=quiet)
+        why = "No browser was found here" if has_screen() else "There is no display here, so no browser was opened"
+        output.remark(f"{why}. Copy {file} to a machine with one; the address here is {address}", quiet=quiet)
     return 0

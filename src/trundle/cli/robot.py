@@ -39,7 +39,7 @@ def new(
     Example: trundle robot new my_robot
 
     Args:
-        name: Name of the robot.
+        name: Name of the robot, or the file to write, my_robot.yaml.
         urdf: Derive the robot from this URDF or MJCF file; default: a simple one with two wheels and a caster.
         out: The file; default: NAME.yaml in the current folder.
     """
@@ -47,6 +47,9 @@ def new(
     from trundle.robots import Robot
     from trundle.robots.file_format import check_name, describe_robot, plain_robot
 
+    file = Path(name)
+    if file.suffix.lower() in (".yaml", ".yml"):
+        name, out = file.stem, out or file
     target = options.new_yaml_file(out or Path(f"{check_name(name)}.yaml"), f"{name}.yaml", overwrite=overwrite)
     robot = plain_robot(name) if urdf is None else Robot.from_model(urdf, name=name, paths=options.join_paths(paths))
     write_text(target, describe_robot(robot, urdf), durable=True)

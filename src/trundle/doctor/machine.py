@@ -8,6 +8,7 @@ import platform
 import re
 import subprocess
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -15,6 +16,7 @@ from typing import Any, Literal
 import numpy as np
 
 from trundle.errors import InputError, TrundleError
+from trundle.extras import EXTRAS, install_line, is_offered
 from trundle.geometry import Pose2D, Pose3D, Twist2D
 from trundle.geometry.solids import Box, Solid
 
@@ -35,24 +37,6 @@ class MachineCheck:
     status: Status
     detail: str
 
-
-@dataclass(frozen=True, slots=True)
-class _Library:
-    """A library that is imported on use."""
-
-    name: str
-    module: str
-    purpose: str
-    install: str
-    needed: bool = False
-
-
-_LIBRARIES = (
-    _Library("mujoco", "mujoco", "the built-in physics", "pip install mujoco==4.0.0", needed=True),
-    _Library("av", "av", "videos of runs as MP4 instead of GIF", 'pip install "trundle[video]"'),
-    _Library("usd-core", "pxr.Usd", "USD worlds and robots", 'pip install "trundle[usd]"'),
-    _Library("trimesh", "trimesh", "mesh files", 'pip install "trundle[mesh]"'),
-)
 
 ISAAC = "isaac"
 
@@ -77,8 +61,9 @@ def check_machine(backend: str | None = None) -> Iterator[MachineCheck]:
         yield _check_no_other_usd()
         yield _check_gpu()
         return
-    for library in _LIBRARIES:
-        yield _check_library(library)
+    yield _check_engine()
+    for name in EXTRAS:
+        yield _check_extra(name)
     yield _check_graphics()
 
 
@@ -146,13 +131,45 @@ def _check_kernels() -> str:
     return "the compiled kernels work"
 
 
-def _check_library(library: _Library) -> MachineCheck:
-    absent: Status = "fail" if library.needed else "missing"
+def _check_engine() -> MachineCheck:
     try:
-        importlib.import_module(library.module)
+        importlib.import_module("mujoco")
     except ImportError as error:
-        return MachineCheck(library.name, absent, f"for {library.purpose}: {error}. Install it with: {library.install}")
-    return MachineCheck(library.name, "pass", f"{importlib.metadata.version(library.name)}, for {library.purpose}")
+        how = f"for the built-in physics: {error}. Install it with: pip install mujoco==4.0.0"
+        return MachineCheck("mujoco", "fail", how)
+    return MachineCheck("mujoco", "pass", f"{importlib.metadata.version('mujoco')}, for the built-in physics")
+
+
+def _version(library: str) -> str:
+    """Return the version of a distribution; "" where another distribution gives the same module."""
+    try:
+        return importlib.metadata.version(library)
+    except importlib.metadata.PackageNotFoundError:
+        return ""
+
+
+def _check_extra(name: str) -> MachineCheck:
+    """Check the libraries of an extra: each is imported, because one that is there may not load."""
+    extra = EXTRAS[name]
+    have: list[str] = []
+    lacking: list[str] = []
+    for library, module in extra.modules.items():
+        if not is_offered(library):
+            continue
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                importlib.import_module(module)
+        except ModuleNotFoundError:
+            lacking.append(library)
+        except Exception as error:  # noqa: BLE001 - a library that does not load raises anything
+            lacking.append(f"{library} (does not load: {_words(error)})")
+        else:
+            have.append(f"{library} {_version(library)}".rstrip())
+    if not lacking:
+        return MachineCheck(name, "pass", f"{', '.join(have)}, for {extra.purpose}")
+    what = f"for {extra.purpose}: no {', no '.join(lacking)}. Install it with: {install_line(name)}"
+    return MachineCheck(name, "missing", what)
 
 
 def _check_graphics() -> MachineCheck:

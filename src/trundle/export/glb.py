@@ -7,8 +7,9 @@ from typing import Any, cast
 
 import numpy as np
 
-from trundle.errors import MissingExtraError, WorldError
+from trundle.errors import WorldError
 from trundle.export.plain import plain_solids
+from trundle.extras import missing_extra
 from trundle.files.writing import write_bytes
 from trundle.geometry.solids import Box, Cylinder, Mesh, Shape, Sphere
 from trundle.worlds import World
@@ -33,7 +34,7 @@ def export_world(world: World, path: Path) -> None:
         from trimesh.visual import TextureVisuals
         from trimesh.visual.material import PBRMaterial
     except ImportError as error:
-        raise MissingExtraError("writing GLB files", "trimesh", 'pip install "trundle[mesh]"') from error
+        raise missing_extra("writing GLB files", "trimesh", "mesh") from error
     # trimesh's functions are untyped.
     scene = cast("Any", trimesh.Scene())
     for solid in plain_solids(world):

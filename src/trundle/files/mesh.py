@@ -14,7 +14,8 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 import numpy.typing as npt
 
-from trundle.errors import InputError, MissingExtraError, WorldError
+from trundle.errors import InputError, WorldError
+from trundle.extras import missing_extra
 from trundle.files.opening import check_regular, exists, open_file, read_up_to
 from trundle.files.parser_errors import parser_errors, parser_reason
 from trundle.files.xml_elements import parse_xml, read_limited
@@ -158,7 +159,7 @@ def _load_scene(path: Path) -> Any:
     try:
         import trimesh
     except ImportError as error:
-        raise MissingExtraError("reading meshes", "trimesh", 'pip install "trundle[mesh]"') from error
+        raise missing_extra("reading meshes", "trimesh", "mesh") from error
     try:
         size = check_regular(path)
     except OSError as error:
@@ -210,8 +211,7 @@ def _check_collada_reader() -> None:
     try:
         importlib.import_module("collada")
     except ImportError as error:
-        install = 'pip install "trundle[mesh]"'
-        raise MissingExtraError("reading .dae files", "pycollada", install) from error
+        raise missing_extra("reading .dae files", "pycollada", "mesh") from error
 
 
 def _check_gltf(path: Path) -> None:

@@ -105,8 +105,10 @@ class _Scope:
     def fault(self, element: XmlElement, what: str) -> InputError:
         """Return an error with the command that expands the file."""
         out = self.path.name.removesuffix(".xacro").removesuffix(".urdf") + "_expanded.urdf"
+        call = f"xacro {self.path.name} > {out}"
         return self.error(
-            f"{self.path}:{element.line}: {what}. Expand the file first: ros2 run xacro xacro {self.path.name} > {out}"
+            f"{self.path}:{element.line}: {what}. Expand the file first: ros2 run xacro {call}; without ROS: pip "
+            f"install xacro, and {call}"
         )
 
     def fill(self, element: XmlElement, text: str) -> str:

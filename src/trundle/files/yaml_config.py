@@ -69,11 +69,14 @@ def validate(node: yaml.Node, model: type[ModelT], name: str, *, kind: str | Non
     """Check a YAML node against a pydantic model; `name` stands for the file in messages.
 
     Raises:
-        InputError: If the model rejects values, one line each; or if the file is of another kind.
+        InputError: If the model rejects values, one line each; or if the file is of another kind or has no keys.
 
     Warns:
         AngleWarning: For an angle larger than a full turn, which is probably in degrees.
     """
+    if not isinstance(node, yaml.MappingNode):  # its text is not shown: it may be any file
+        what = f"this is not the YAML of {kind or 'settings'}: it has no `key: value` lines"
+        raise InputError(f"{place(node, name)}: {what}")
     try:
         return build(without_files(plain_value(node, name)), model, name=name, node=node)
     except InputError as error:

@@ -58,10 +58,15 @@ def read_cells(path: str | os.PathLike[str], max_cells: int | None = None) -> Ce
 
 def write_cells(cells: Cells, path: str | os.PathLike[str]) -> None:
     """Write cells as a `.map` file; see `trundle.maps.movingai.save_map`."""
+    write_bytes(path, encode_cells(cells))
+
+
+def encode_cells(cells: Cells) -> bytes:
+    """Return the bytes of a `.map` file."""
     rows, cols = cells.shape
     text = np.full((rows, cols + 1), ord("\n"), dtype=np.uint8)
     text[:, :-1] = np.where(round_trinary(cells)[::-1] == FREE, ord("."), ord("@"))
-    write_bytes(path, f"type octile\nheight {rows}\nwidth {cols}\nmap\n".encode() + text.tobytes())
+    return f"type octile\nheight {rows}\nwidth {cols}\nmap\n".encode() + text.tobytes()
 
 
 def read_content(source: Path, max_bytes: int) -> bytes:

@@ -30,6 +30,9 @@ _OCCUPIED_GREY = 0
 _RAW_UNKNOWN = 255
 _PLAIN_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 
+_AS_WRITTEN = "# sha256 of these lines and the image, as trundle wrote them: "
+"""How the last line of a YAML begins, by which a map that was edited since is told from one that was not."""
+
 _MOST_TEXT = 100_000
 """Characters of a YAML file that are searched for the name of its image."""
 
@@ -146,8 +149,9 @@ def save_pair(yaml_file: Path, suffix: str, content: bytes, compose: Callable[[s
     """
     replaced = _image_of(yaml_file)
     image, is_new = _write_image(yaml_file, suffix, content)
+    text = compose(image.name)
     try:
-        write_text(yaml_file, compose(image.name), durable=True)
+        write_text(yaml_file, f"{text}{_AS_WRITTEN}{_digest(text, content)}\n", durable=True)
     except BaseException:
         if is_new:
             image.unlink(missing_ok=True)
@@ -155,6 +159,20 @@ def save_pair(yaml_file: Path, suffix: str, content: bytes, compose: Callable[[s
     if replaced is not None and replaced != image and not _is_named_elsewhere(replaced, yaml_file):
         with suppress(OSError):  # The new map is complete; a leftover image is harmless.
             replaced.unlink()
+
+
+def is_as_written(yaml_file: Path) -> bool:
+    """Return whether a map's YAML and its image are byte for byte what was written: the YAML's last line tells."""
+    text, mark, digest = _read_text(yaml_file).rpartition(_AS_WRITTEN)
+    image = _image_of(yaml_file)
+    if not mark or image is None or not image.is_file():
+        return False
+    return digest == f"{_digest(text, image.read_bytes())}\n"
+
+
+def _digest(text: str, content: bytes) -> str:
+    """Hash of a YAML's own lines and its image's bytes."""
+    return hashlib.sha256(text.encode() + b"\0" + content).hexdigest()
 
 
 def _write_image(yaml_file: Path, suffix: str, content: bytes) -> tuple[Path, bool]:

@@ -25,6 +25,9 @@ MAX_YAML_BYTES = 100_000
 MIN_RESOLUTION, MAX_RESOLUTION = 1e-6, 1e3  # [m]
 MAX_YAW = 1e6  # [rad]
 
+USUAL_RESOLUTIONS = (0.005, 0.5)
+"""Cells of an indoor map are between these [m]; finer and coarser ones are more often a slip of the point."""
+
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,9})?[ \t\r\n]*", re.ASCII)
 _INTEGER = re.compile(r"[+-]?(?:0[xX][0-9a-fA-F]{1,7}|[0-9]{1,9})")
 _TRUE = ("true", "yes", "on", "y")
@@ -223,6 +226,16 @@ def describe_degrees(fields: Fields) -> tuple[str, str] | None:
     if _NUMBER.fullmatch(node.value) is None:
         return f"{where}: origin's yaw is {node.value}, which ROS does not read", f"write {yaw:.6g}"
     return None
+
+
+def describe_resolution(fields: Fields) -> tuple[str, str] | None:
+    """Return the problem and what to do if the cell size is unlikely in metres, else None."""
+    resolution = fields.number("resolution", low=MIN_RESOLUTION, high=MAX_RESOLUTION)
+    low, high = USUAL_RESOLUTIONS
+    if low <= resolution <= high:
+        return None
+    message = f"{fields.place('resolution')}: a cell of {resolution:g} m is unlikely: most maps have between {low:g} "
+    return f"{message}and {high:g} m", "check the unit: it is metres per cell, most often 0.05"
 
 
 def parse_mode(fields: Fields) -> Mode:

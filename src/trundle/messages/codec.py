@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
-from trundle.errors import InputError, MissingExtraError, UnknownNameError
+from trundle.errors import InputError, UnknownNameError
+from trundle.extras import missing_extra
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import FieldDesc
@@ -24,8 +25,6 @@ STAMPED_COMMANDS = frozenset[Distro]({"kilted", "lyrical"})
 
 OLD_BAGS = frozenset[Distro]({"humble"})
 """The distributions whose rosbag2 writes QoS settings as numbers, and metadata of version 5."""
-
-INSTALL = 'pip install "trundle[record]"'
 
 _MORE_TYPES = {
     "map_msgs/msg/OccupancyGridUpdate": (
@@ -155,7 +154,7 @@ def _load_types(distro: Distro) -> Typestore:
     try:
         from rosbags.typesys import Stores, get_types_from_msg, get_typestore
     except ImportError as error:
-        raise MissingExtraError("ROS 2 messages", "rosbags", INSTALL) from error
+        raise missing_extra("ROS 2 messages", "rosbags", "record") from error
     store = get_typestore(Stores[f"ROS2_{distro.upper()}"])
     for name, text in _MORE_TYPES.items():
         if name not in store.fielddefs:

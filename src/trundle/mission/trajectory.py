@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from trundle.errors import InputError, MissingExtraError
+from trundle.errors import InputError
+from trundle.extras import missing_extra
 from trundle.files.npz import read_arrays
 from trundle.files.writing import write_bytes
 from trundle.geometry import FloatArray
@@ -109,7 +110,7 @@ class Trajectory:
         try:
             import pandas  # pyright: ignore[reportMissingImports] - an extra
         except ImportError as error:
-            raise MissingExtraError("a table of a trajectory", "pandas", 'pip install "trundle[pandas]"') from error
+            raise missing_extra("a table of a trajectory", "pandas", "pandas") from error
         return pandas.DataFrame({name: getattr(self, name) for name in self.columns()})
 
     def save(self, path: str | os.PathLike[str]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-import re
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,10 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from trundle.errors import RobotError, UnknownNameError
+from trundle.errors import RobotError, RobotWarning, UnknownNameError
 from trundle.files.yaml_config import Plain
 from trundle.geometry import FloatArray
-from trundle.robots.model_shape import body_points
+from trundle.robots.model_parts import ModelWheel, positive_metres, read_wheel
+from trundle.robots.omni_wheels import refuse_omni_wheels
 
 _ALIKE = 0.02
 """Largest relative difference between the radii of wheels on one side: that of rounded numbers and coarse meshes."""
@@ -24,23 +25,6 @@ _BESIDE = 0.05
 
 _OPPOSITE = 0.02
 """Largest offset [m] of a wheel ahead of the opposite one."""
-
-_HOLONOMIC = re.compile(r"mecanum|swedish|omni", re.IGNORECASE)
-_ROLLERS = 4
-"""A wheel with at least this many rotating parts of its own is treated as having rollers."""
-
-
-@dataclass(frozen=True, slots=True)
-class ModelWheel:
-    """A drive wheel of a model: its joint, its centre [m] and axis in the model's world frame, and its sizes."""
-
-    joint: str
-    center: FloatArray
-    axis: FloatArray
-    radius: float
-    width: float
-    mass: float
-    bodies: frozenset[int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,9 +82,15 @@ def read_layout(path: Path, model: Any, data: Any, drive: dict[str, Plain]) -> L
         found = [_behind(path, model, data, side[0], chosen, given) for side in sides]
         if len(found[0]) == len(found[1]):
             sides = [[*side, *more] for side, more in zip(sides, found, strict=True)]
-    for wheel in (*sides[0], *sides[1]):
-        _refuse_rollers(path, model, wheel)
+    refuse_omni_wheels(path, model, data, [*sides[0], *sides[1]])
     axles = _pair(path, sides[0], sides[1])
+    if len(axles) > 1 and "axles" not in drive:
+        warnings.warn(
+            f"{path}: the robot has {len(axles)} wheels a side, and is taken as skid-steer: plain wheels, those of a "
+            "side at one speed. trundle does not drive robots with mecanum or omni wheels",
+            RobotWarning,
+            stacklevel=4,
+        )
     return _lay_out(path, model, data, axles, drive)
 
 
@@ -182,27 +172,6 @@ def _behind(
     return found
 
 
-def _refuse_rollers(path: Path, model: Any, wheel: ModelWheel) -> None:
-    """Refuse mecanum and omni wheels, which roll sideways too.
-
-    Raises:
-        RobotError: If it is one, judged by its name or its rollers.
-    """
-    names = [wheel.joint, *(str(model.body(body).name) for body in wheel.bodies)]
-    first = next((match for name in names if (match := _HOLONOMIC.search(name))), None)
-    rollers = sum(int(model.jnt_bodyid[index]) in wheel.bodies for index in range(model.njnt)) - 1
-    if first is None and rollers < _ROLLERS:
-        return
-    kind = "an omni" if first is not None and first.group().lower() == "omni" else "a mecanum"
-    if first is None:
-        kind = "a mecanum or omni"
-    why = f"with {rollers} rollers" if rollers >= _ROLLERS else "by its name"
-    raise RobotError(
-        f"{path}: the wheel of joint {wheel.joint!r} is {kind} wheel, {why}: it rolls sideways as well. trundle drives "
-        "robots with a left and a right side of plain wheels, on one axle or several"
-    )
-
-
 def _pair(
     path: Path, left: Sequence[ModelWheel], right: Sequence[ModelWheel]
 ) -> tuple[tuple[ModelWheel, ModelWheel], ...]:
@@ -246,11 +215,11 @@ def _lay_out(
             "m; they must be equal: give wheel_radius"
         )
     middle_radius = sum(radii) / len(radii)
-    radius = middle_radius if given_radius is None else _positive(path, "wheel_radius", given_radius)
+    radius = middle_radius if given_radius is None else positive_metres(path, "wheel_radius", given_radius)
     left, right = (np.mean([axle[side].center for axle in axles], axis=0) for side in (0, 1))
     across = left - right
     tracks = [float(np.linalg.norm(one.center - other.center)) for one, other in axles]
-    track = sum(tracks) / len(tracks) if given_track is None else _positive(path, "track_width", given_track)
+    track = sum(tracks) / len(tracks) if given_track is None else positive_metres(path, "track_width", given_track)
     y_axis = np.array([across[0], across[1], 0.0]) / math.hypot(across[0], across[1])
     rotation = np.column_stack([[y_axis[1], -y_axis[0], 0.0], y_axis, [0.0, 0.0, 1.0]])
     first, second = axles[0]
@@ -263,43 +232,3 @@ def _lay_out(
     # The floor is at the bottom of the wheels' geometry, even if a different radius is given for their speeds.
     floor = np.array([0.0, 0.0, middle_radius])
     return Layout(axles, radius, track, Frame((left + right) / 2.0 - floor, rotation))
-
-
-def read_wheel(path: Path, model: Any, data: Any, joint: str, given_radius: Plain) -> ModelWheel:
-    """Derive a wheel's sizes from its body's geometry and mass.
-
-    Raises:
-        RobotError: If its joint is not level, or it has no geometry and no radius is given.
-    """
-    index = int(model.joint(joint).id)
-    body = int(model.jnt_bodyid[index])
-    bodies = {body}
-    for other in range(body + 1, int(model.nbody)):
-        if int(model.body_parentid[other]) in bodies:
-            bodies.add(other)
-    axis = np.array(data.xaxis[index], dtype=np.float64)
-    anchor = np.array(data.xanchor[index], dtype=np.float64)
-    parts = [part for member in sorted(bodies) for part in body_points(model, data, member)]
-    if abs(axis[2]) > 0.05:
-        raise RobotError(f"{path}: joint {joint!r} is not a wheel: its axis {axis.round(3).tolist()} is not horizontal")
-    mass = float(sum(model.body_mass[member] for member in bodies))
-    if not parts and given_radius is not None:
-        return ModelWheel(
-            joint, anchor, axis, _positive(path, "wheel_radius", given_radius), 0.05, mass, frozenset(bodies)
-        )
-    if not parts:
-        raise RobotError(
-            f"{path}: the wheel of joint {joint!r} has no geometry to read its radius from; give wheel_radius, or give "
-            "the wheel's link a <collision> with a cylinder or a sphere"
-        )
-    offset = np.vstack(parts) - anchor
-    along = offset @ axis
-    middle = (along.min() + along.max()) / 2.0
-    radius = float(np.linalg.norm(offset - np.outer(along, axis), axis=1).max())
-    return ModelWheel(joint, anchor + middle * axis, axis, radius, float(np.ptp(along)), mass, frozenset(bodies))
-
-
-def _positive(path: Path, key: str, value: Plain) -> float:
-    if not isinstance(value, int | float) or not (math.isfinite(value) and value > 0.0):
-        raise RobotError(f"{path}: {key} must be a positive number of metres, got {value!r}")
-    return float(value)

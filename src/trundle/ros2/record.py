@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from typing import Protocol, Self
 
 from trundle.bags.bag_writer import BagWriter, Topic
-from trundle.bags.extra import check_extra
 from trundle.bags.recorder import FLUSH_S, check_free, partial_name
 from trundle.errors import InputError, OutputError
+from trundle.extras import check_extra
 from trundle.files.writing import cannot_write, output_path
 from trundle.messages.codec import Distro
 from trundle.messages.qos import Qos
@@ -74,7 +74,7 @@ class WireRecord:
         facts: Mapping[str, str] | None = None,
         overwrite: bool = False,
     ) -> None:
-        check_extra("--record")
+        check_extra("record", "--record")
         self.path = output_path(path)
         if self.path.suffix != ".mcap":
             raise InputError(f"a recording's file ends in .mcap, got {self.path}")

@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
-from trundle.errors import MissingExtraError
+from trundle.extras import missing_extra
 from trundle.geometry import FloatArray
 from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.maps.rasterise import BOX_FACES, CORNERS
@@ -222,7 +222,7 @@ def convex_hull(points: FloatArray) -> Mesh | None:
     try:
         from scipy.spatial import ConvexHull, QhullError
     except ImportError as error:
-        raise MissingExtraError("a convex hull", "SciPy", 'pip install "trundle[usd]"') from error
+        raise missing_extra("a convex hull", "SciPy", "usd") from error
     centre = points.mean(axis=0)
     _, extents, axes = np.linalg.svd(points - centre, full_matrices=False)
     if len(extents) < 2 or extents[1] <= 1e-9 * extents[0]:

@@ -10,6 +10,7 @@ from support.pool_tasks import Ask, CrashingSetup, Echo, FailingSetup, FailingSe
 from support.pools import make_pool, value_of
 from trundle.errors import InputError, MissingExtraError
 from trundle.evaluation.pool import PoolSetupError
+from trundle.extras import install_line
 
 SCRIPT = """
 import sys
@@ -98,7 +99,7 @@ def test_a_task_of_a_script_needs_cloudpickle(monkeypatch):
     monkeypatch.setattr(sys.modules["__main__"], "Echo", Echo, raising=False)
     with pytest.raises(MissingExtraError, match="cloudpickle") as caught:
         make_pool(Echo())
-    assert caught.value.install == 'pip install "trundle[evaluate]"'
+    assert caught.value.install == install_line("evaluate")
 
 
 def test_a_task_of_a_module_needs_no_cloudpickle(monkeypatch):

@@ -12,7 +12,7 @@ from cyclopts import App, Parameter
 from trundle.cli.evaluate.execution import TimeBudget, carry_out, parse_time_budget
 from trundle.cli.evaluate.results import Require, report_evaluation
 from trundle.cli.shared import options
-from trundle.cli.shared.field_options import EXAMPLES
+from trundle.cli.shared.field_options import EXAMPLES, spelt
 from trundle.cli.shared.output import remark
 from trundle.cli.shared.scenario_options import PARAMETERS
 from trundle.cli.shared.termination import INTERRUPTED
@@ -277,7 +277,7 @@ def read_numbers(text: str | None) -> list[int] | None:
 
 
 def _choices(kind: str, names: str, pairs: list[str] | None) -> list[str | Choice]:
-    given = options.parse_list(names)
+    given = [spelt(kind, name) for name in options.parse_list(names)]
     settings = options.parse_pairs(f"--{kind}-option", pairs, EXAMPLES[kind])
     if settings and len(given) > 1:
         raise InputError(f"--{kind}-option: with several {kind}s it is unclear which one it is for; give one --{kind}")

@@ -9,7 +9,7 @@ from cyclopts import App, Parameter
 from trundle.cli.evaluate.execution import TimeBudget, carry_out, parse_time_budget
 from trundle.cli.evaluate.results import Require, report_evaluation
 from trundle.cli.shared import nav2, options, sources
-from trundle.cli.shared.field_options import OptionField, options_class
+from trundle.cli.shared.field_options import OptionField, options_class, spelt
 from trundle.cli.shared.sources import check_given
 from trundle.cli.shared.termination import INTERRUPTED
 from trundle.errors import InputError, UnknownNameError
@@ -59,7 +59,8 @@ class SuiteOptions(options_class(_LISTS)):
     def changes(self) -> dict[str, Any]:
         """Return the fields whose options were given."""
         texts = {name: getattr(self, name) for name, _, _ in _LISTS}
-        return {name: options.parse_list(text) for name, text in texts.items() if text is not None}
+        lists = {name: options.parse_list(text) for name, text in texts.items() if text is not None}
+        return {name: [spelt(name.removesuffix("s"), one) for one in found] for name, found in lists.items()}
 
 
 @app.default

@@ -53,6 +53,7 @@ def build(
     settings: options.Settings = None,
     exclude: options.Exclude = None,
     paths: options.Paths = None,
+    overwrite: options.OverwriteMap = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
@@ -82,6 +83,7 @@ def build(
         max_cells: Limit on the number of cells; default: 400 million.
     """
     from trundle.maps import FREE, MAX_CELLS, UNKNOWN, HeightField, OccupancyGrid
+    from trundle.maps.ros_writer import is_as_written
 
     machine = sources.load_robot(robot, paths)
     low, high = machine.z_range
@@ -91,11 +93,13 @@ def build(
     scene = isaac.find_environment(world, assets_root)
     kept = sources.read_settings(world, settings, exclude, paths, robot=robot)
     place = sources.load_world(str(scene or world), seed=seed, settings=kept)
+    target = options.output_file(out, "map.yaml", (".yaml", ".yml"))
+    if not overwrite:
+        options.check_replaceable(target, is_as_written=is_as_written(target))
     if heights is None:
         level = sources.find_floor_z(place, str(scene or world), machine, seeds[0] if seeds else None, floor_z)
     else:
         level = floor_z or 0.0
-    target = options.output_file(out, "map.yaml", (".yaml", ".yml"))
     grid = OccupancyGrid.from_world(
         place,
         resolution=resolution,

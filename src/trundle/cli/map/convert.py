@@ -11,6 +11,7 @@ from trundle.cli.shared import options, output
 from trundle.cli.shared.sources import check_given
 from trundle.errors import InputError
 from trundle.files.kinds import MAP
+from trundle.files.opening import is_file
 
 if TYPE_CHECKING:
     from trundle.maps import OccupancyGrid
@@ -50,6 +51,7 @@ def convert(
     source_origin: Annotated[str | None, Parameter(allow_leading_hyphen=True, metavar="X,Y[,YAW]")] = None,
     max_cells: options.Integer | None = None,
     compat: options.Compat = None,
+    overwrite: options.OverwriteMap = False,
     json: options.Json = False,
 ) -> int:
     """Convert a map to another format, resample, align or crop it, or merge two maps.
@@ -74,7 +76,8 @@ def convert(
     """
     from trundle.maps import MAX_CELLS
     from trundle.maps.convert import convert_grid, find_file_losses
-    from trundle.maps.ros_writer import choose_mode
+    from trundle.maps.movingai_cells import encode_cells
+    from trundle.maps.ros_writer import choose_mode, is_as_written
 
     sources = [map_file] if second is None else [map_file, second]
     for source in sources:
@@ -86,6 +89,8 @@ def convert(
     if is_movingai and mode is not None:
         raise InputError("--mode is for ROS maps: a MovingAI map has only free and blocked cells")
     _refuse_sources(sources, target, None if is_movingai else target.with_suffix(f".{image}"))
+    if not overwrite and not is_movingai:
+        options.check_replaceable(target, is_as_written=is_as_written(target))
     made = convert_grid(
         grids[0],
         other=grids[1] if second is not None else None,
@@ -95,6 +100,9 @@ def convert(
         crop=rectangle,
         max_cells=MAX_CELLS if max_cells is None else max_cells,
     )
+    if not overwrite and is_movingai and is_file(target):  # its format has no place for a hash
+        same = target.read_bytes() == encode_cells(made.grid.data)
+        options.check_replaceable(target, is_as_written=same)
     chosen: Mode = "trinary" if is_movingai else mode or choose_mode(made.grid)
     losses = [*made.losses, *find_file_losses(made.grid, "movingai" if is_movingai else "ros", chosen)]
     made.grid.save(target, mode=chosen, image_format=image)

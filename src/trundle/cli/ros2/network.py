@@ -9,14 +9,12 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from trundle.cli.shared import options
-from trundle.errors import MissingExtraError
+from trundle.extras import missing_extra
 
 if TYPE_CHECKING:
     from trundle.ros2.names import Names
     from trundle.ros2.transport.domain import Settings
     from trundle.ros2.transport.transport import Transport
-
-INSTALL = 'pip install "trundle[ros2]"'
 
 
 @Parameter(name="*")
@@ -99,7 +97,7 @@ def check_extra() -> None:
         MissingExtraError: If it is not; the message gives the install command.
     """
     if importlib.util.find_spec("rosbags") is None:
-        raise MissingExtraError("trundle ros2", "rosbags", INSTALL)
+        raise missing_extra("trundle ros2", "rosbags", "ros2")
 
 
 DEFAULTS = NetworkOptions()

@@ -13,6 +13,7 @@ from trundle.cli.ros2 import network
 from trundle.cli.shared import browser, isaac, nav2, options, output, scenario_options
 from trundle.cli.shared.termination import ends_as_by_ctrl_c
 from trundle.errors import InputError
+from trundle.extras import check_extra
 from trundle.values import first_names
 
 if TYPE_CHECKING:
@@ -165,9 +166,7 @@ def _target(out: Path | None, *, record: bool, overwrite: bool) -> Path | None:
         if out is not None:
             raise InputError(f"--out {out} is for a recording: give --record with it")
         return None
-    from trundle.bags.extra import check_extra
-
-    check_extra("--record")
+    check_extra("record", "--record")
     from trundle.bags.recorder import check_free
 
     if out is None:

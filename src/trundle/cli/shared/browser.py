@@ -103,7 +103,8 @@ def advise(page: ServedPage, *, opens: bool, quiet: bool) -> None:
             quiet=quiet,
         )
     if opens and not is_remote() and not open_browser(page.server.address):
-        output.remark("No browser was found here: open that address in one", quiet=quiet)
+        why = "No browser was found here" if has_screen() else "There is no display here, so no browser was opened"
+        output.remark(f"{why}: open that address in one", quiet=quiet)
 
 
 def linger(page: ServedPage, serve: Callable[[Callable[[], bool]], None], *, quiet: bool) -> None:
@@ -140,15 +141,18 @@ def is_remote() -> bool:
     return bool(os.environ.get("SSH_CONNECTION") or os.environ.get("SSH_TTY"))
 
 
+def has_screen() -> bool:
+    """Whether this machine has a display, as far as the environment tells."""
+    names = ("DISPLAY", "WAYLAND_DISPLAY")
+    return sys.platform in ("darwin", "win32") or any(os.environ.get(name) for name in names)
+
+
 def open_browser(address: str) -> bool:
     """Open an address in the browser of this screen; False if there is none.
 
     A browser in the terminal (lynx, w3m) is none: it cannot show the page, and would take the terminal.
     """
-    has_screen = sys.platform in ("darwin", "win32") or any(
-        os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")
-    )
-    if not has_screen:
+    if not has_screen():
         return False
     try:
         return webbrowser.open(address)

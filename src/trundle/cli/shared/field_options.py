@@ -14,7 +14,7 @@ from pydantic import BaseModel, ValidationError
 
 from trundle.cli.shared.options import Integer, parse_pairs
 from trundle.costmap import CostmapSettings
-from trundle.errors import InputError
+from trundle.errors import InputError, respell
 from trundle.files.choice import Choice
 from trundle.files.field_docs import describe_fields
 from trundle.files.yaml_problems import describe_problems
@@ -140,6 +140,7 @@ def choose(kind: str, name: str | None, pairs: list[str] | None, default: Choice
         InputError: If a pair cannot be parsed, or there is no default for its option.
     """
     options = parse_pairs(f"--{kind}-option", pairs, EXAMPLES[kind])
+    name = None if name is None else spelt(kind, name)
     if name is None and not options:
         return default
     if default is not None and name in (None, default.name):
@@ -147,6 +148,15 @@ def choose(kind: str, name: str | None, pairs: list[str] | None, default: Choice
     if name is None:
         raise InputError(f"--{kind}-option needs a {kind}: give its name with --{kind}")
     return Choice(name=name, options=dict(options))
+
+
+def spelt(kind: str, name: str) -> str:
+    """Return the name of a planner or a controller that is only spelt otherwise, `A*` for `astar`; else it as it is."""
+    from trundle.control import controller_names
+    from trundle.planning import planner_names
+
+    names = {"planner": planner_names, "controller": controller_names}.get(kind)
+    return name if names is None or ":" in name else respell(name, names()) or name
 
 
 def explain(error: ValidationError) -> InputError:

@@ -13,6 +13,7 @@ from cyclopts import Parameter
 from trundle.cli.shared import browser, isaac, options, output
 from trundle.cli.shared.recordings import FolderRecording
 from trundle.cli.shared.recordings import choose as choose_recording
+from trundle.extras import install_line
 from trundle.fault import is_of_plugin
 from trundle.values import first_names
 
@@ -228,7 +229,7 @@ def _remark_on_encoder(scenario: Scenario, *, quiet: bool) -> None:
         return
     # trundle's own extra would also install MuJoCo, which prevents Isaac Sim from starting.
     in_isaac = scenario.backend.name == isaac.BACKEND
-    install = "python.sh -m pip install --no-deps av" if in_isaac else 'pip install "trundle[video]"'
+    install = "python.sh -m pip install --no-deps av" if in_isaac else install_line("video")
     output.remark(f"The video will be a GIF, because PyAV is not installed. For an MP4: {install}", quiet=quiet)
 
 

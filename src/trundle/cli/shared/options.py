@@ -93,6 +93,12 @@ Overwrite = Annotated[
         help="Replace an existing run in the folder of --out; it is deleted once the new one is complete.",
     ),
 ]
+OverwriteMap = Annotated[
+    bool,
+    Parameter(
+        name="--overwrite", negative="", help="Replace a map that has changed since trundle wrote it, as by hand."
+    ),
+]
 OverwriteFile = Annotated[bool, Parameter(name="--overwrite", negative="", help="Replace the file.")]
 Record = Annotated[
     bool,
@@ -299,6 +305,19 @@ def new_yaml_file(out: Path, default_name: str, *, overwrite: bool) -> Path:
     if target.exists() and not overwrite:
         raise InputError(f"{target} already exists: give another file with -o, or replace it with --overwrite")
     return target
+
+
+def check_replaceable(target: Path, *, is_as_written: bool) -> None:
+    """Refuse to replace a map that is there, unless it is byte for byte what trundle wrote.
+
+    Raises:
+        InputError: If there is one and it is not; it may have been edited by hand.
+    """
+    if target.exists() and not is_as_written:
+        raise InputError(
+            f"{target} already exists, and is not as trundle wrote it: it may have been edited by hand. Give another "
+            "file with -o, or replace it with --overwrite"
+        )
 
 
 def _make_folder(folder: Path) -> Path:

@@ -8,6 +8,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 from trundle.errors import InputError
+from trundle.extras import check_extra
 
 if TYPE_CHECKING:
     from trundle.bags import Recorder
@@ -58,10 +59,9 @@ class FolderRecording:
         self._recorder: Recorder | None = None
         if choice is None:
             return
-        from trundle.bags.extra import check_extra
+        check_extra("record", "--record")
         from trundle.bags.recorder import check_free
 
-        check_extra("--record")
         if out is not None and not overwrite:
             check_free(out / FILE)
 

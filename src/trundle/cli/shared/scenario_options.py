@@ -158,7 +158,10 @@ class ScenarioOptions(options_class(_OPTIONS)):
             for name in PLUGINS
         }
         changed = {**base.model_dump(), **chosen, **self._sensing(base)}
-        return isaac.adapt(Scenario.make(**changed), self.isaac_options)
+        scenario = Scenario.make(**changed)
+        if scenario.map is not None:
+            sources.warn_of_units(scenario.map)
+        return isaac.adapt(scenario, self.isaac_options)
 
     def _changes(self) -> dict[str, object]:
         """Return the fields that options give a value of their own, which replaces the scenario's."""

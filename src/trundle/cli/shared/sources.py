@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import difflib
+import itertools
 import os
-from collections.abc import Mapping
+import warnings
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trundle.cli.shared.options import join_paths, parse_pose, parse_settings
-from trundle.errors import InputError, UnknownNameError
+from trundle.errors import InputError, MapError, MapWarning, UnknownNameError
 from trundle.files.kinds import (
     DRIVE,
     EVALUATION,
@@ -22,6 +26,7 @@ from trundle.files.kinds import (
     describe_mismatch,
     find_kind,
 )
+from trundle.files.opening import exists, is_file
 
 if TYPE_CHECKING:
     from trundle.costmap import Costmap
@@ -29,6 +34,12 @@ if TYPE_CHECKING:
     from trundle.robots import Robot
     from trundle.worlds import World
 
+
+_FILE_KINDS = frozenset({MAP, ROBOT, SCENARIO, SUITE, WORLD})
+"""Kinds that are files, and no folders."""
+
+_MOST_NAMES = 10_000
+"""Files of a folder that are compared with a misspelt name."""
 
 _ADVICE = {
     (WORLD, MAP): "make its map with trundle map build {text} -o map.yaml",
@@ -70,21 +81,77 @@ _ADVICE = {
 def check_given(text: str | os.PathLike[str], *wanted: str) -> None:
     """Refuse a file or a name that is clearly of another kind than those wanted; the first of them is the main one.
 
-    A missing file or unknown name is left to the loader to report.
+    An unknown name and a missing folder are left to the loader to report.
 
     Raises:
-        InputError: If it is of another kind; the message says what to give instead.
+        InputError: If it is of another kind, or a file that does not exist; the message says what to give instead.
     """
     text = os.fspath(text)
     # A file or folder may have a known name: `drive -o mujoco` creates one.
     found = find_kind(text)
     kinds = [*_kinds_of_name(text), *([] if found is None else [found])]
+    if not kinds:
+        check_file_exists(text, *wanted)
+        _check_suffix(text, wanted)
     if not kinds or set(kinds) & set(wanted):
         return
     advice = next((_ADVICE[kinds[0], kind] for kind in wanted if (kinds[0], kind) in _ADVICE), None)
-    *others, last = wanted
-    message = describe_mismatch(text, kinds[0], f"{', '.join(others)} or {last}" if others else last)
+    message = describe_mismatch(text, kinds[0], _list_kinds(wanted))
     raise InputError(message if advice is None else f"{message}; {advice.format(text=text)}")
+
+
+def check_file_exists(text: str, *wanted: str) -> None:
+    """Refuse a text that looks like the path of a file, by a suffix or a slash, if there is none.
+
+    Raises:
+        InputError: If there is no such file; the message names the nearest one in its folder.
+    """
+    path = Path(text)
+    suffix = path.suffix[1:]
+    looks_like_path = os.sep in text or (suffix != "" and not suffix[0].isdigit() and " " not in suffix)
+    if ":" in text or not looks_like_path or not _FILE_KINDS & {*wanted} or exists(path):
+        return
+    folder = path.parent
+    error = MapError if wanted[0] == MAP else InputError
+    if not folder.is_dir():
+        raise error(f"{text}: no such file: there is no folder {folder}")
+    files = [entry for entry in itertools.islice(folder.iterdir(), _MOST_NAMES) if entry.is_file()]
+    stems = difflib.get_close_matches(path.stem, [file.stem for file in files], n=_MOST_NAMES)
+    nearest = difflib.get_close_matches(path.name, [file.name for file in files if file.stem in stems], n=1)
+    advice = f"did you mean {folder / nearest[0]}?" if nearest else f"give the file of {_list_kinds(wanted)}"
+    raise error(f"{text}: no such file; {advice}")
+
+
+def _check_suffix(text: str, wanted: tuple[str, ...]) -> None:
+    """Refuse a file of which the suffix says that nothing reads it as a world."""
+    from trundle.worlds.load import LOADERS
+
+    if WORLD in wanted and is_file(text) and Path(text).suffix.lower() not in LOADERS:
+        suffixes = ", ".join(sorted(LOADERS))
+        raise InputError(f"{text}: this is not the file of {_list_kinds(wanted)}: their names end in {suffixes}")
+
+
+def _list_kinds(wanted: Sequence[str]) -> str:
+    *others, last = wanted
+    return f"{', '.join(others)} or {last}" if others else last
+
+
+def warn_of_units(map_file: str | os.PathLike[str]) -> None:
+    """Warn if the cell size of a ROS map is unlikely, as `trundle map check` does: its unit is probably not metres.
+
+    A file that cannot be read is left to the loader to report.
+
+    Warns:
+        MapWarning: If it is.
+    """
+    from trundle.maps.ros_yaml import describe_resolution, read_fields
+
+    if Path(map_file).suffix.lower() == ".map":
+        return
+    with suppress(MapError):
+        unlikely = describe_resolution(read_fields(map_file))
+        if unlikely is not None:
+            warnings.warn("; ".join(unlikely), MapWarning, stacklevel=2)
 
 
 def _kinds_of_name(text: str) -> list[str]:

@@ -13,7 +13,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import ModuleType
 
-from trundle.errors import InputError, MissingExtraError, TrundleError
+from trundle.errors import InputError, TrundleError
+from trundle.extras import missing_extra
 
 
 class ClusterError(TrundleError):
@@ -78,7 +79,7 @@ def _import_ray() -> ModuleType:
     try:
         import ray  # pyright: ignore[reportMissingImports] - an extra
     except ImportError as error:
-        raise MissingExtraError("an evaluation on a cluster", "Ray", 'pip install "trundle[ray]"') from error
+        raise missing_extra("an evaluation on a cluster", "Ray", "ray") from error
     return ray
 
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
-from trundle.errors import InputError, MissingExtraError
+from trundle.errors import InputError
 from trundle.evaluation.pool import framing, memory
 from trundle.evaluation.pool.failures import MOST_KILLS, Cause, FailureClassifier
 from trundle.evaluation.pool.handle import Handle, State
@@ -18,6 +18,7 @@ from trundle.evaluation.pool.launch import CAN_FORK, describe_start
 from trundle.evaluation.pool.outcome import Done, Failed, Jobs, PoolSetupError, Task
 from trundle.evaluation.pool.tracebacks import describe_place
 from trundle.evaluation.pool.workers import Deadlines, Dumped, Event, Gone, Message, Workers
+from trundle.extras import missing_extra
 from trundle.values import check_count, check_number
 
 MOST_WORKERS = 4096
@@ -381,7 +382,7 @@ def _pickle_task(task: Task) -> bytes:
         raise PoolSetupError(f"the task cannot be sent to workers: {type(error).__name__}: {error}") from error
     if b"__main__" in content:
         purpose = "what is defined in a script or a notebook, in worker processes,"
-        raise MissingExtraError(purpose, "cloudpickle", 'pip install "trundle[evaluate]"')
+        raise missing_extra(purpose, "cloudpickle", "evaluate")
     return content
 
 

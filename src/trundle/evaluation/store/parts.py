@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from trundle.errors import MissingExtraError, OutputError
+from trundle.errors import OutputError
 from trundle.evaluation.store.folder import PARTS
 from trundle.evaluation.store.row_encoding import LONGEST_LINE, SQL_TYPES, Keys
+from trundle.extras import missing_extra
 from trundle.files.writing import cannot_write, sync_file, sync_folder
 
 if TYPE_CHECKING:
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 _NAME = re.compile(r"\d{6,}(-\w+)?-(?P<digest>[0-9a-f]{16})\.parquet")
 _NEEDED = ("id", "index", "outcome")
 _PLACE = ", filename = true, file_row_number = true"
-INSTALL = 'pip install "trundle[evaluate]"'
 
 
 def has_duckdb() -> bool:
@@ -46,7 +46,7 @@ def connect(purpose: str) -> duckdb.DuckDBPyConnection:
     try:
         import duckdb
     except ImportError as error:
-        raise MissingExtraError(purpose, "DuckDB", INSTALL) from error
+        raise missing_extra(purpose, "DuckDB", "evaluate") from error
     database = duckdb.connect(":memory:", config={"threads": 1, "temp_directory": ""})
     with suppress(duckdb.CatalogException):  # DuckDB before 1.3 keeps nothing.
         database.execute("SET enable_external_file_cache = false")

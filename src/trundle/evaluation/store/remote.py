@@ -10,8 +10,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from trundle.errors import MissingExtraError, OutputError
+from trundle.errors import OutputError
 from trundle.evaluation.store.folder import JOURNAL, MANIFEST, PARTS, SELECTION, SUITE, WRITTEN_AFTERWARDS
+from trundle.extras import missing_extra
 
 _URI = re.compile(r"[a-z][a-z0-9+.-]+://")
 _KEPT = (MANIFEST, SUITE, SELECTION, JOURNAL)
@@ -37,7 +38,7 @@ class RemoteFolder:
         try:
             from pyarrow import fs  # pyright: ignore[reportMissingImports] - an extra
         except ImportError as error:
-            raise MissingExtraError(f"the folder {uri}", "pyarrow", 'pip install "trundle[ray]"') from error
+            raise missing_extra(f"the folder {uri}", "pyarrow", "ray") from error
         self.uri = uri
         self._regular = fs.FileType.File
         self._selector: Any = fs.FileSelector

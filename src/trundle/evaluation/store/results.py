@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from trundle.errors import InputError, MissingExtraError
+from trundle.errors import InputError
 from trundle.evaluation.row import Row
 from trundle.evaluation.store.folder import SELECTION, SUITE, Manifest, Stopped, check_holds_evaluation
-from trundle.evaluation.store.parts import INSTALL, has_duckdb, list_parts
+from trundle.evaluation.store.parts import has_duckdb, list_parts
 from trundle.evaluation.store.row_encoding import Keys
 from trundle.evaluation.store.tables import JournalTable, SqlTable, Table, check_columns
+from trundle.extras import missing_extra
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -156,11 +157,11 @@ class Results:
         """
         table = self._table
         if not isinstance(table, SqlTable):
-            raise MissingExtraError("asking in SQL", "DuckDB", INSTALL)
+            raise missing_extra("asking in SQL", "DuckDB", "evaluate")
         try:
             import pandas as pd  # noqa: F401 (DuckDB makes its frames)
         except ImportError as error:
-            raise MissingExtraError("a table of episodes", "pandas", INSTALL) from error
+            raise missing_extra("a table of episodes", "pandas", "evaluate") from error
         import duckdb
 
         try:

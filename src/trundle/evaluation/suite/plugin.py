@@ -12,7 +12,8 @@ from pydantic import AfterValidator
 from pydantic_core import PydanticCustomError
 
 from trundle.control.controller import CONTROLLERS
-from trundle.errors import InputError, MissingExtraError, UnknownNameError
+from trundle.errors import InputError, UnknownNameError
+from trundle.extras import missing_extra
 from trundle.files.choice import Choice, takes_plugin
 from trundle.navigation.agents import AGENTS
 from trundle.planning.planner import PLANNERS
@@ -80,8 +81,7 @@ def _pickled(given: object) -> bytes:
         try:
             import cloudpickle  # pyright: ignore[reportMissingTypeStubs]
         except ImportError:
-            install = 'pip install "trundle[evaluate]"'
-            raise MissingExtraError("sending it to worker processes", "cloudpickle", install) from error
+            raise missing_extra("sending it to worker processes", "cloudpickle", "evaluate") from error
         try:
             return cast("bytes", cloudpickle.dumps(given))  # pyright: ignore[reportUnknownMemberType]
         except Exception as reason:

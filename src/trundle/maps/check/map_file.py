@@ -29,14 +29,12 @@ from trundle.maps.ros_yaml import (
     Fields,
     RosMapDescription,
     describe_degrees,
+    describe_resolution,
     parse_mode,
     parse_negate,
     parse_origin,
     read_fields,
 )
-
-USUAL_RESOLUTIONS = (0.005, 0.5)
-"""Cells of an indoor map are between these [m]; finer and coarser ones are more often a slip of the point."""
 
 _USUAL: dict[str, str] = {
     "image": "image: map.png",
@@ -162,18 +160,9 @@ def _read_resolution(fields: Fields, findings: list[Finding]) -> float | None:
         kind: Kind = "resolution" if isinstance(node, yaml.ScalarNode) and _is_number(node.value) else "yaml"
         findings.append(Finding(kind, "error", str(error), None, "write the edge of a cell in metres, most often 0.05"))
         return None
-    low, high = USUAL_RESOLUTIONS
-    if not low <= resolution <= high:
-        findings.append(
-            Finding(
-                "resolution",
-                "warning",
-                f"{fields.place('resolution')}: a cell of {resolution:g} m is unlikely: most maps have between {low:g} "
-                f"and {high:g} m",
-                None,
-                "check the unit: it is metres per cell, most often 0.05",
-            )
-        )
+    unlikely = describe_resolution(fields)
+    if unlikely is not None:
+        findings.append(Finding("resolution", "warning", unlikely[0], None, unlikely[1]))
     return resolution
 
 

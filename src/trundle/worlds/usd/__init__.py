@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from types import FrameType
 
 from trundle.errors import MissingExtraError
+from trundle.extras import install_line
 from trundle.worlds.leave_out import split_words
 from trundle.worlds.usd.options import Geometry, Missing, Options, Purpose, UpAxis
 from trundle.worlds.world import World
@@ -47,7 +48,7 @@ def need_usd(purpose: str) -> None:
     Raises:
         MissingExtraError: If it is not installed; the message has the install line.
     """
-    install = 'pip install "trundle[usd]"'
+    install = install_line("usd")
     if importlib.util.find_spec("isaacsim") is not None:
         install += " in another Python than Isaac Sim's, which brings its own USD and does not start beside this one"
     try:

@@ -14,14 +14,10 @@ import sys
 from typing import TYPE_CHECKING
 
 from trundle.errors import MissingExtraError, TransportError
+from trundle.extras import lacks_wheels, missing_extra
 
 if TYPE_CHECKING:
     from cyclonedds.core import Entity
-
-INSTALL = 'pip install "trundle[ros2]"'
-
-NO_WHEELS_FROM = (3, 14)
-"""The first Python for which Cyclone DDS has no wheels."""
 
 RETCODE_TIMEOUT = -10
 """A return code of DDS (section 2.3.3 of its specification): a writer that waited for its readers gave up."""
@@ -50,16 +46,11 @@ def require() -> None:
                 f"Cyclone DDS has no wheel for {here}. --transport rclpy still works: start in a shell that has "
                 "sourced ROS 2"
             )
-        raise MissingExtraError("--transport dds", "cyclonedds", INSTALL)
+        raise missing_extra("--transport dds", "cyclonedds", "ros2")
     try:
         importlib.import_module("cyclonedds.core")
     except Exception as error:  # of the loader of its library, or of what it lacks
         raise TransportError(f"Cyclone DDS is installed and does not load: {error}") from error
-
-
-def lacks_wheels() -> bool:
-    """Return whether the extra leaves Cyclone DDS out here, because it has no wheels."""
-    return sys.version_info >= NO_WHEELS_FROM or (sys.platform == "linux" and platform.machine() == "aarch64")
 
 
 def version() -> str:
