@@ -12,6 +12,7 @@ from trundle.errors import InputError, UnknownNameError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.robots import Robot
 from trundle.worlds import World
+from trundle.worlds.map_look import shown_bounds
 
 CAMERAS = ("chase", "robot", "overview", "top")
 """`chase` from behind the robot, `robot` close to its front, `overview` of the world, `top` straight down on it."""
@@ -141,7 +142,7 @@ def _camera_at(
 def _extent(world: World, robot: Robot, pose: Pose2D) -> tuple[FloatArray, FloatArray]:
     """Return bounds [m] of what an overview shows: the world, or if it is empty the robot with some floor around it."""
     if world.solids:
-        return world.bounds
+        return shown_bounds(world)
     around = 1.5 * _reach(robot)
     return (
         np.array([pose.x - around, pose.y - around, 0.0]),
