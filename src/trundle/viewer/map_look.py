@@ -10,8 +10,12 @@ import numpy.typing as npt
 
 from trundle.geometry import FloatArray
 from trundle.geometry.solids import Box, Color, OccupancyCells, Solid
+from trundle.sim.mujoco.world_parts import GROUP_WORLD
 from trundle.worlds.map_look import CAP_COLOR, FOOT_COLOR, DrawnSolid
 from trundle.worlds.walls import merge_cells
+
+GROUP_MARKS = 4
+"""Geom group of what is drawn only; lines of sight ignore it."""
 
 _CAP_M, _FOOT_M = 0.05, 0.07  # heights of the dark top and of the foot
 _PROUD_M = 0.012  # how far both stand out from the wall
@@ -20,14 +24,13 @@ _TANGENTS = np.roll(_NORMALS, 1, axis=1)
 _SIDES, _WITH_TOP = 4, 5  # how many faces of a box are drawn: nobody sees those below
 
 
-def add_edges(spec: mujoco.MjSpec, name: str, drawn: Sequence[DrawnSolid], group: int) -> list[str]:
+def add_edges(spec: mujoco.MjSpec, name: str, drawn: Sequence[DrawnSolid]) -> list[str]:
     """Add the edges of a map's solids, and the walls of those that are fields of cells; return the geoms' names.
 
     Args:
         spec: The model to add to.
         name: Beginning of the names.
         drawn: Solids, of which those of a map count.
-        group: Geom group.
     """
     added: list[str] = []
     caps: list[FloatArray] = []
@@ -37,15 +40,15 @@ def add_edges(spec: mujoco.MjSpec, name: str, drawn: Sequence[DrawnSolid], group
         if not one.of_map or not len(boxes):
             continue
         if isinstance(one.solid.shape, OccupancyCells):
-            added.append(_add_faces(spec, f"{name}:{one.solid.name}", [boxes], _WITH_TOP, one.solid.color, group))
+            added.append(_add_faces(spec, f"{name}:{one.solid.name}", [boxes], _WITH_TOP, one.solid.color, GROUP_WORLD))
         high = float(boxes[0, 5])
         feet.append(_between(boxes, 0.0, min(_FOOT_M, high)))
         if one.capped:
             caps.append(_between(boxes, high - min(_CAP_M, high), high + 0.1 * _PROUD_M))
     if caps:
-        added.append(_add_faces(spec, f"{name}:tops", caps, _WITH_TOP, CAP_COLOR, group))
+        added.append(_add_faces(spec, f"{name}:tops", caps, _WITH_TOP, CAP_COLOR, GROUP_MARKS))
     if feet:
-        added.append(_add_faces(spec, f"{name}:feet", feet, _SIDES, FOOT_COLOR, group))
+        added.append(_add_faces(spec, f"{name}:feet", feet, _SIDES, FOOT_COLOR, GROUP_MARKS))
     return added
 
 
@@ -93,7 +96,9 @@ def _add_faces(
     points = np.einsum("nij,nfkj->nfki", turn, corners) + middle[:, None, None, :]
     outward = np.broadcast_to(np.einsum("nij,fj->nfi", turn, normals)[:, :, None, :], points.shape)
     first = 4 * np.arange(len(x) * faces)[:, None]
-    triangles: npt.NDArray[np.int64] = np.concatenate([first + (0, 1, 2), first + (0, 2, 3)], axis=1)
+    triangles: npt.NDArray[np.int64] = np.concatenate(
+        [first + np.array([0, 1, 2]), first + np.array([0, 2, 3])], axis=1
+    )
     mesh = spec.add_mesh(name=name, inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL)
     mesh.uservert, mesh.usernormal = points.ravel().tolist(), outward.ravel().tolist()
     mesh.userface = mesh.userfacenormal = triangles.ravel().tolist()

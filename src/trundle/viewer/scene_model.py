@@ -19,7 +19,7 @@ from trundle.sim.mujoco.model import build_spec
 from trundle.sim.mujoco.mover_bodies import place_movers
 from trundle.sim.mujoco.world_parts import FLOOR, MOVER
 from trundle.viewer.cameras import Camera, aim
-from trundle.viewer.map_look import add_edges
+from trundle.viewer.map_look import GROUP_MARKS, add_edges
 from trundle.viewer.route import (
     GOAL_COLOR,
     GOAL_HALF_HEIGHT_M,
@@ -39,7 +39,6 @@ SHOWN_GROUPS = (1, 1, 1, 0, 1, 0)
 AT_REST = WheelSpeeds(0.0, 0.0)
 
 _EDGES = ("west", "east", "south", "north")
-_GROUP_MARKS = 4
 _CLEAR = 1.1  # the line of sight must be clear up to this multiple of the camera's distance
 _AT_EDGE = 0.35  # walls within this distance of the world's edge are outer walls [m]
 
@@ -85,7 +84,7 @@ class SceneModel:
         spec = build_spec(replace(world, solids=tuple(shown)), robot)
         sides = _outer_walls(drawn, self._bounds)
         for side in (*_EDGES, None):
-            added = add_edges(spec, f"viewer:{side}", [one for one in drawn if sides.get(one.solid.name) == side], 0)
+            added = add_edges(spec, f"viewer:{side}", [one for one in drawn if sides.get(one.solid.name) == side])
             sides |= {name: side for name in added if side}
         spec.visual.global_.offwidth, spec.visual.global_.offheight = size
         spec.visual.quality.offsamples, spec.visual.quality.shadowsize = samples, shadow_size
@@ -96,7 +95,7 @@ class SceneModel:
             _add_path(spec, path)
         if goal is not None:
             _add_goal(spec, goal, robot)
-        self._moving = MovingBodies(spec, world, _GROUP_MARKS) if world.movers else None
+        self._moving = MovingBodies(spec, world, GROUP_MARKS) if world.movers else None
         if sides or any(one.of_map for one in drawn):
             _lay_slab(spec, self._bounds)
         self.model = spec.compile()
@@ -124,7 +123,7 @@ class SceneModel:
         for geom, _, alpha in self._walls:
             self.model.geom_rgba[geom, 3] = alpha
         if isinstance(camera, str):
-            camera = aim(camera, self.world, self.robot, pose, self._aspect, self._is_clear)
+            camera = aim(camera, self.world, self.robot, pose, self._aspect, self.is_clear)
         (west, south, _), (east, north, _) = self._bounds
         x, y = camera.eye[:2]
         outside = {"west": x < west, "east": x > east, "south": y < south, "north": y > north}
@@ -133,7 +132,8 @@ class SceneModel:
                 self.model.geom_rgba[geom, 3] = 0.0
         return camera
 
-    def _is_clear(self, target: tuple[float, float, float], eye: tuple[float, float, float]) -> bool:
+    def is_clear(self, target: tuple[float, float, float], eye: tuple[float, float, float]) -> bool:
+        """Return whether no solid is between two points [m], map frame."""
         start, ray = np.array(target), np.subtract(eye, target)
         met = mujoco.mj_ray(self.model, self.data, start, ray, self._sight, True, -1, None)
         return not 0.0 <= met <= _CLEAR
@@ -186,7 +186,7 @@ def _add_goal(spec: mujoco.MjSpec, goal: Pose2D, robot: Robot) -> None:
 
 def _add_mark(spec: mujoco.MjSpec, kind: mujoco.mjtGeom, color: tuple[float, float, float, float]) -> mujoco.MjsGeom:
     """Add a geom that does not collide."""
-    return spec.worldbody.add_geom(type=kind, rgba=color, contype=0, conaffinity=0, mass=0.0, group=_GROUP_MARKS)
+    return spec.worldbody.add_geom(type=kind, rgba=color, contype=0, conaffinity=0, mass=0.0, group=GROUP_MARKS)
 
 
 class MovingBodies:
