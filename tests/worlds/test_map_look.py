@@ -14,7 +14,7 @@ from trundle.worlds.walls import extrude
 
 
 def office_map():
-    """Cells of 10 cm: walls around, a wall within, a table apart, a cupboard along a wall, and a part nobody has seen."""
+    """Cells of 10 cm: walls around and within, a table, a cupboard along a wall, and a part that nobody has seen."""
     data = np.full((60, 80), -1, dtype=np.int8)
     data[:40, :60] = 0
     data[0, :60], data[39, :60], data[:40, 0], data[:40, 59] = 100, 100, 100, 100
@@ -48,7 +48,7 @@ def test_small_areas_are_islands_whatever_the_resolution():
 
 
 def test_what_is_simulated_does_not_depend_on_how_a_map_is_drawn():
-    """Names, shapes, poses and kinds of the solids, the model of the simulator, and the map, as before there were looks."""
+    """Names, shapes, poses and kinds of the solids, the simulator's model, and the map are those of before."""
     world = World.from_map(OccupancyGrid(office_map().data, 0.1))
     text = repr([(one.name, one.shape, one.pose, one.kind) for one in world.solids])
     assert hashlib.sha256(text.encode()).hexdigest()[:16] == "4cf2f66c8a1a429d"
