@@ -31,10 +31,11 @@ FOOT_COLOR: Color = (0.34, 0.36, 0.40, 1.0)
 RISE = 0.2
 """How much higher walls are drawn than they are, as a share of their height: higher than what stands between them."""
 
-_LONGEST_M = 2.5  # occupied areas that are longer than this are walls
-_THIN_M = 0.45  # boxes that are wider than this are no walls,
-_THIN_CELLS = 2.5  # nor those that are wider than this many cells,
-_BULK_M = 3.0  # unless they are so wide that they are all that lies beyond a wall
+_LONGEST_M = 2.5  # occupied areas that are longer than this are walls,
+_THIN_M = 0.45  # but for their parts that are thicker than this
+_THIN_CELLS = 2.5  # and than this many cells,
+_BULK_M = 3.0  # if not thicker than this
+_MOST_CELLS = 16_000_000
 _PLATE_M = 0.04  # height of unknown cells as they are drawn, so that they hide nothing
 
 _MAP_BOX = re.compile(r"map\[(\d+):(\d+),(\d+):(\d+)\]")
@@ -56,20 +57,36 @@ class DrawnSolid:
 
 
 def find_islands(occupied: npt.NDArray[np.bool_], resolution: float) -> npt.NDArray[np.bool_]:
-    """Return which occupied cells belong to areas of the size of furniture, at most 2.5 m long.
+    """Return which occupied cells are no walls: areas of at most 2.5 m, and what is too thick, such as a cupboard.
+
+    What is thicker than 3 m is all that lies beyond a wall. Of maps with more than 16 million cells all are walls.
 
     Args:
         occupied: Shape (rows, cols).
         resolution: Edge of a cell [m].
     """
+    if occupied.size > _MOST_CELLS:
+        return np.zeros(occupied.shape, dtype=np.bool_)
     labels, table = label_components(np.ascontiguousarray(occupied).view(np.uint8), True)
     longest = np.maximum(table[:, 2] - table[:, 1], table[:, 4] - table[:, 3]) * resolution
-    return np.concatenate([[False], longest <= _LONGEST_M])[labels]
+    small = np.concatenate([[False], longest <= _LONGEST_M])[labels]
+    thick = int(max(_THIN_M / resolution, _THIN_CELLS)) + 1
+    bulk = max(int(_BULK_M / resolution), thick) + 1
+    return small | (_opened(occupied, thick) & ~_opened(occupied, bulk))
 
 
-def is_bulky(width: float, depth: float, resolution: float) -> bool:
-    """Return whether a box of occupied cells [m] is too thick for a wall: furniture along one, for example."""
-    return max(_THIN_M, _THIN_CELLS * resolution) < min(width, depth) <= _BULK_M
+def _opened(cells: npt.NDArray[np.bool_], side: int) -> npt.NDArray[np.bool_]:
+    """Return which cells are in a square of set cells with this side."""
+    if min(cells.shape) < side:
+        return np.zeros(cells.shape, dtype=np.bool_)
+    squares = _window_sums(cells, side) == side * side
+    return _window_sums(np.pad(squares, side - 1), side) > 0
+
+
+def _window_sums(cells: npt.NDArray[np.bool_], side: int) -> npt.NDArray[np.int32]:
+    """Return how many cells are set in each square, by its first cell."""
+    sums = np.pad(cells.cumsum(axis=0, dtype=np.int32).cumsum(axis=1, dtype=np.int32), ((1, 0), (1, 0)))
+    return sums[side:, side:] - sums[:-side, side:] - sums[side:, :-side] + sums[:-side, :-side]
 
 
 def as_drawn(solid: Solid) -> list[DrawnSolid]:

@@ -16,7 +16,7 @@ from trundle.geometry.solids import Box, OccupancyCells, Solid
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.values import check_kind, is_finite_number, show_value
-from trundle.worlds.map_look import ISLAND_COLOR, UNKNOWN_COLOR, WALL_COLOR, find_islands, is_bulky
+from trundle.worlds.map_look import ISLAND_COLOR, UNKNOWN_COLOR, WALL_COLOR, find_islands
 from trundle.worlds.options import Unknown, check_choice
 
 MOST_BOXES = 5_000
@@ -151,7 +151,7 @@ def _boxes(grid: OccupancyGrid, cells: Rectangles, height: float, islands: npt.N
         name = f"map[{row}:{row_end},{col}:{col_end}]"
         color = UNKNOWN_COLOR
         if kind == _OCCUPIED:
-            color = ISLAND_COLOR if islands[row, col] or is_bulky(*size[:2], edge) else WALL_COLOR
+            color = ISLAND_COLOR if islands[row:row_end, col:col_end].mean() > 0.5 else WALL_COLOR
         solids.append(Solid(name, Box(size), pose, color, _KINDS[kind]))
     return tuple(solids)
 
