@@ -126,4 +126,3 @@ def test_a_map_is_loaded_as_a_world_with_options(tmp_path):
     world = World.load(tmp_path / "room.yaml", height=0.7)
     assert world.name == "room"
     assert world.bounds[1][2] == pytest.approx(0.7)
-

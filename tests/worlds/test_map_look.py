@@ -98,9 +98,9 @@ def test_other_solids_are_drawn_as_they_are():
 
 def test_a_picture_of_a_map_ends_where_only_unknown_cells_follow():
     grid = office_map()
-    low, high = shown_bounds(World.from_map(grid))
+    low, high = shown_bounds(World.from_map(grid).solids)
     corners = grid.origin.transform_points([(0.0, 0.0), (6.0, 0.0), (0.0, 4.0), (6.0, 4.0)])
     np.testing.assert_allclose(low, [*corners.min(axis=0), 0.0], atol=1e-9)
     np.testing.assert_allclose(high, [*corners.max(axis=0), 1.0], atol=1e-9)
     everything = World.from_map(grid, unknown="free")
-    np.testing.assert_array_equal(shown_bounds(everything), everything.bounds)
+    np.testing.assert_array_equal(shown_bounds(everything.solids), everything.bounds)

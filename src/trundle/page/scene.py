@@ -211,7 +211,7 @@ def _mover(name: str, parts: Sequence[Solid]) -> dict[str, Any]:
 def _bounds(world: World | None, grid: OccupancyGrid | None) -> list[float]:
     """Return the lowest and highest corner [m] of what is drawn: the world, else the map, else some metres."""
     if world is not None and world.solids:
-        low, high = shown_bounds(world)
+        low, high = shown_bounds(world.solids)
         return rounded([*low, *high])
     if grid is not None:
         rows, cols = grid.shape

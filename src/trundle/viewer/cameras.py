@@ -143,7 +143,7 @@ def camera_at(
 def _extent(world: World, robot: Robot, pose: Pose2D) -> tuple[FloatArray, FloatArray]:
     """Return bounds [m] of what an overview shows: the world, or if it is empty the robot with some floor around it."""
     if world.solids:
-        return shown_bounds(world)
+        return shown_bounds(world.solids)
     around = 1.5 * reach_of(robot)
     return (
         np.array([pose.x - around, pose.y - around, 0.0]),

@@ -78,7 +78,7 @@ class SceneModel:
     ) -> None:
         self.world, self.robot = world, robot
         self._aspect = size[0] / size[1]
-        self._bounds = shown_bounds(world)
+        self._bounds = shown_bounds(world.solids)
         drawn = drawn_solids(world.solids)
         shown = [one.solid for one in drawn if not isinstance(one.solid.shape, OccupancyCells)]
         spec = build_spec(replace(world, solids=tuple(shown)), robot)

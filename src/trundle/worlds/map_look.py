@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -16,9 +15,6 @@ import numpy.typing as npt
 from trundle._core import label_components
 from trundle.geometry import FloatArray, Pose3D
 from trundle.geometry.solids import Box, Color, OccupancyCells, Solid, solids_bounds
-
-if TYPE_CHECKING:
-    from trundle.worlds.world import World
 
 WALL_COLOR: Color = (0.80, 0.81, 0.83, 1.0)
 ISLAND_COLOR: Color = (0.74, 0.62, 0.47, 1.0)
@@ -121,20 +117,19 @@ def _with_height(solid: Solid, size: tuple[float, float, float], height: float) 
     return replace(solid, shape=Box((*size[:2], height)), pose=solid.pose @ Pose3D((0.0, 0.0, lift)))
 
 
-def shown_bounds(world: World) -> tuple[FloatArray, FloatArray]:
-    """Return bounds (low, high) [m] of what a picture of a world shows, each of shape (3,).
+def shown_bounds(solids: Sequence[Solid]) -> tuple[FloatArray, FloatArray]:
+    """Return bounds (low, high) [m] of what a picture of a world's solids shows, each of shape (3,); zeros without any.
 
     Those of a map end where only unknown cells follow.
     """
-    low, high = world.bounds
-    known = _known_area(world.solids)
-    if known is None:
-        return low, high
-    others = [solid for solid in world.solids if solid.kind != "unknown"]
-    if others:
-        lows, highs = solids_bounds(others)
-        return np.minimum(known[0], lows.min(axis=0)), np.maximum(known[1], highs.max(axis=0))
-    return known
+    if not solids:
+        return np.zeros(3), np.zeros(3)
+    known = _known_area(solids)
+    shown = [solid for solid in solids if solid.kind != "unknown"] if known else solids
+    lows, highs = (np.reshape(edges, (-1, 3)) for edges in solids_bounds(shown))
+    if known:
+        lows, highs = np.vstack([lows, known[0]]), np.vstack([highs, known[1]])
+    return lows.min(axis=0), highs.max(axis=0)
 
 
 def _known_area(solids: Sequence[Solid]) -> tuple[FloatArray, FloatArray] | None:
