@@ -181,3 +181,17 @@ def test_a_costmap_is_a_picture_of_its_costs(carter, hall):
 
     costmap = Costmap.from_grid(OccupancyGrid.from_world(hall), carter)
     np.testing.assert_array_equal(pixels(costmap_png(costmap)), costmap.data[::-1])
+
+
+def test_walls_of_a_map_are_sent_with_tops_and_unknown_cells_as_a_plate(carter):
+    data = np.zeros((40, 60), dtype=np.int8)
+    data[0], data[20:24, 20:24], data[:, 50:] = 100, 100, -1
+    world = World.from_map(OccupancyGrid(data, 0.1))
+    scene = scene_of(world, carter)
+    boxes = instance(scene, "box")
+    rows = dict(zip([solid.name for solid in world.solids], unpack_array(boxes["size"])[:, 2].tolist(), strict=True))
+    walls = dict(zip(rows, unpack_array(boxes["wall"]).tolist(), strict=True))
+    assert (rows["map[0:1,0:50]"], walls["map[0:1,0:50]"]) == (pytest.approx(1.2), 2)
+    assert (rows["map[20:24,20:24]"], walls["map[20:24,20:24]"]) == (pytest.approx(1.0), 1)
+    assert rows["map[0:40,50:60]"] < 0.1
+    assert scene["bounds"][3] == pytest.approx(5.0)

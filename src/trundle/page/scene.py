@@ -17,12 +17,13 @@ from trundle.page.encoding import grid_png, pack_array, rounded
 from trundle.page.robot_look import robot_of
 from trundle.robots import Robot
 from trundle.worlds import World
+from trundle.worlds.map_look import DrawnSolid, drawn_solids, shown_bounds
 from trundle.worlds.movers.crowd import each_body
 
 MOST_BYTES = 40_000_000
 """The largest scene, as it is sent."""
 
-FLOOR_COLOR = (168, 171, 173, 255)
+FLOOR_COLOR = (186, 188, 190, 255)
 
 _MOST_COLORS = 40
 """Meshes are merged by colour; of more colours, the most alike are drawn as one."""
@@ -30,6 +31,9 @@ _MOST_COLORS = 40
 _AROUND_M = 5.0
 
 MOST_BOXES = 40_000
+
+WALL_WITH_TOP = 2.0
+"""In an instance's "wall": a wall of a map, whose top is dark; 1 is another wall, 0 none."""
 
 
 def scene_of(
@@ -59,7 +63,7 @@ def scene_of(
     note = f"{boxed} of {len(solids)} solids are drawn as boxes: their meshes are too large to send" if boxed else ""
     return {
         "name": "" if world is None else world.name,
-        "bounds": _bounds(solids, grid),
+        "bounds": _bounds(world, grid),
         "instances": instances,
         "meshes": meshes,
         "floor": {"color": list(FLOOR_COLOR)},
@@ -81,11 +85,11 @@ def _draw(
     """Return instances, merged meshes, and how many solids are drawn as boxes instead of their meshes."""
     instances = _Instances()
     meshes: list[tuple[Solid, Mesh]] = []
-    for solid in solids:
-        if isinstance(solid.shape, Mesh):
-            meshes.append((solid, solid.shape))
+    for drawn in drawn_solids(solids):
+        if isinstance(drawn.solid.shape, Mesh):
+            meshes.append((drawn.solid, drawn.solid.shape))
         else:
-            instances.add(solid)
+            instances.add(drawn)
     room = most_bytes * 3 // 4 - instances.size
     meshes.sort(key=lambda one: _size_of(one[1]))
     fits = np.cumsum([_size_of(mesh) for _, mesh in meshes]) <= room
@@ -114,11 +118,12 @@ class _Instances:
         """Bytes of the arrays."""
         return 45 * sum(len(rows) for rows in self._rows.values())
 
-    def add(self, solid: Solid) -> None:
+    def add(self, drawn: DrawnSolid) -> None:
         """Add a solid that is no mesh."""
+        solid = drawn.solid
         match solid.shape:
             case Box(size):
-                self._add("box", solid, solid.pose, size)
+                self._add("box", solid, solid.pose, size, capped=drawn.capped)
             case Cylinder(radius, length):
                 self._add("cylinder", solid, solid.pose, (radius, radius, length))
             case Sphere(radius):
@@ -126,7 +131,7 @@ class _Instances:
             case OccupancyCells() as cells:
                 for x, y, width, depth in boxes_of(cells).tolist():
                     pose = solid.pose @ Pose3D((x, y, cells.height / 2.0))
-                    self._add("box", solid, pose, (width, depth, cells.height), wall=True)
+                    self._add("box", solid, pose, (width, depth, cells.height), capped=drawn.capped)
             case Mesh():
                 raise WorldError(f"the mesh {solid.name!r} is no box, cylinder or sphere")
 
@@ -151,8 +156,9 @@ class _Instances:
                 )
         return found
 
-    def _add(self, shape: str, solid: Solid, pose: Pose3D, size: Sequence[float], *, wall: bool = False) -> None:
-        self._rows[shape].append((*pose.position, *pose.quaternion, *size, wall or solid.kind == "wall"))
+    def _add(self, shape: str, solid: Solid, pose: Pose3D, size: Sequence[float], *, capped: bool = False) -> None:
+        wall = WALL_WITH_TOP if capped else float(solid.kind == "wall" or isinstance(solid.shape, OccupancyCells))
+        self._rows[shape].append((*pose.position, *pose.quaternion, *size, wall))
         self._colors[shape].append(color_bytes(solid.color))
 
 
@@ -202,11 +208,11 @@ def _mover(name: str, parts: Sequence[Solid]) -> dict[str, Any]:
     return {"name": name, "kind": parts[0].kind, "instances": instances, "meshes": meshes}
 
 
-def _bounds(solids: Sequence[Solid], grid: OccupancyGrid | None) -> list[float]:
-    """Return the lowest and highest corner [m] of what is drawn: the solids, else the map, else some metres."""
-    if solids:
-        lows, highs = solids_bounds(solids)
-        return rounded([*lows.min(axis=0), *highs.max(axis=0)])
+def _bounds(world: World | None, grid: OccupancyGrid | None) -> list[float]:
+    """Return the lowest and highest corner [m] of what is drawn: the world, else the map, else some metres."""
+    if world is not None and world.solids:
+        low, high = shown_bounds(world.solids)
+        return rounded([*low, *high])
     if grid is not None:
         rows, cols = grid.shape
         x, y = cols * grid.resolution, rows * grid.resolution

@@ -12,6 +12,7 @@ from trundle.errors import InputError, UnknownNameError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.robots import Robot
 from trundle.worlds import World
+from trundle.worlds.map_look import shown_bounds
 
 CAMERAS = ("chase", "robot", "overview", "top")
 """`chase` from behind the robot, `robot` close to its front, `overview` of the world, `top` straight down on it."""
@@ -83,9 +84,9 @@ def aim(name: str, world: World, robot: Robot, pose: Pose2D, aspect: float, is_c
     """
     match name:
         case "chase":
-            return _first_clear(_chase_views(robot, pose), _sides(robot, pose), is_clear)
+            return _first_clear(_chase_views(robot, pose), side_points(robot, pose), is_clear)
         case "robot":
-            return _first_clear(_portraits(robot, pose), _sides(robot, pose), is_clear)
+            return _first_clear(_portraits(robot, pose), side_points(robot, pose), is_clear)
         case "overview":
             return _fit(*_extent(world, robot, pose), math.radians(70.0), math.radians(-42.0), _NARROW, aspect)
         case "top":
@@ -99,7 +100,7 @@ def _first_clear(cameras: list[Camera], points: list[tuple[float, float, float]]
     return next((camera for camera in cameras if all(is_clear(point, camera.eye) for point in points)), cameras[-1])
 
 
-def _sides(robot: Robot, pose: Pose2D) -> list[tuple[float, float, float]]:
+def side_points(robot: Robot, pose: Pose2D) -> list[tuple[float, float, float]]:
     """Return points on both sides of a robot, just above it [m]."""
     low, high = robot.outline.min(axis=0), robot.outline.max(axis=0)
     x = float(low[0] + high[0]) / 2.0
@@ -107,32 +108,33 @@ def _sides(robot: Robot, pose: Pose2D) -> list[tuple[float, float, float]]:
     return [(float(px), float(py), robot.body.height) for px, py in points]
 
 
-def _reach(robot: Robot) -> float:
+def reach_of(robot: Robot) -> float:
     """Return the size of a robot [m], by which views of it scale."""
     return max(*robot.planar.size, robot.body.height)
 
 
 def _chase_views(robot: Robot, pose: Pose2D) -> list[Camera]:
-    reach = _reach(robot)
+    reach = reach_of(robot)
     front = pose.transform_points([(1.2 * reach, 0.0)])[0]
     target = (float(front[0]), float(front[1]), 0.5 * robot.body.height)
-    return [_camera_at(target, pose.yaw, -math.radians(rise), distance * reach, _WIDE) for rise, distance in _CHASE]
+    return [camera_at(target, pose.yaw, -math.radians(rise), distance * reach, _WIDE) for rise, distance in _CHASE]
 
 
 def _portraits(robot: Robot, pose: Pose2D) -> list[Camera]:
     middle = pose.transform_points([robot.outline.mean(axis=0)])[0]
     target = (float(middle[0]), float(middle[1]), 0.48 * robot.body.height)
-    distance = 3.3 * _reach(robot)
+    distance = 3.3 * reach_of(robot)
     return [
-        _camera_at(target, pose.yaw + math.radians(180.0 + turn), -math.radians(rise), distance, _NARROW)
+        camera_at(target, pose.yaw + math.radians(180.0 + turn), -math.radians(rise), distance, _NARROW)
         for rise in (20.0, 38.0, 60.0)
         for turn in (38.0, -38.0, 142.0, -142.0)
     ]
 
 
-def _camera_at(
+def camera_at(
     target: tuple[float, float, float], azimuth: float, elevation: float, distance: float, fovy_deg: float
 ) -> Camera:
+    """Return a camera that looks at a point [m] from a distance [m], along an azimuth and an elevation [rad]."""
     forward = _axes(azimuth, elevation)[2]
     eye = np.asarray(target) - distance * forward
     return Camera((float(eye[0]), float(eye[1]), float(eye[2])), target, fovy_deg)
@@ -141,8 +143,8 @@ def _camera_at(
 def _extent(world: World, robot: Robot, pose: Pose2D) -> tuple[FloatArray, FloatArray]:
     """Return bounds [m] of what an overview shows: the world, or if it is empty the robot with some floor around it."""
     if world.solids:
-        return world.bounds
-    around = 1.5 * _reach(robot)
+        return shown_bounds(world.solids)
+    around = 1.5 * reach_of(robot)
     return (
         np.array([pose.x - around, pose.y - around, 0.0]),
         np.array([pose.x + around, pose.y + around, robot.body.height]),
@@ -164,7 +166,7 @@ def _fit(low: FloatArray, high: FloatArray, azimuth: float, elevation: float, fo
         for axis, offset in ((axes[0], right), (axes[1], up)):
             seen = offset / (distance + forward)
             target = target + axis * (seen.max() + seen.min()) / 2.0 * distance
-    return _camera_at((float(target[0]), float(target[1]), float(target[2])), azimuth, elevation, distance, fovy_deg)
+    return camera_at((float(target[0]), float(target[1]), float(target[2])), azimuth, elevation, distance, fovy_deg)
 
 
 def _axes(azimuth: float, elevation: float) -> FloatArray:

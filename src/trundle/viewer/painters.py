@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import weakref
+from collections.abc import Sequence
 from typing import Literal, Protocol
 
 import mujoco
@@ -13,6 +14,7 @@ import numpy.typing as npt
 
 from trundle.viewer.cameras import Camera
 from trundle.viewer.gl import GlKind, find_gl, open_context
+from trundle.viewer.route import FloorLine, draw_line
 from trundle.viewer.scene_model import SHOWN_GROUPS
 from trundle.viewer.software import SoftwarePainter
 
@@ -21,6 +23,9 @@ Pixels = npt.NDArray[np.uint8]
 
 _SUN_ASIDE = 0.8
 """How far to the left of the camera's line of sight the sun shines [rad]."""
+
+_MOST_PIECES = 1200
+"""How many pieces the lines of a picture may have together."""
 
 _logger = logging.getLogger(__name__)
 
@@ -33,8 +38,8 @@ class Painter(Protocol):
         """The kind of renderer."""
         ...
 
-    def paint(self, data: mujoco.MjData, camera: Camera) -> Pixels:
-        """Draw one picture, shape (height, width, 3)."""
+    def paint(self, data: mujoco.MjData, camera: Camera, lines: Sequence[FloorLine] = ()) -> Pixels:
+        """Draw one picture, shape (height, width, 3), with lines on the floor where OpenGL draws it."""
         ...
 
     def close(self) -> None:
@@ -77,7 +82,7 @@ class GlPainter:
         self._release = weakref.finalize(self, self._context.free)
         self._mjr = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._mjr)
-        self._scene = mujoco.MjvScene(model, maxgeom=model.ngeom + 200)
+        self._scene = mujoco.MjvScene(model, maxgeom=model.ngeom + 200 + _MOST_PIECES)
         self._option = mujoco.MjvOption()
         self._option.geomgroup[:] = SHOWN_GROUPS
 
@@ -86,8 +91,8 @@ class GlPainter:
         """The driver."""
         return self._kind
 
-    def paint(self, data: mujoco.MjData, camera: Camera) -> Pixels:
-        """Draw one picture, shape (height, width, 3)."""
+    def paint(self, data: mujoco.MjData, camera: Camera, lines: Sequence[FloorLine] = ()) -> Pixels:
+        """Draw one picture, shape (height, width, 3), with lines on the floor."""
         azimuth, elevation = camera.angles()
         view = mujoco.MjvCamera()
         view.type = mujoco.mjtCamera.mjCAMERA_FREE.value
@@ -98,6 +103,8 @@ class GlPainter:
         self._aim_shadows(data, camera)
         everything = mujoco.mjtCatBit.mjCAT_ALL.value
         mujoco.mjv_updateScene(self._model, data, self._option, None, view, everything, self._scene)
+        for line in lines:
+            draw_line(self._scene, line)
         width, height = self._size
         rect = mujoco.MjrRect(0, 0, width, height)
         pixels = np.empty((height, width, 3), dtype=np.uint8)

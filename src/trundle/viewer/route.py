@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -12,12 +13,50 @@ from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D
 
 PATH_COLOR = (0.05, 0.55, 0.95, 1.0)
+DRIVEN_COLOR = (0.90, 0.36, 0.04, 1.0)
 GOAL_COLOR = (0.10, 0.72, 0.35, 1.0)
 PATH_RADIUS_M = 0.02
 PATH_HEIGHT_M = 0.012
 GOAL_HALF_HEIGHT_M = 0.004
 _MAX_PIECES = 500
+_BEND_RAD, _PIECE_M = 0.06, 2.0
 _UPRIGHT = np.eye(3).ravel()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FloorLine:
+    """A flat line on the floor, in straight pieces.
+
+    Attributes:
+        pieces: Ends (x, y) of each piece [m], map frame, shape (N, 2, 2).
+        color: Red, green, blue, alpha, each 0..1.
+        width: Its width [m].
+        height: Its height above the floor [m]; the higher of two lines covers the other.
+    """
+
+    pieces: FloatArray
+    color: tuple[float, float, float, float] = PATH_COLOR
+    width: float = 0.06
+    height: float = 0.006
+
+
+def draw_line(scene: mujoco.MjvScene, line: FloorLine) -> None:
+    """Add a line to a scene, as far as there is room."""
+    color = np.array(line.color, dtype=np.float32)
+    along = line.pieces[:, 1] - line.pieces[:, 0]
+    lengths = np.hypot(along[:, 0], along[:, 1])
+    middles = line.pieces.mean(axis=1)
+    for (x, y), (dx, dy), length in zip(middles.tolist(), along.tolist(), lengths.tolist(), strict=True):
+        geom = _next_geom(scene) if length > 0.0 else None
+        if geom is None:
+            continue
+        # Longer by half its width at both ends, so that bends have no gap.
+        size = np.array([(length + 0.5 * line.width) / 2.0, line.width / 2.0, 0.002])
+        cos, sin = dx / length, dy / length
+        turn = np.array([cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0])
+        kind = mujoco.mjtGeom.mjGEOM_BOX.value
+        mujoco.mjv_initGeom(geom, kind, size, np.array([x, y, line.height]), turn, color)
+        geom.emission, geom.specular = 0.3, 0.0
 
 
 def path_pieces(path: npt.ArrayLike) -> list[tuple[FloatArray, FloatArray]]:
@@ -35,6 +74,16 @@ def path_pieces(path: npt.ArrayLike) -> list[tuple[FloatArray, FloatArray]]:
     points = _corners(points[:, :2])
     keep = np.linspace(0, len(points) - 1, min(len(points), _MAX_PIECES + 1)).round().astype(int)
     return list(itertools.pairwise(points[keep]))
+
+
+def bends(poses: FloatArray) -> FloatArray:
+    """Return those of driven poses [m, m, rad], shape (N, 3), between which the robot went about straight."""
+    kept = [0]
+    for row in range(1, len(poses) - 1):
+        step = poses[row] - poses[kept[-1]]
+        if abs(step[2]) > _BEND_RAD or np.hypot(step[0], step[1]) > _PIECE_M:
+            kept.append(row)
+    return poses[[*kept, len(poses) - 1]] if len(poses) > 1 else poses
 
 
 def goal_radius(circumscribed_radius: float) -> float:

@@ -17,8 +17,10 @@ from trundle.geometry import Pose2D
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.mover_history import ShownMovers
 from trundle.viewer.cameras import Camera
+from trundle.viewer.front_camera import front_views
 from trundle.viewer.gl import describe_missing_gl
 from trundle.viewer.painters import Painter, Pixels, RendererKind, open_painter
+from trundle.viewer.route import DRIVEN_COLOR, FloorLine, bends, path_pieces
 from trundle.viewer.scene_model import AT_REST, SceneModel, movers_at_start
 from trundle.worlds import World
 
@@ -86,6 +88,8 @@ class SceneRenderer:
         *,
         wheel_positions: WheelSpeeds = AT_REST,
         movers: ShownMovers | None = None,
+        camera: Camera | None = None,
+        lines: Sequence[FloorLine] = (),
     ) -> Pixels:
         """Draw the robot at a pose.
 
@@ -93,6 +97,8 @@ class SceneRenderer:
             pose: Pose of base_link in the map frame.
             wheel_positions: Angles of the drive wheels [rad].
             movers: The moving obstacles. If None, they stay where they were, at first where their motions begin.
+            camera: Another camera for this picture.
+            lines: Lines on the floor, drawn with OpenGL only.
 
         Returns:
             RGB, shape (height, width, 3).
@@ -104,7 +110,12 @@ class SceneRenderer:
             raise SimulationError("this SceneRenderer is closed; create a new one")
         pose = Pose2D.of(pose)
         self._scene.place(pose, wheel_positions, movers)
-        return self._painter.paint(self._scene.data, self._scene.aim(self._camera, pose))
+        view = self._scene.aim(self._camera if camera is None else camera, pose)
+        return self._painter.paint(self._scene.data, view, lines)
+
+    def front_views(self, poses: npt.NDArray[np.float64]) -> list[Camera]:
+        """Return cameras at the robot's front quarter for pictures of a run, poses [m, m, rad] of shape (N, 3)."""
+        return front_views(self._scene.robot, poses, self._scene.is_clear)
 
     def close(self) -> None:
         """Release the driver's context; closing twice does nothing."""
@@ -185,18 +196,18 @@ def render(
 
 
 class SceneFrames:
-    """Follows the robot with a camera behind it.
+    """Shows the robot from its front quarter, with the path that it follows and the one that it has driven.
 
     With a GPU: large, with shadows. Without one: smaller, without shadows, and each picture is shown twice.
 
     Args:
         mission: The mission.
         episode: Its episode.
+        rows: Which rows of its trajectory are rendered, in order.
     """
 
-    def __init__(self, mission: Mission, episode: Episode) -> None:
+    def __init__(self, mission: Mission, episode: Episode, rows: npt.NDArray[np.intp]) -> None:
         self._mission = mission
-        self._path = episode.paths[0].poses if episode.paths else None
         self._goal = episode.goals[-1].pose if episode.goals else None
         self._stride = STRIDE
         self._count = 0
@@ -205,12 +216,16 @@ class SceneFrames:
             self._scene.close()
             self._stride = 1
             self._scene = self._open((1280, 720), shadow_size=2048)
-        self._picture = self._scene.render(mission.start)
+        self._poses = episode.trajectory.poses[rows]
+        self._views = self._scene.front_views(self._poses)
+        self._planned = [FloorLine(np.array(path_pieces(path.poses)).reshape(-1, 2, 2)) for path in episode.paths]
+        self._follows = episode.trajectory.path[rows]
+        self._picture = self._render(self._mission.start, None)
 
     def render(self, pose: Pose2D, movers: ShownMovers) -> Pixels:
         """Return the picture for the next frame."""
         if self._count % self._stride == 0:
-            self._picture = self._scene.render(pose, movers=movers)
+            self._picture = self._render(pose, movers)
         self._count += 1
         return self._picture
 
@@ -220,13 +235,20 @@ class SceneFrames:
     def __exit__(self, *_: object) -> None:
         self._scene.close()
 
+    def _render(self, pose: Pose2D, movers: ShownMovers | None) -> Pixels:
+        row = min(self._count, len(self._poses) - 1)
+        driven = np.array(path_pieces(bends(self._poses[: row + 1]))).reshape(-1, 2, 2)
+        lines = [FloorLine(driven, DRIVEN_COLOR, width=0.04, height=0.010)]
+        # The first row is the start, before the first path is followed.
+        follows = max(0, int(self._follows[row]))
+        lines += self._planned[follows : follows + 1]
+        return self._scene.render(pose, movers=movers, camera=self._views[row], lines=lines)
+
     def _open(self, size: tuple[int, int], *, shadow_size: int) -> SceneRenderer:
         return SceneRenderer(
             self._mission.world,
             self._mission.robot,
             size=size,
-            camera="chase",
-            path=self._path,
             goal=self._goal,
             shadow_size=shadow_size,
         )

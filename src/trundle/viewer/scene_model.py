@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
 from trundle.geometry import FloatArray, Pose2D
-from trundle.geometry.solids import Solid
+from trundle.geometry.solids import OccupancyCells, Solid
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.mover_history import ShownMovers
 from trundle.sim.movers import MoverField
@@ -17,6 +19,7 @@ from trundle.sim.mujoco.model import build_spec
 from trundle.sim.mujoco.mover_bodies import place_movers
 from trundle.sim.mujoco.world_parts import FLOOR, MOVER
 from trundle.viewer.cameras import Camera, aim
+from trundle.viewer.map_look import GROUP_MARKS, add_edges
 from trundle.viewer.route import (
     GOAL_COLOR,
     GOAL_HALF_HEIGHT_M,
@@ -27,6 +30,7 @@ from trundle.viewer.route import (
     path_pieces,
 )
 from trundle.worlds import World
+from trundle.worlds.map_look import DrawnSolid, drawn_solids, shown_bounds
 from trundle.worlds.movers.crowd import each_body
 
 SHOWN_GROUPS = (1, 1, 1, 0, 1, 0)
@@ -34,7 +38,7 @@ SHOWN_GROUPS = (1, 1, 1, 0, 1, 0)
 
 AT_REST = WheelSpeeds(0.0, 0.0)
 
-_GROUP_MARKS = 4
+_EDGES = ("west", "east", "south", "north")
 _CLEAR = 1.1  # the line of sight must be clear up to this multiple of the camera's distance
 _AT_EDGE = 0.35  # walls within this distance of the world's edge are outer walls [m]
 
@@ -74,7 +78,14 @@ class SceneModel:
     ) -> None:
         self.world, self.robot = world, robot
         self._aspect = size[0] / size[1]
-        spec = build_spec(world, robot)
+        self._bounds = shown_bounds(world.solids)
+        drawn = drawn_solids(world.solids)
+        shown = [one.solid for one in drawn if not isinstance(one.solid.shape, OccupancyCells)]
+        spec = build_spec(replace(world, solids=tuple(shown)), robot)
+        sides = _outer_walls(drawn, self._bounds)
+        for side in (*_EDGES, None):
+            added = add_edges(spec, f"viewer:{side}", [one for one in drawn if sides.get(one.solid.name) == side])
+            sides |= {name: side for name in added if side}
         spec.visual.global_.offwidth, spec.visual.global_.offheight = size
         spec.visual.quality.offsamples, spec.visual.quality.shadowsize = samples, shadow_size
         # With sunlight and matte surfaces, boxes need no subdivision for lighting; rendering takes half as long.
@@ -84,12 +95,13 @@ class SceneModel:
             _add_path(spec, path)
         if goal is not None:
             _add_goal(spec, goal, robot)
-        self._moving = MovingBodies(spec, world, _GROUP_MARKS) if world.movers else None
-        _lay_slab(spec, world)
+        self._moving = MovingBodies(spec, world, GROUP_MARKS) if world.movers else None
+        if sides or any(one.of_map for one in drawn):
+            _lay_slab(spec, self._bounds)
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
-        self._walls = _outer_walls(world, self.model)
-        self._bounds = world.bounds
+        geoms = [(self.model.geom(name).id, side) for name, side in sides.items()]
+        self._walls = [(geom, side, float(self.model.geom_rgba[geom, 3])) for geom, side in geoms]
         self._sight = np.array([1, 1, 0, 0, 0, 0], dtype=np.uint8)
         self.place(Pose2D(0.0, 0.0))
 
@@ -111,7 +123,7 @@ class SceneModel:
         for geom, _, alpha in self._walls:
             self.model.geom_rgba[geom, 3] = alpha
         if isinstance(camera, str):
-            camera = aim(camera, self.world, self.robot, pose, self._aspect, self._is_clear)
+            camera = aim(camera, self.world, self.robot, pose, self._aspect, self.is_clear)
         (west, south, _), (east, north, _) = self._bounds
         x, y = camera.eye[:2]
         outside = {"west": x < west, "east": x > east, "south": y < south, "north": y > north}
@@ -120,21 +132,17 @@ class SceneModel:
                 self.model.geom_rgba[geom, 3] = 0.0
         return camera
 
-    def _is_clear(self, target: tuple[float, float, float], eye: tuple[float, float, float]) -> bool:
+    def is_clear(self, target: tuple[float, float, float], eye: tuple[float, float, float]) -> bool:
+        """Return whether no solid is between two points [m], map frame."""
         start, ray = np.array(target), np.subtract(eye, target)
         met = mujoco.mj_ray(self.model, self.data, start, ray, self._sight, True, -1, None)
         return not 0.0 <= met <= _CLEAR
 
 
-def _outer_walls(world: World, model: mujoco.MjModel) -> list[tuple[int, str, float]]:
-    """Return geom, side and opacity of the walls at the edges of a world."""
-    low, high = world.bounds
-    walls: list[tuple[int, str, float]] = []
-    for solid in world.solids:
-        side = _side(solid, low, high)
-        if side is not None:
-            walls.append((model.geom(solid.name).id, side, float(solid.color[3])))
-    return walls
+def _outer_walls(drawn: Sequence[DrawnSolid], bounds: tuple[FloatArray, FloatArray]) -> dict[str, str]:
+    """Return the side of each wall at the edges of a world, by its name."""
+    sides = {one.solid.name: _side(one.solid, *bounds) for one in drawn}
+    return {name: side for name, side in sides.items() if side is not None}
 
 
 def _side(solid: Solid, low: FloatArray, high: FloatArray) -> str | None:
@@ -151,11 +159,9 @@ def _side(solid: Solid, low: FloatArray, high: FloatArray) -> str | None:
     return next((name for name, reach in reaches.items() if reach < _AT_EDGE), None)
 
 
-def _lay_slab(spec: mujoco.MjSpec, world: World) -> None:
+def _lay_slab(spec: mujoco.MjSpec, bounds: tuple[FloatArray, FloatArray]) -> None:
     """Distinguish the floor of a building from the ground around it, which is darker."""
-    low, high = world.bounds
-    if not any(_side(solid, low, high) for solid in world.solids):
-        return
+    low, high = bounds
     spec.add_material(name="viewer:ground", rgba=(0.60, 0.64, 0.68, 1.0), specular=0.0)
     floor = spec.geom(FLOOR)
     slab = _add_mark(spec, mujoco.mjtGeom.mjGEOM_PLANE, (1.0, 1.0, 1.0, 1.0))
@@ -180,7 +186,7 @@ def _add_goal(spec: mujoco.MjSpec, goal: Pose2D, robot: Robot) -> None:
 
 def _add_mark(spec: mujoco.MjSpec, kind: mujoco.mjtGeom, color: tuple[float, float, float, float]) -> mujoco.MjsGeom:
     """Add a geom that does not collide."""
-    return spec.worldbody.add_geom(type=kind, rgba=color, contype=0, conaffinity=0, mass=0.0, group=_GROUP_MARKS)
+    return spec.worldbody.add_geom(type=kind, rgba=color, contype=0, conaffinity=0, mass=0.0, group=GROUP_MARKS)
 
 
 class MovingBodies:

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from trundle._core import draw_triangles
 from trundle.geometry import FloatArray
 from trundle.viewer.cameras import Camera
+from trundle.viewer.route import FloorLine
 from trundle.viewer.triangles import model_triangles
 
 _NEAR = 0.02  # [m]
@@ -90,8 +91,8 @@ class SoftwarePainter:
             material = materials[plane]
             self._base_colors[plane] = _FLOOR * (model.mat_rgba[material, :3] if material >= 0 else 1.0)
 
-    def paint(self, data: mujoco.MjData, camera: Camera) -> npt.NDArray[np.uint8]:
-        """Draw one picture, shape (height, width, 3)."""
+    def paint(self, data: mujoco.MjData, camera: Camera, lines: Sequence[FloorLine] = ()) -> npt.NDArray[np.uint8]:
+        """Draw one picture, shape (height, width, 3), without lines: the videos that have them need OpenGL."""
         width, height = (edge * self._finer for edge in self._size)
         visible = self._model.geom_rgba[self._triangles.geoms, 3] > 0.0
         corners, geoms = self._triangles.placed(data)[visible], self._triangles.geoms[visible]

@@ -12,10 +12,11 @@ import numpy.typing as npt
 from trundle._core import flood_largest
 from trundle.errors import WorldError
 from trundle.geometry import Pose3D
-from trundle.geometry.solids import Box, Color, OccupancyCells, Solid
+from trundle.geometry.solids import Box, OccupancyCells, Solid
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.values import check_kind, is_finite_number, show_value
+from trundle.worlds.map_look import ISLAND_COLOR, UNKNOWN_COLOR, WALL_COLOR, find_islands
 from trundle.worlds.options import Unknown, check_choice
 
 MOST_BOXES = 5_000
@@ -23,7 +24,6 @@ MOST_BOXES = 5_000
 
 # Classes of cells while they are merged: 0 is left out.
 _FREE, _OCCUPIED, _UNKNOWN = 0, 1, 2
-_COLORS: dict[int, Color] = {_OCCUPIED: (0.66, 0.67, 0.70, 1.0), _UNKNOWN: (0.36, 0.38, 0.42, 1.0)}
 _KINDS = {_OCCUPIED: "wall", _UNKNOWN: "unknown"}
 
 IntArray = npt.NDArray[np.int64]
@@ -93,9 +93,10 @@ def extrude(
     if rectangles is None:
         shape = OccupancyCells(classes != _FREE, grid.resolution, height)
         pose = Pose3D.planar(grid.origin.x, grid.origin.y, 0.0, grid.origin.yaw)
-        solids = (Solid("map", shape, pose, _COLORS[_OCCUPIED], "wall"),)
+        solids = (Solid("map", shape, pose, WALL_COLOR, "wall"),)
     else:
-        solids = _boxes(grid, rectangles, height)
+        islands = find_islands(classes == _OCCUPIED, grid.resolution)
+        solids = _boxes(grid, rectangles, height, islands)
     return Walls(name, solids, (_seed(grid, classes),))
 
 
@@ -138,7 +139,7 @@ def _classify(grid: OccupancyGrid, unknown: Unknown) -> npt.NDArray[np.uint8]:
     return classes
 
 
-def _boxes(grid: OccupancyGrid, cells: Rectangles, height: float) -> tuple[Solid, ...]:
+def _boxes(grid: OccupancyGrid, cells: Rectangles, height: float, islands: npt.NDArray[np.bool_]) -> tuple[Solid, ...]:
     edge = grid.resolution
     middle = np.c_[(cells.col_begin + cells.col_end) / 2.0 * edge, (cells.row_begin + cells.row_end) / 2.0 * edge]
     places = grid.origin.transform_points(middle).tolist()
@@ -148,7 +149,10 @@ def _boxes(grid: OccupancyGrid, cells: Rectangles, height: float) -> tuple[Solid
         size = ((col_end - col) * edge, (row_end - row) * edge, height)
         pose = Pose3D((x, y, height / 2.0), upright)
         name = f"map[{row}:{row_end},{col}:{col_end}]"
-        solids.append(Solid(name, Box(size), pose, _COLORS[kind], _KINDS[kind]))
+        color = UNKNOWN_COLOR
+        if kind == _OCCUPIED:
+            color = ISLAND_COLOR if islands[row:row_end, col:col_end].mean() > 0.5 else WALL_COLOR
+        solids.append(Solid(name, Box(size), pose, color, _KINDS[kind]))
     return tuple(solids)
 
 

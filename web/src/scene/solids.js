@@ -16,9 +16,37 @@ export const cutaway = { robot: { value: new Vector3(0, 0, -1e6) }, on: { value:
 
 const WALL_REACH = 0.7; // A wall is an outer one within this distance [m] of the world's bounds.
 
+// Grounds what stands on the floor: its sides are darker below. A wall of a map has a dark top, so that a map reads as
+// it does on paper.
+function ground(shader, capped) {
+  shader.vertexShader = shader.vertexShader
+    .replace("#include <common>", "#include <common>\nvarying float high, side; varying vec2 top;")
+    .replace(
+      "#include <begin_vertex>",
+      `#include <begin_vertex>
+      #ifdef USE_INSTANCING
+        mat4 placed = modelMatrix * instanceMatrix;
+        high = (placed * vec4(position, 1.0)).z;
+        side = 1.0 - abs(normalize(mat3(placed) * objectNormal).z);
+        top = vec2(objectNormal.z, (0.5 - position.z) * length(instanceMatrix[2].xyz));
+      #else
+        side = 0.0;
+      #endif`,
+    );
+  shader.fragmentShader = shader.fragmentShader
+    .replace("#include <common>", "#include <common>\nvarying float high, side; varying vec2 top;")
+    .replace(
+      "#include <color_fragment>",
+      `#include <color_fragment>
+      diffuseColor.rgb *= 1.0 - 0.35 * side * (1.0 - smoothstep(0.0, 0.4, high));
+      ${capped ? "diffuseColor.rgb = mix(diffuseColor.rgb, vec3(0.033, 0.051, 0.095), max(step(0.5, top.x), 1.0 - smoothstep(0.045, 0.06, top.y)));" : ""}`,
+    );
+}
+
 // Fades outer walls seen from outside, and dots out what hides the robot from the camera.
-function patch(material, wall) {
+function patch(material, wall, capped = false) {
   material.onBeforeCompile = (shader) => {
+    ground(shader, capped);
     shader.uniforms.robotAt = cutaway.robot;
     shader.uniforms.cutOn = cutaway.on;
     shader.vertexShader = shader.vertexShader
@@ -48,7 +76,7 @@ function patch(material, wall) {
         ${wall ? "gl_FragColor.a *= mix(1.0, 0.1, seen);" : ""}`,
       );
   };
-  material.customProgramCacheKey = () => `solids-${wall}`;
+  material.customProgramCacheKey = () => `solids-${wall}-${capped}`;
   return material;
 }
 
@@ -68,10 +96,11 @@ function outward(pose, size, i, bounds) {
 function instanced(shape, chosen, pose, size, color, kind, bounds) {
   const geometry = shapes[shape]();
   const clear = kind !== "solid";
-  const material = patch(new MeshLambertMaterial({ transparent: clear, opacity: kind === "glass" ? 0.45 : 1 }), kind === "wall");
+  const wall = kind === "wall" || kind === "capped";
+  const material = patch(new MeshLambertMaterial({ transparent: clear, opacity: kind === "glass" ? 0.45 : 1 }), wall, kind === "capped");
   const mesh = new InstancedMesh(geometry, material, chosen.length);
   const [matrix, place, turn, scale, tint] = [new Matrix4(), new Vector3(), new Quaternion(), new Vector3(), new Color()];
-  const normals = kind === "wall" ? new Float32Array(3 * chosen.length) : null;
+  const normals = wall ? new Float32Array(3 * chosen.length) : null;
   chosen.forEach((i, k) => {
     place.fromArray(pose, 7 * i);
     turn.set(pose[7 * i + 4], pose[7 * i + 5], pose[7 * i + 6], pose[7 * i + 3]);
@@ -85,12 +114,12 @@ function instanced(shape, chosen, pose, size, color, kind, bounds) {
   return mesh;
 }
 
-/** Meshes of {"shape", "pose", "size", "color", "wall"}: solids, walls and glass apart. */
+/** Meshes of {"shape", "pose", "size", "color", "wall"}: solids, walls, those with dark tops, and glass apart. */
 function instances(group, encoded, bounds) {
   const [pose, size, color, wall] = ["pose", "size", "color", "wall"].map((key) => array(encoded[key]));
-  const kinds = { solid: [], wall: [], glass: [] };
+  const kinds = { solid: [], wall: [], capped: [], glass: [] };
   for (let i = 0; i < pose.length / 7; i++) {
-    kinds[wall[i] ? "wall" : color[4 * i + 3] < 250 ? "glass" : "solid"].push(i);
+    kinds[wall[i] > 1 ? "capped" : wall[i] ? "wall" : color[4 * i + 3] < 250 ? "glass" : "solid"].push(i);
   }
   for (const [kind, chosen] of Object.entries(kinds)) {
     if (chosen.length) group.add(instanced(encoded.shape, chosen, pose, size, color, kind, bounds));

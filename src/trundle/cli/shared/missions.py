@@ -244,9 +244,10 @@ def _scene_frames(mission: Mission, *, quiet: bool) -> MakeFrames | None:
         return None
 
     def make(_run: RunInfo, episode: Episode) -> SceneFrames:
+        from trundle.record.video import pick_rows
         from trundle.viewer.scene import SceneFrames
 
-        return SceneFrames(mission, episode)
+        return SceneFrames(mission, episode, pick_rows(len(episode.trajectory)))
 
     return make
 
