@@ -16,7 +16,7 @@ import { ReplayBar } from "./replay/bar.js";
 import { Player } from "./replay/player.js";
 import { buildReport } from "./replay/report.js";
 import { Stage } from "./scene/stage.js";
-import { startLanguage, t } from "./strings.js";
+import { onLanguage, startLanguage, t } from "./strings.js";
 import { onTheme, startTheme } from "./theme.js";
 
 function makeStage(app, placing) {
@@ -89,6 +89,7 @@ async function start() {
   const map = new MapView(app, placing);
   app.on("scene_map", () => map.fitted && map.fit());
   onTheme(() => app.grid?.paint());
+  onLanguage(() => (app.dirty = true));
   const parts = boot.mode === "live" ? startLive(app, { stage, map }) : await startReplay(app, { stage, map }, boot);
 
   let before = performance.now();
