@@ -2,7 +2,7 @@
 
 // The words of parts that are said on their own, and of what follows "; " or ": ".
 const WORDS = {
-  "driving to the goal": "목표로 주행 중", driving: "주행 중", planning: "경로 계획 중", idle: "목표 없음", blocked: "막힘", behaving: "동작 실행 중",
+  "driving to the goal": "목표로 주행 중", driving: "주행 중", planning: "경로 계획", idle: "목표 없음", blocked: "막힘", behaving: "동작 실행 중",
   arrived: "도착", "arrived by estimate": "추정 위치로는 도착", finished: "완료", succeeded: "성공", success: "성공", reached: "도착",
   collided: "충돌", stuck: "갇힘", "timed out": "시간 초과", "no path": "경로 없음", "planning timed out": "경로 계획 시간 초과",
   aborted: "중단", error: "오류", failed: "실패", interrupted: "중단", none: "없음",
@@ -23,8 +23,12 @@ const WORDS = {
   "stopped by Ctrl-C": "Ctrl-C로 멈춤", "no path to the goal was found": "목표까지 경로가 없음", "ended from outside": "밖에서 끝냄",
   "an obstacle of the costmap": "코스트맵의 장애물",
   "they are separated by occupied or unknown space": "막히거나 모르는 공간으로 나뉨",
-  time: "시간", distance: "주행 거리", "planned path": "계획한 경로", "path length": "경로 길이", "smallest clearance": "최소 여유 거리",
-  "planning time": "경로 계획 시간", "real-time factor": "실시간 배율", contacts: "접촉", replans: "다시 계획",
+  "goals reached": "도착한 목표", planned: "계획한 경로", "mean cross-track error": "평균 경로 이탈", "largest cross-track error": "최대 경로 이탈",
+  "turning per distance": "거리당 회전", "steps of recovery": "복구 동작", "stops by the collision monitor": "충돌 감시기의 정지",
+  "error of the estimate": "추정 오차", "search for a path": "경로 탐색", "run into while standing by": "서 있는 로봇에 부딪힌 것",
+  "touched, but seen by no lidar": "닿았지만 라이다에 안 보인 것",
+  time: "시간", distance: "주행 거리", "smallest clearance": "최소 여유 거리",
+  "real-time factor": "실시간 배율", replans: "다시 계획",
 };
 
 const N = "([-\\d.,]+)";

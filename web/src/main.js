@@ -42,7 +42,7 @@ function startLive(app, views) {
     scene: sceneBox(app, views.stage, teleop.stick, drivers.request, notes(app)),
     map: views.map.element,
     under: steering.element,
-    side: [setup.element, parts.outcome.element, parts.status.element, parts.plots.element, parts.log.element],
+    side: [parts.outcome.element, setup.element, parts.status.element, parts.plots.element, parts.log.element],
   });
   const showPlots = () => (parts.plots.element.hidden = !app.run.rows.length);
   for (const name of ["run", "log"]) app.on(name, showPlots);

@@ -5,7 +5,8 @@ import { say, saying, t, told, toldEnd } from "./strings.js";
 
 const MOST_EVENTS = 300;
 
-const number = (value, digits, unit) => (Number.isFinite(value) ? `${value.toFixed(digits)} ${unit}` : "–");
+// Without the sign of what rounds to zero.
+const number = (value, digits, unit) => (Number.isFinite(value) ? `${value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1")} ${unit}` : "–");
 
 /** Minutes and seconds, to so many decimals. */
 export function clockText(seconds, digits = 1) {
