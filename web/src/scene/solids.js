@@ -18,7 +18,7 @@ const WALL_REACH = 0.7; // A wall is an outer one within this distance [m] of th
 
 // What stands between camera and robot is cut away so far around the robot [m], as it looks from the camera; what is
 // nearer to the camera, and hides more, farther.
-const CUT_M = "1.3";
+const CUT_M = "1.0";
 
 // Fades outer walls seen from outside, and cuts away what hides the robot from the camera, with an edge that fades:
 // a grain without a visible pattern (interleaved gradient noise, Jimenez 2014) needs no sorting, as blending would.
@@ -49,7 +49,7 @@ function patch(material, wall) {
           float off = length((at - cameraPosition) / along - sight);
           float cut = ${CUT_M} * (2.4 - 1.4 * along);
           float grain = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
-          if (grain >= smoothstep(0.7 * cut, cut, off)) discard;
+          if (grain >= smoothstep(0.8 * cut, cut, off)) discard;
         }
         ${wall ? "gl_FragColor.a *= mix(1.0, 0.1, seen);" : ""}`,
       );
