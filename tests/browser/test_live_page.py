@@ -223,7 +223,7 @@ def test_it_fits_a_phone(open_page: Any, played: Any) -> None:
     tab.wait_for_selector("#world option", state="attached")
     assert tab.evaluate("document.documentElement.scrollWidth") <= 390
     played.run()
-    tab.get_by_text("주행 중").wait_for()
+    tab.wait_for_selector(".state:text-is('주행 중')")
     assert tab.evaluate("document.documentElement.scrollWidth") <= 390
     assert seen.problems == []
 
@@ -242,7 +242,7 @@ def test_the_keyboard_reaches_everything_in_order(driving: Any) -> None:
 def test_a_robot_that_waits_takes_another_goal_and_the_end_is_the_headline(driving: Any, played: Any) -> None:
     played.frame(doing="arrived", waiting=True)
     driving.wait_for_selector(".state[data-state=waiting]")
-    assert driving.locator("#status .doing").inner_text() == "arrived · waiting for the next goal"
+    driving.wait_for_selector("#status .doing:text-is('arrived · waiting for the next goal')")
     assert driving.locator("#pause").is_disabled()
     driving.click("#goal")
     drag(driving, 0, 0)
@@ -251,9 +251,8 @@ def test_a_robot_that_waits_takes_another_goal_and_the_end_is_the_headline(drivi
     driving.wait_for_selector(".state[data-state=running]")
     played.send("end", outcome="collided", message="base_link touches crate at (0.00, 1.00) after 4.0 s")
     driving.wait_for_selector(".state:text-is('collided')")
-    assert driving.locator("#status .doing").inner_text() == (
-        "collided: base_link touches crate at (0.00, 1.00) after 4.0 s"
-    )
+    how = "collided: base_link touches crate at (0.00, 1.00) after 4.0 s"
+    driving.wait_for_selector(f"#status .doing:text-is('{how}')")
 
 
 def test_another_language_changes_all_texts_and_neither_the_camera_nor_the_run(open_page: Any, played: Any) -> None:
@@ -271,7 +270,7 @@ def test_another_language_changes_all_texts_and_neither_the_camera_nor_the_run(o
     tab.click("#language")
     assert tab.locator("#goal").inner_text() == "목표 지정"
     assert tab.locator("#map").get_attribute("aria-label").startswith("지도")
-    assert tab.locator("#status .doing").inner_text() == "목표로 주행 중"
+    tab.wait_for_selector("#status .doing:text-is('목표로 주행 중')")
     assert tab.locator(".state").inner_text() == "주행 중"
     assert tab.evaluate("document.documentElement.lang") == "ko"
     tab.wait_for_timeout(500)

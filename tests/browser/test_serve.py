@@ -129,7 +129,7 @@ def test_a_robot_that_has_arrived_waits_for_the_next_goal_until_the_run_is_ended
     driving.locator("#speed").evaluate("s => { s.value = 3; s.dispatchEvent(new Event('input')); }")
     driving.click("#end")
     driving.wait_for_selector(".outcome")
-    assert re.match(r"arrived after .* ended by page \d+", driving.locator("#status .doing").inner_text())
+    driving.locator("#status .doing", has_text=re.compile(r"^arrived after .*; ended by page \d+$")).wait_for()
 
 
 def test_a_robot_driven_by_hand_into_a_wall_stops_before_it(driving: Any) -> None:
