@@ -1,4 +1,6 @@
-"""The pictures of docs/browser.md: the page live, before a run, on a phone, and the report of a run.
+"""The pictures of docs/browser.md: the page live, before a run, at a goal, in an aisle, on a phone, and a report.
+
+Those in Korean need a font that has it, such as NanumGothic.
 
 python docs/pictures/browser.py [--out docs/images]
 """
@@ -43,53 +45,80 @@ def serve(folder: Path):
 
 
 def save(tab: Page, file: Path) -> None:
+    tab.evaluate("() => scrollTo(0, 0)")
     tab.wait_for_timeout(1500)
     Image.open(io.BytesIO(tab.screenshot())).convert("RGB").save(file, quality=82, method=6)
     print(f"{file}: {file.stat().st_size / 1000:.0f} kB")
 
 
-def wait_for_time(tab: Page, time: str) -> None:
-    tab.wait_for_function(f"() => document.querySelector('#status dd').textContent >= '{time}'", timeout=180_000)
-
-
-def live(browser, address: str, out: Path) -> None:
-    context = browser.new_context(viewport={"width": 1280, "height": 720}, locale="en-US", color_scheme="light")
-    context.add_init_script(SHARP)
-    tab = context.new_page()
-    tab.goto(address)
-    tab.wait_for_selector("#world option", state="attached")
-    tab.click("#set-goal")
-    box = tab.locator("#map").bounding_box()
-    tab.mouse.move(box["x"] + 0.85 * box["width"], box["y"] + box["height"] / 2)
-    tab.mouse.down()
-    tab.mouse.move(box["x"] + 0.85 * box["width"], box["y"] + 0.3 * box["height"], steps=3)
-    save(tab, out / "browser_setup.webp")
-    tab.mouse.up()
-    tab.click("#go")
-    wait_for_time(tab, "0:13")
-    tab.click("#pause")
-    save(tab, out / "browser.webp")
-    tab.click("#pause")
-    tab.click("#end")
-    tab.wait_for_selector(".outcome")
-    context.close()
-
-
-def phone(browser, address: str, out: Path) -> None:
-    context = browser.new_context(
-        viewport={"width": 390, "height": 844}, locale="ko-KR", color_scheme="dark", has_touch=True
-    )
+def open_tab(browser, address: str, width: int, height: int, **look) -> Page:
+    context = browser.new_context(viewport={"width": width, "height": height}, **look)
     context.add_init_script(SHARP)
     tab = context.new_page()
     tab.goto(address)
     tab.wait_for_selector("#go:not([disabled])")
+    return tab
+
+
+def drive_until(tab: Page, time: str) -> None:
+    """Begin a run, and pause it at this time."""
     tab.click("#go")
-    wait_for_time(tab, "0:08")
+    tab.wait_for_selector(".state[data-state=running]")
+    tab.wait_for_function("() => document.querySelector('#status dd').textContent < '0:05'", timeout=180_000)
+    tab.wait_for_function(f"() => document.querySelector('#status dd').textContent >= '{time}'", timeout=180_000)
     tab.click("#pause")
-    save(tab, out / "browser_phone.webp")
+    tab.wait_for_selector(".state[data-state=paused]")
+
+
+def end(tab: Page) -> None:
     tab.click("#end")
-    tab.wait_for_selector(".outcome")
-    context.close()
+    tab.wait_for_selector(".outcome:not([hidden])")
+    tab.context.close()
+
+
+def set_speed(tab: Page, index: int) -> None:
+    tab.locator("#speed").evaluate(f"s => {{ s.value = {index}; s.dispatchEvent(new Event('input')); }}")
+
+
+def live(browser, address: str, out: Path) -> None:
+    tab = open_tab(browser, address, 1280, 720, locale="en-US", color_scheme="light")
+    tab.click("#set-goal")
+    box = tab.locator("#map").bounding_box()
+    tab.mouse.move(box["x"] + 0.9 * box["width"], box["y"] + box["height"] / 2)
+    tab.mouse.down()
+    tab.mouse.move(box["x"] + 0.9 * box["width"], box["y"] + 0.3 * box["height"], steps=3)
+    save(tab, out / "browser_setup.webp")
+    tab.mouse.up()
+    drive_until(tab, "0:13")
+    save(tab, out / "browser.webp")
+    x, y = 500, 250
+    for dx, dy in ((-120, 0), (-140, -20)):
+        tab.mouse.move(x, y)
+        tab.mouse.down()
+        tab.mouse.move(x + dx, y + dy, steps=4)
+        tab.mouse.up()
+    tab.wait_for_timeout(1500)
+    picture = Image.open(io.BytesIO(tab.locator("#scene").screenshot())).convert("RGB")
+    picture.save(out / "browser_aisle.webp", quality=70, method=6)
+    end(tab)
+
+
+def tablet(browser, address: str, out: Path) -> None:
+    tab = open_tab(browser, address, 768, 1024, locale="en-US", color_scheme="dark")
+    drive_until(tab, "0:08")
+    set_speed(tab, 10)
+    tab.click("#pause")
+    tab.wait_for_selector(".state[data-state=waiting]", timeout=180_000)
+    set_speed(tab, 3)
+    save(tab, out / "browser_goal.webp")
+    end(tab)
+
+
+def phone(browser, address: str, out: Path) -> None:
+    tab = open_tab(browser, address, 390, 844, locale="ko-KR", color_scheme="dark", has_touch=True)
+    drive_until(tab, "0:08")
+    save(tab, out / "browser_phone.webp")
+    end(tab)
 
 
 def report(browser, folder: Path, out: Path) -> None:
@@ -130,6 +159,7 @@ def main() -> None:
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
         with serve(folder) as address:
             live(browser, address, out)
+            tablet(browser, address, out)
             phone(browser, address, out)
         report(browser, folder, out)
         browser.close()

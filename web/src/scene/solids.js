@@ -43,7 +43,12 @@ function ground(shader, capped) {
     );
 }
 
-// Fades outer walls seen from outside, and dots out what hides the robot from the camera.
+// What stands between camera and robot is cut away so far around the robot [m], as it looks from the camera; what is
+// nearer to the camera, and hides more, farther.
+const CUT_M = "1.0";
+
+// Fades outer walls seen from outside, and cuts away what hides the robot from the camera, with an edge that fades:
+// a grain without a visible pattern (interleaved gradient noise, Jimenez 2014) needs no sorting, as blending would.
 function patch(material, wall, capped = false) {
   material.onBeforeCompile = (shader) => {
     ground(shader, capped);
@@ -68,10 +73,11 @@ function patch(material, wall, capped = false) {
         `#include <opaque_fragment>
         vec3 sight = robotAt - cameraPosition;
         float along = dot(at - cameraPosition, sight) / dot(sight, sight);
-        if (cutOn > 0.5 && along > 0.0 && along < 0.97 && at.z > 0.05) {
-          float off = length(at - cameraPosition - along * sight);
-          bool dot0 = mod(floor(gl_FragCoord.x) + floor(gl_FragCoord.y), 2.0) > 0.5;
-          if (off < 0.5 || (off < 0.62 && dot0)) discard;
+        if (cutOn > 0.5 && along > 0.0 && along < 0.97 && at.z > 0.08) {
+          float off = length((at - cameraPosition) / along - sight);
+          float cut = ${CUT_M} * (2.4 - 1.4 * along);
+          float grain = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+          if (grain >= smoothstep(0.8 * cut, cut, off)) discard;
         }
         ${wall ? "gl_FragColor.a *= mix(1.0, 0.1, seen);" : ""}`,
       );
