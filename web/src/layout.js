@@ -13,8 +13,9 @@ export function header(app, ...parts) {
     name.textContent = [scene.name, scene.robot?.name].filter(Boolean).join(" · ") || t("title");
   });
   const show = () => {
-    state.textContent = t(app.mode === "live" ? app.state : app.mode);
-    state.dataset.state = app.mode === "live" ? app.state : "ended";
+    const shown = app.mode === "live" || (app.mode === "view" && app.state === "ended") ? app.state : app.mode;
+    state.textContent = t(shown);
+    state.dataset.state = { view: "running", replay: "ended", report: "ended" }[shown] ?? shown;
   };
   app.on("state", show);
   app.on("link", ({ state: link }) => {
