@@ -115,6 +115,23 @@ def test_a_goal_from_the_map_is_driven_to(driving: Any) -> None:
     assert driving.locator(".error").is_hidden()
 
 
+def test_a_robot_that_has_arrived_waits_for_the_next_goal_until_the_run_is_ended(driving: Any) -> None:
+    driving.locator("#speed").evaluate("s => { s.value = 10; s.dispatchEvent(new Event('input')); }")
+    for x in (0.07, 0.1):
+        driving.click("#goal")
+        box = driving.locator("#map").bounding_box()
+        driving.mouse.click(box["x"] + x * box["width"], box["y"] + box["height"] / 2)
+        driving.wait_for_selector(".state[data-state=running]")
+        driving.wait_for_selector(".state[data-state=waiting]")
+        held = settled_time(driving)
+    driving.wait_for_timeout(500)
+    assert time_of(driving) == held
+    driving.locator("#speed").evaluate("s => { s.value = 3; s.dispatchEvent(new Event('input')); }")
+    driving.click("#end")
+    driving.wait_for_selector(".outcome")
+    assert re.match(r"arrived after .* ended by page \d+", driving.locator("#status .doing").inner_text())
+
+
 def test_a_robot_driven_by_hand_into_a_wall_stops_before_it(driving: Any) -> None:
     driving.keyboard.down("w")
     driving.get_by_text(re.compile("^Held back: ")).wait_for()

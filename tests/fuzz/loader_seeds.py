@@ -274,6 +274,7 @@ def directives(folder: Path) -> list[Path]:
         SetPose,
         Speed,
         StepOnce,
+        WaitAtGoal,
         save_directives,
     )
 
@@ -290,6 +291,7 @@ def directives(folder: Path) -> list[Path]:
         Manual(0.5, -0.1),
         DropBox(1.0, 2.0, 0.3),
         PlaceRobot(1.0, 2.0, 0.3),
+        WaitAtGoal(),
         Restart("next"),
         End(),
     )

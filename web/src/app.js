@@ -42,6 +42,11 @@ export class App {
     this.emit("run", run);
   }
 
+  /** Whether a run is in progress. */
+  get isGoing() {
+    return this.state === "running" || this.state === "paused" || this.state === "waiting";
+  }
+
   /** Whether a start and a goal can be chosen, as nothing is driving. */
   get isSettingUp() {
     return this.mode === "live" && (this.state === "idle" || this.state === "ended");

@@ -1,16 +1,41 @@
 // Elements made in script: the page's policy allows no inline handlers and no style attributes.
 
+/** A text that is read again when the language changes; `read` returns it. */
+export class Said {
+  constructor(read) {
+    this.read = read;
+  }
+
+  /** Puts it into a text node, or into an attribute of an element. */
+  put(node, attribute = "") {
+    (node.said ??= {})[attribute] = this;
+    if (attribute) node.setAttribute(attribute, this.read());
+    else node.data = this.read();
+    return node;
+  }
+}
+
+/** Reads all texts of an element again. */
+export function retell(root) {
+  const walk = document.createTreeWalker(root, NodeFilter.SHOW_ELEMENT | NodeFilter.SHOW_TEXT);
+  for (let node = root; node; node = walk.nextNode()) {
+    for (const [attribute, said] of Object.entries(node.said ?? {})) said.put(node, attribute);
+  }
+}
+
 /** An element; keys of `props` that start with "on" are listeners, the rest attributes or properties. */
 export function h(tag, props = {}, ...children) {
   const element = document.createElement(tag);
   for (const [key, value] of Object.entries(props)) {
     if (value === undefined || value === null || value === false) continue;
-    if (key.startsWith("on")) element.addEventListener(key.slice(2), value);
+    if (value instanceof Said) value.put(element, key);
+    else if (key.startsWith("on")) element.addEventListener(key.slice(2), value);
     else if (key === "class") element.className = value;
     else if (key in element && !key.startsWith("aria") && key !== "list" && key !== "form") element[key] = value;
     else element.setAttribute(key, value === true ? "" : String(value));
   }
-  element.append(...children.filter((child) => child !== null && child !== undefined));
+  const shown = children.filter((child) => child !== null && child !== undefined);
+  element.append(...shown.map((child) => (child instanceof Said ? child.put(document.createTextNode("")) : child)));
   return element;
 }
 
@@ -42,6 +67,11 @@ export function icon(name) {
 
 export function button(name, label, onclick, props = {}) {
   return h("button", { type: "button", onclick, title: label, "aria-label": label, ...props }, icon(name));
+}
+
+/** A button with its name beside the icon; a style hides that where there is no room. */
+export function namedButton(name, label, hint, onclick, props = {}) {
+  return h("button", { type: "button", class: "named", onclick, title: hint, "aria-label": label, ...props }, icon(name), h("span", { class: "name" }, label));
 }
 
 /** Whether an element takes key presses itself: letters and arrows there are not for steering. */

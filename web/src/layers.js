@@ -1,7 +1,7 @@
 // Switches of the layers that both views show.
 import { h, icon } from "./dom.js";
 import { LAYERS } from "./app.js";
-import { t } from "./strings.js";
+import { say } from "./strings.js";
 
 export function layerSwitches(app) {
   const boxes = LAYERS.map((name) =>
@@ -13,7 +13,7 @@ export function layerSwitches(app) {
           app.dirty = true;
         },
       }),
-      t(`l_${name}`)),
+      say(`l_${name}`)),
   );
-  return h("details", { class: "layers" }, h("summary", {}, icon("layers"), t("layers")), h("div", { class: "layer-list" }, ...boxes));
+  return h("details", { class: "layers" }, h("summary", {}, icon("layers"), say("layers")), h("div", { class: "layer-list" }, ...boxes));
 }

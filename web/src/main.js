@@ -16,7 +16,7 @@ import { ReplayBar } from "./replay/bar.js";
 import { Player } from "./replay/player.js";
 import { buildReport } from "./replay/report.js";
 import { Stage } from "./scene/stage.js";
-import { startLanguage, t } from "./strings.js";
+import { onLanguage, startLanguage, t } from "./strings.js";
 import { onTheme, startTheme } from "./theme.js";
 import { startView } from "./view/view.js";
 
@@ -43,7 +43,7 @@ function startLive(app, views) {
     scene: sceneBox(app, views.stage, teleop.stick, drivers.request, notes(app)),
     map: views.map.element,
     under: steering.element,
-    side: [setup.element, parts.outcome.element, parts.status.element, parts.plots.element, parts.log.element],
+    side: [parts.outcome.element, setup.element, parts.status.element, parts.plots.element, parts.log.element],
   });
   const showPlots = () => (parts.plots.element.hidden = !app.run.rows.length);
   for (const name of ["run", "log"]) app.on(name, showPlots);
@@ -90,6 +90,7 @@ async function start() {
   const map = new MapView(app, placing);
   app.on("scene_map", () => map.fitted && map.fit());
   onTheme(() => app.grid?.paint());
+  onLanguage(() => (app.dirty = true));
   const begin = { live: startLive, view: startView }[boot.mode] ?? startReplay;
   const parts = await begin(app, { stage, map }, boot);
 

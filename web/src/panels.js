@@ -1,11 +1,12 @@
 // What is going on in words and numbers: status, event log, outcome.
 import { h } from "./dom.js";
 import { C } from "./run.js";
-import { t } from "./strings.js";
+import { say, saying, t, told, toldEnd } from "./strings.js";
 
 const MOST_EVENTS = 300;
 
-const number = (value, digits, unit) => (Number.isFinite(value) ? `${value.toFixed(digits)} ${unit}` : "–");
+// Without the sign of what rounds to zero.
+const number = (value, digits, unit) => (Number.isFinite(value) ? `${value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1")} ${unit}` : "–");
 
 /** Minutes and seconds, to so many decimals. */
 export function clockText(seconds, digits = 1) {
@@ -19,20 +20,30 @@ export class Status {
     this.cells = {};
     const figures = ["time", "speedNow", "turning", "clearance", "crossTrack", "planning", "tick", "goalNow"].map((name) => {
       this.cells[name] = h("dd");
-      return h("div", {}, h("dt", {}, t(name)), this.cells[name]);
+      return h("div", {}, h("dt", {}, say(name)), this.cells[name]);
     });
     this.doing = h("p", { class: "doing", role: "status" });
     this.held = h("p", { class: "held", role: "alert", hidden: true });
-    this.element = h("section", { id: "status", class: "panel", "aria-label": t("status") }, this.doing, this.held, h("dl", { class: "figures" }, ...figures));
+    this.element = h("section", { id: "status", class: "panel", "aria-label": say("status") }, this.doing, this.held, h("dl", { class: "figures" }, ...figures));
+  }
+
+  /** What the robot does; after the end, how it ended. */
+  headline(state, { doing }) {
+    const { app } = this;
+    const { end } = app.run;
+    if (app.state === "idle") return t("idle");
+    if (end && (app.mode === "live" || state.t >= app.run.duration)) return toldEnd(end);
+    const said = told(doing ?? state.row?.[C.status].replaceAll("_", " ") ?? "");
+    return app.state === "waiting" ? `${said} · ${t("waitsGoal")}` : said;
   }
 
   show(state) {
     const { app, cells } = this;
     const { row } = state;
     const frame = app.frame ?? {};
-    const text = app.state === "idle" ? t("idle") : (frame.doing ?? (row ? row[C.status] : ""));
+    const text = this.headline(state, frame);
     if (this.doing.textContent !== text) this.doing.textContent = text;
-    const held = frame.held_back ? t("heldBack", { why: frame.held_back }) : frame.manual ? t("manualBy", { id: frame.manual }) : "";
+    const held = frame.held_back ? t("heldBack", { why: told(frame.held_back) }) : frame.manual ? t("manualBy", { id: frame.manual }) : "";
     if (this.held.textContent !== held) this.held.textContent = held;
     this.held.hidden = !held;
     this.held.classList.toggle("strong", Boolean(frame.held_back));
@@ -57,8 +68,8 @@ export class EventLog {
     this.app = app;
     this.seek = seek;
     this.shown = 0;
-    this.list = h("ol", { class: "events", tabIndex: 0, "aria-label": t("events") });
-    this.element = h("section", { class: "panel" }, h("h2", {}, t("events")), this.list);
+    this.list = h("ol", { class: "events", tabIndex: 0, "aria-label": say("events") });
+    this.element = h("section", { class: "panel" }, h("h2", {}, say("events")), this.list);
     app.on("run", () => this.clear());
     app.on("log", ({ from }) => {
       if (from === 0) this.clear();
@@ -83,7 +94,7 @@ export class EventLog {
   line({ t: time, kind, text }) {
     const when = clockText(time);
     const at = this.seek ? h("button", { type: "button", class: "link", onclick: () => this.seek(time) }, when) : h("time", {}, when);
-    return h("li", { class: `kind-${kind}` }, at, h("span", {}, text));
+    return h("li", { class: `kind-${kind}` }, at, h("span", {}, saying(() => told(text))));
   }
 }
 
@@ -96,10 +107,10 @@ export class Outcome {
   }
 
   show({ outcome, message, folder, replay }) {
-    const children = [h("h2", { class: "verdict", "data-good": String(outcome === "arrived" || outcome === "succeeded") }, outcome)];
-    if (message) children.push(h("p", {}, message));
-    if (replay) children.push(h("p", {}, h("a", { href: replay, target: "_blank", rel: "noopener" }, t("openReplay"))));
-    if (folder) children.push(h("p", { class: "soft" }, `${t("folder")}: `, h("code", {}, folder)));
+    const children = [h("h2", { class: "verdict", "data-good": String(/^(arrived|finished|succeeded)/.test(outcome)) }, saying(() => told(outcome.replaceAll("_", " "))))];
+    if (message) children.push(h("p", {}, saying(() => told(message))));
+    if (replay) children.push(h("p", {}, h("a", { href: replay, target: "_blank", rel: "noopener" }, say("openReplay"))));
+    if (folder) children.push(h("p", { class: "soft" }, say("folder"), ": ", h("code", {}, folder)));
     this.element.replaceChildren(...children);
     this.element.hidden = false;
   }

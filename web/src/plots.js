@@ -2,7 +2,7 @@
 import uPlot from "uplot";
 import { h } from "./dom.js";
 import { C } from "./run.js";
-import { t } from "./strings.js";
+import { say, saying, t } from "./strings.js";
 import { onTheme, palette } from "./theme.js";
 
 const WINDOW_S = 30;
@@ -25,10 +25,10 @@ class Plot {
     this.height = height;
     this.seek = seek;
     this.cursor = null;
-    const keys = spec.series.map(([name, , color]) => h("span", { class: `key key-${color}` }, t(name)));
+    const keys = spec.series.map(([name, , color]) => h("span", { class: `key key-${color}` }, say(name)));
     this.holder = h("div", { class: "plot-area" });
-    const label = `${named(spec.title)}: ${spec.series.map(([name]) => t(name)).join(", ")}`;
-    this.element = h("figure", { class: "plot", role: "img", "aria-label": label }, h("figcaption", {}, h("span", {}, named(spec.title)), ...keys), this.holder);
+    const label = saying(() => `${named(spec.title)}: ${spec.series.map(([name]) => t(name)).join(", ")}`);
+    this.element = h("figure", { class: "plot", role: "img", "aria-label": label }, h("figcaption", {}, h("span", {}, saying(() => named(spec.title))), ...keys), this.holder);
   }
 
   make(width) {

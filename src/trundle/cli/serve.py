@@ -43,7 +43,8 @@ def serve(
 ) -> int:
     """Open a page in the browser: pick a world, a robot, a start and a goal; watch, steer and drive by hand.
 
-    Prints the page's address, whose token lets one in. Every run is recorded in a folder under runs. Ctrl-C ends it.
+    Prints the page's address, whose token lets one in. A robot that has arrived waits for the next goal, until the
+    page ends its run. Every run is recorded in a folder under runs. Ctrl-C ends serve.
 
     Args:
         source: What the page begins with: a world by name, the YAML of a map or of a scenario, or a world's file.
@@ -62,7 +63,7 @@ def serve(
     with ExitStack() as opened:
         opened.enter_context(isaac.start_for(base))
         page = opened.enter_context(browser.serving(base, source=source, host=host, port=port))
-        service = opened.enter_context(RunService(page.hub, base, _record, record_failure, speed=factor))
+        service = opened.enter_context(RunService(page.hub, base, _record, record_failure, speed=factor, waits=True))
         service.preview(base)
         if json:
             output.print_json_line({"address": page.server.address, **told.facts})

@@ -29,6 +29,7 @@ from trundle.mission.steering.directives import (
     Restart,
     Speed,
     StepOnce,
+    WaitAtGoal,
 )
 from trundle.mission.steering.file import load_directives, save_directives
 from trundle.mission.steering.goal_directives import (
@@ -87,6 +88,7 @@ __all__ = [
     "TaskEnd",
     "TaskWatcher",
     "Trajectory",
+    "WaitAtGoal",
     "load_directives",
     "run",
     "sample_mission",

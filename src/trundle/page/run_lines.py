@@ -12,6 +12,7 @@ from trundle.geometry import Pose2D
 from trundle.mission.episode import Episode
 from trundle.mission.metrics import CLEARANCE_CAP
 from trundle.mission.observers import RunInfo, SteeringReport, Step
+from trundle.navigation import NavigationStatus
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.page.encoding import finite, pack_array, rounded
 from trundle.path import Path
@@ -208,6 +209,7 @@ class Events:
         self._behaviors = 0
         self._running = False
         self._planned = False
+        self._stands_at_goal = False
         self._steered: SteeringReport | None = None
 
     def note(self, time: float, kind: str, text: str) -> None:
@@ -226,9 +228,10 @@ class Events:
         """Add what is new at a step."""
         time = step.state.time
         if step.goal != self._goal:
-            of = f" of {self._goals}" if self._goals > 1 else ""
-            self.note(time, "goal", f"goal {step.goal}{of} reached")
+            if not self._stands_at_goal:
+                self.note(time, "goal", f"goal {step.goal}{self._of_all} reached")
             self._goal, self._planned = step.goal, False
+        self._add_arrival(step.status is NavigationStatus.ARRIVED, time)
         if step.path is not None and step.path is not self._path:
             what = "another path" if self._planned else "path"
             self.note(time, "replan" if self._planned else "plan", f"{what} of {step.path.length:.2f} m")
@@ -245,6 +248,16 @@ class Events:
         """Add the end of a run."""
         outcome = episode.outcome.value.replace("_", " ")
         self.note(float(episode.trajectory.time[-1]), "end", f"{outcome}: {episode.message}")
+
+    @property
+    def _of_all(self) -> str:
+        return f" of {self._goals}" if self._goals > 1 else ""
+
+    def _add_arrival(self, arrived: bool, time: float) -> None:
+        """Add that the robot has arrived in a run that goes on, which says so in no other way."""
+        if arrived and not self._stands_at_goal:
+            self.note(time, "goal", f"goal {self._goal + 1}{self._of_all} reached")
+        self._stands_at_goal = arrived
 
     def _add_steering(self, steering: SteeringReport, time: float) -> None:
         """Add new goals, with all that there are now, and when driving by hand begins, ends or is held back."""

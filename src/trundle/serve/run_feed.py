@@ -196,6 +196,7 @@ class RunFeed:
             "factor": round(status.factor, 3),
             "speed": "max" if status.speed == math.inf else status.speed,
             "paused": status.state == "paused",
+            "waiting": status.state == "waiting",
             "manual": None if steering is None or steering.manual is None else page_number(steering.by),
             "held_back": None if steering is None else steering.held_back or None,
             "goals": self._goals_ahead(step, steering),

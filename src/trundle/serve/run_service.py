@@ -40,6 +40,7 @@ class RunService:
         record: Opens what records each run.
         record_failure: Records a run in which a plug-in raised before there was a session.
         speed: Speed of the first run relative to real time; infinity for as fast as it can.
+        waits: Whether a run that has arrived waits for the next goal, until a page ends it.
 
     Attributes:
         failure: What a plug-in raised in the last run, or None.
@@ -53,9 +54,10 @@ class RunService:
         record_failure: Callable[[BaseException, Scenario], object],
         *,
         speed: float = 1.0,
+        waits: bool = False,
     ) -> None:
         self._hub, self._base, self._record, self._record_failure = hub, base, record, record_failure
-        self._steerer = Steerer(speed=speed)
+        self._steerer = Steerer(speed=speed, waits=waits)
         self._last: Scenario | None = None
         self._requests: queue.SimpleQueue[Message] = queue.SimpleQueue()
         self._is_busy = False

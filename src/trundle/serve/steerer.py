@@ -22,6 +22,7 @@ from trundle.mission import (
     Speed,
     Steering,
     StepOnce,
+    WaitAtGoal,
 )
 from trundle.mission.steering.directives import Directive
 from trundle.serve.page_messages import Message, Order
@@ -39,16 +40,17 @@ class Steerer:
     Args:
         speed: Speed of the first run relative to real time; infinity for as fast as it can.
         restarts: Whether a page may restart it.
+        waits: Whether a run that has arrived waits for the next goal.
 
     Attributes:
         steering: Where the session of each run takes its directives from.
         session: The session of the last run, or None.
     """
 
-    def __init__(self, *, speed: float = 1.0, restarts: bool = True) -> None:
+    def __init__(self, *, speed: float = 1.0, restarts: bool = True, waits: bool = False) -> None:
         self.steering = Steering()
         self.session: Session | None = None
-        self._speed, self._restarts = speed, restarts
+        self._speed, self._restarts, self._waits = speed, restarts, waits
         self._live: LiveRun | None = None
         self._by_hand: tuple[int, int] | None = None
         self._added = 0, Counter[str]()
@@ -61,7 +63,7 @@ class Steerer:
     @property
     def runs(self) -> bool:
         """Whether something can be steered now."""
-        return self.status.state in ("running", "paused")
+        return self.status.state in ("running", "paused", "waiting")
 
     # The thread of the run ------------------------------------------------------------------------------------------
 
@@ -74,6 +76,8 @@ class Steerer:
 
         def make(seed: int | None) -> Session:
             self.session = make_session(seed)
+            if self._waits:
+                self.steering.put(WaitAtGoal(), by="start")
             return self.session
 
         self._live = live = LiveRun(make, self.steering, speed=self._speed)

@@ -1,6 +1,6 @@
 // Who drives: one client; the others watch and may ask, which everyone sees.
 import { h } from "../dom.js";
-import { t } from "../strings.js";
+import { onLanguage, say, t } from "../strings.js";
 
 export class Drivers {
   constructor(app, live) {
@@ -10,11 +10,12 @@ export class Drivers {
     this.ask = h("button", { type: "button", id: "drive", onclick: () => live.send("drive", { answer: null }) });
     this.element = h("div", { class: "drivers" }, this.who, this.ask);
     this.text = h("span");
-    this.grant = h("button", { type: "button", id: "grant", class: "main", onclick: () => live.send("drive", { answer: "grant" }) }, t("grant"));
-    this.refuse = h("button", { type: "button", id: "refuse", onclick: () => live.send("drive", { answer: "refuse" }) }, t("refuse"));
+    this.grant = h("button", { type: "button", id: "grant", class: "main", onclick: () => live.send("drive", { answer: "grant" }) }, say("grant"));
+    this.refuse = h("button", { type: "button", id: "refuse", onclick: () => live.send("drive", { answer: "refuse" }) }, say("refuse"));
     this.request = h("div", { class: "banner request", role: "alert", hidden: true }, this.text, this.grant, this.refuse);
     app.on("drivers", () => this.show());
     app.on("link", () => this.show());
+    onLanguage(() => live.link && this.show());
   }
 
   show() {

@@ -85,7 +85,7 @@ export class Live {
     app.factor = message.factor;
     app.clock.factor = message.factor || 1;
     if (message.goals) app.run.goals = message.goals;
-    this.state(app.run.end ? "ended" : message.paused ? "paused" : "running");
+    this.state(app.run.end ? "ended" : message.paused ? "paused" : message.waiting ? "waiting" : "running");
     app.emit("frame", message);
   }
 

@@ -1,6 +1,6 @@
 // The form before a run: what to drive, where from and where to.
 import { h } from "../dom.js";
-import { t } from "../strings.js";
+import { onLanguage, say, t } from "../strings.js";
 
 const FIELDS = ["world", "robot", "planner", "controller"];
 
@@ -11,24 +11,24 @@ export class Setup {
     this.app = app;
     this.live = live;
     this.selects = Object.fromEntries(FIELDS.map((name) => [name, h("select", { id: name, onchange: () => this.changed(name) })]));
-    this.seed = h("input", { id: "seed", type: "number", min: 0, step: 1, placeholder: t("auto0"), inputMode: "numeric" });
+    this.seed = h("input", { id: "seed", type: "number", min: 0, step: 1, placeholder: say("auto0"), inputMode: "numeric" });
     this.values = { start: h("output"), goal: h("output") };
     this.buttons = Object.fromEntries(
       ["start", "goal"].map((name) => [
         name,
-        h("button", { type: "button", id: `set-${name}`, "aria-pressed": "false", onclick: () => app.setTool(app.tool === name ? null : name) }, t(name)),
+        h("button", { type: "button", id: `set-${name}`, "aria-pressed": "false", onclick: () => app.setTool(app.tool === name ? null : name) }, say(name)),
       ]),
     );
-    this.go = h("button", { type: "submit", id: "go", class: "main" }, t("go"));
+    this.go = h("button", { type: "submit", id: "go", class: "main" }, say("go"));
     const places = ["start", "goal"].map((name) => h("div", { class: "place" }, this.buttons[name], this.values[name]));
     this.element = h(
       "form",
-      { class: "panel setup", onsubmit: (event) => this.submit(event), "aria-label": t("newRun") },
-      h("h2", {}, t("newRun")),
-      ...FIELDS.map((name) => h("label", {}, h("span", {}, t(name)), this.selects[name])),
-      h("label", {}, h("span", {}, t("seed")), this.seed),
+      { class: "panel setup", onsubmit: (event) => this.submit(event), "aria-label": say("newRun") },
+      h("h2", {}, say("newRun")),
+      ...FIELDS.map((name) => h("label", {}, h("span", {}, say(name)), this.selects[name])),
+      h("label", {}, h("span", {}, say("seed")), this.seed),
       this.go,
-      h("p", { class: "soft" }, t("choose")),
+      h("p", { class: "soft" }, say("choose")),
       ...places,
     );
     app.on("hello", (hello) => this.fill(hello));
@@ -37,6 +37,7 @@ export class Setup {
       for (const [name, element] of Object.entries(this.buttons)) element.setAttribute("aria-pressed", String(tool === name && app.isSettingUp));
     });
     for (const name of ["state", "drivers"]) app.on(name, () => this.show());
+    onLanguage(() => this.show());
     this.show();
   }
 

@@ -1,6 +1,6 @@
 // The bar that steers a run: pause, step, speed, goal, queue, restart, box, end.
-import { button, h, icon, takesKeys } from "../dom.js";
-import { t } from "../strings.js";
+import { h, icon, namedButton, takesKeys } from "../dom.js";
+import { onLanguage, say, t } from "../strings.js";
 
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 3, 5, 10, 20, 50, "max"];
 const BOX = [0.4, 0.4, 0.6];
@@ -11,14 +11,14 @@ export class Steering {
   constructor(app, live) {
     this.app = app;
     this.live = live;
-    this.pause = button("pause", t("pause"), () => this.togglePause(), { id: "pause", class: "main" });
-    this.step = button("step", t("step"), () => live.order("step"), { id: "step" });
-    this.goal = h("button", { type: "button", id: "goal", class: "main wide", onclick: () => this.toggle("goal"), "aria-pressed": "false" }, icon("goal"), t("goal"));
+    this.pause = namedButton("pause", say("pause"), say("pauseHint"), () => this.togglePause(), { id: "pause", class: "named main" });
+    this.step = namedButton("step", say("step"), say("stepHint"), () => live.order("step"), { id: "step" });
+    this.goal = namedButton("goal", say("goal"), say("goalHint"), () => this.toggle("goal"), { id: "goal", class: "named main wide", "aria-pressed": "false" });
     this.queue = h("input", { type: "checkbox", id: "queue" });
-    this.box = button("box", t("box"), () => this.toggle("box"), { "aria-pressed": "false", id: "box" });
-    this.restart = button("restart", t("restart"), () => live.order("restart", { seed: null }), { id: "restart" });
-    this.next = button("next", t("next"), () => live.order("restart", { seed: "next" }), { id: "next" });
-    this.end = button("stop", t("stop"), () => live.order("end"), { id: "end" });
+    this.box = namedButton("box", say("box"), say("boxHint"), () => this.toggle("box"), { "aria-pressed": "false", id: "box" });
+    this.restart = namedButton("restart", say("restart"), say("restartHint"), () => live.order("restart", { seed: null }), { id: "restart" });
+    this.next = namedButton("next", say("next"), say("nextHint"), () => live.order("restart", { seed: "next" }), { id: "next" });
+    this.end = namedButton("stop", say("stop"), say("stopHint"), () => live.order("end"), { id: "end" });
     this.speed = h("input", {
       type: "range", id: "speed", min: 0, max: SPEEDS.length - 1, step: 1, value: SPEEDS.indexOf(1), oninput: () => this.setSpeed(),
     });
@@ -26,10 +26,10 @@ export class Steering {
     this.hint = h("p", { class: "hint", role: "status" });
     this.element = h(
       "div",
-      { class: "steering", role: "toolbar", "aria-label": t("drive") },
+      { class: "steering", role: "toolbar", "aria-label": say("drive") },
       h("div", { class: "row" }, this.pause, this.step, this.goal,
-        h("label", { class: "check" }, this.queue, t("queue")), this.box, this.restart, this.next, this.end),
-      h("label", { class: "row speed" }, h("span", {}, t("speed")), this.speed, this.speedText),
+        h("label", { class: "check", title: say("queueHint") }, this.queue, say("queue")), this.box, this.restart, this.next, this.end),
+      h("label", { class: "row speed" }, h("span", {}, say("speed")), this.speed, this.speedText),
       this.hint,
     );
     app.on("tool", (tool) => this.showTool(tool));
@@ -37,6 +37,10 @@ export class Steering {
     for (const name of ["state", "drivers", "link", "run"]) app.on(name, () => this.show());
     app.on("frame", (frame) => this.showSpeed(frame));
     document.addEventListener("keydown", (event) => this.key(event));
+    onLanguage(() => {
+      this.show();
+      this.showTool(app.tool);
+    });
     this.showText();
     this.show();
   }
@@ -93,17 +97,19 @@ export class Steering {
   show() {
     const { state } = this.app;
     const drives = this.live.youDrive && this.live.link?.isOpen;
-    const going = drives && (state === "running" || state === "paused");
+    const going = drives && this.app.isGoing;
     this.going = going;
     for (const element of [this.pause, this.goal, this.box, this.end, this.queue]) element.disabled = !going;
+    this.pause.disabled = !going || state === "waiting";
     this.step.disabled = !going || state !== "paused";
+    for (const element of [this.pause, this.step, this.goal, this.queue.parentElement, this.box, this.end]) element.hidden = this.app.isSettingUp;
+    for (const element of [this.restart, this.next]) element.hidden = state === "idle";
     this.speed.disabled = !drives;
     for (const element of [this.restart, this.next]) element.disabled = !drives || state === "idle";
     const paused = state === "paused";
     const label = t(paused ? "resume" : "pause");
-    this.pause.replaceChildren(icon(paused ? "play" : "pause"));
+    this.pause.replaceChildren(icon(paused ? "play" : "pause"), h("span", { class: "name" }, label));
     this.pause.setAttribute("aria-label", label);
-    this.pause.title = label;
     this.pause.setAttribute("aria-pressed", String(paused));
     if ((!going && this.app.tool === "box") || (going && this.app.tool === "start")) this.app.setTool(null);
     this.showText();

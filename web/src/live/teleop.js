@@ -1,6 +1,6 @@
 // Driving by hand: keys, stick and gamepad give a share of the robot's limits, sent ten times a second while held.
 import { h, takesKeys } from "../dom.js";
-import { t } from "../strings.js";
+import { saying, t } from "../strings.js";
 
 const PERIOD_MS = 90; // The server lets go 300 ms after the last command.
 const KEYS = {
@@ -19,7 +19,7 @@ export class Teleop {
     this.thumb = null;
     this.timer = null;
     this.knob = h("span", { class: "knob" });
-    this.stick = h("div", { class: "stick", role: "img", "aria-label": `${t("stick")}. ${t("keys")}` }, this.knob);
+    this.stick = h("div", { class: "stick", role: "img", "aria-label": saying(() => `${t("stick")}. ${t("keys")}`) }, this.knob);
     this.listen();
     app.on("state", () => this.show());
     app.on("drivers", () => this.show());
@@ -27,7 +27,7 @@ export class Teleop {
   }
 
   get allowed() {
-    return this.live.youDrive && (this.app.state === "running" || this.app.state === "paused");
+    return this.live.youDrive && this.app.isGoing;
   }
 
   listen() {

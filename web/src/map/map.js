@@ -1,6 +1,6 @@
 // The 2D map: a canvas that pans and zooms by pointer, wheel, pinch and keys.
-import { button, h } from "../dom.js";
-import { t } from "../strings.js";
+import { h } from "../dom.js";
+import { say } from "../strings.js";
 import { onTheme } from "../theme.js";
 import { drawMap } from "./draw.js";
 
@@ -11,20 +11,21 @@ export class MapView {
   constructor(app, placing) {
     this.app = app;
     this.placing = placing;
-    this.canvas = h("canvas", { id: "map", tabIndex: 0, role: "application", "aria-label": t("map") });
+    this.canvas = h("canvas", { id: "map", tabIndex: 0, role: "application", "aria-label": say("map") });
     const buttons = h(
       "div",
       { class: "map-buttons" },
-      h("button", { type: "button", "aria-label": t("zoomIn"), title: t("zoomIn"), onclick: () => this.zoom(1.4) }, "+"),
-      h("button", { type: "button", "aria-label": t("zoomOut"), title: t("zoomOut"), onclick: () => this.zoom(1 / 1.4) }, "−"),
-      h("button", { type: "button", "aria-label": t("fit"), title: t("fit"), onclick: () => this.fit() }, "⤢"),
+      h("button", { type: "button", "aria-label": say("zoomIn"), title: say("zoomIn"), onclick: () => this.zoom(1.4) }, "+"),
+      h("button", { type: "button", "aria-label": say("zoomOut"), title: say("zoomOut"), onclick: () => this.zoom(1 / 1.4) }, "−"),
+      h("button", { type: "button", "aria-label": say("fit"), title: say("fit"), onclick: () => this.fit() }, "⤢"),
     );
-    this.element = h("div", { class: "map" }, this.canvas, buttons);
+    this.box = h("div", { class: "map-box" }, this.canvas);
+    this.element = h("div", { class: "map" }, this.box, buttons);
     this.context = this.canvas.getContext("2d");
     this.view = { x: 0, y: 0, scale: 20 };
     this.pointers = new Map();
     this.fitted = true;
-    new ResizeObserver(() => this.resize()).observe(this.element);
+    new ResizeObserver(() => this.resize()).observe(this.box);
     placing.attach(this.canvas, (event) => this.pick(event));
     this.listen();
     onTheme(() => (app.dirty = true));
@@ -127,8 +128,8 @@ export class MapView {
 
   resize() {
     const ratio = Math.min(devicePixelRatio, 2);
-    this.width = this.element.clientWidth;
-    this.height = this.element.clientHeight;
+    this.width = this.box.clientWidth;
+    this.height = this.box.clientHeight;
     this.canvas.width = Math.round(this.width * ratio);
     this.canvas.height = Math.round(this.height * ratio);
     this.ratio = ratio;

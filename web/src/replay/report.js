@@ -1,10 +1,10 @@
 // Below the replay: verdict, plots, what the robot touched, plans, settings, versions, and how to repeat the run.
 import { button, h } from "../dom.js";
 import { clockText } from "../panels.js";
-import { t } from "../strings.js";
+import { say, saying, t, told } from "../strings.js";
 
 function section(name, ...children) {
-  return h("section", { class: "report-part" }, h("h2", {}, t(name)), ...children);
+  return h("section", { class: "report-part" }, h("h2", {}, say(name)), ...children);
 }
 
 function table(heads, rows) {
@@ -32,15 +32,15 @@ function at(player, time) {
 function verdict({ verdict: { outcome, message, figures } }) {
   const good = /^(arrived|succeeded|success|reached)/.test(outcome);
   return h("section", { class: "report-part" },
-    h("h2", { class: "verdict", "data-good": String(good) }, outcome.replaceAll("_", " ")),
-    message ? h("p", {}, message) : null,
-    h("dl", { class: "tiles" }, ...(figures ?? []).map(([label, text]) => h("div", {}, h("dt", {}, label), h("dd", {}, text)))));
+    h("h2", { class: "verdict", "data-good": String(good) }, saying(() => told(outcome.replaceAll("_", " ")))),
+    message ? h("p", {}, saying(() => told(message))) : null,
+    h("dl", { class: "tiles" }, ...(figures ?? []).map(([label, text]) => h("div", {}, h("dt", {}, saying(() => told(label))), h("dd", {}, text)))));
 }
 
 function contactsPart(contacts, player) {
-  if (!contacts.length) return section("contacts", h("p", {}, t("noContacts")));
+  if (!contacts.length) return section("contacts", h("p", {}, say("noContacts")));
   const rows = contacts.map(({ t: time, what, x, y }) => [at(player, time), what, `${x.toFixed(2)}, ${y.toFixed(2)}`]);
-  return section("contacts", table([t("when"), t("what"), `${t("where")} [m]`], rows));
+  return section("contacts", table([say("when"), say("what"), saying(() => `${t("where")} [m]`)], rows));
 }
 
 function plansPart(run, player) {
@@ -51,11 +51,11 @@ function plansPart(run, player) {
     return sum;
   };
   const rows = run.paths.slice(0, 200).map(({ t: time, points }) => [at(player, time), `${length(points).toFixed(2)} m`, String(points.length / 2)]);
-  return section("plans", table([t("when"), t("length"), t("points")], rows));
+  return section("plans", table([say("when"), say("length"), say("points")], rows));
 }
 
 function commandPart(command) {
-  const copy = button("copy", t("copy"), async () => {
+  const copy = button("copy", say("copy"), async () => {
     try {
       await navigator.clipboard.writeText(command);
       copy.title = t("copied");

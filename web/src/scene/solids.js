@@ -16,7 +16,12 @@ export const cutaway = { robot: { value: new Vector3(0, 0, -1e6) }, on: { value:
 
 const WALL_REACH = 0.7; // A wall is an outer one within this distance [m] of the world's bounds.
 
-// Fades outer walls seen from outside, and dots out what hides the robot from the camera.
+// What stands between camera and robot is cut away so far around the robot [m], as it looks from the camera; what is
+// nearer to the camera, and hides more, farther.
+const CUT_M = "1.3";
+
+// Fades outer walls seen from outside, and cuts away what hides the robot from the camera, with an edge that fades:
+// a grain without a visible pattern (interleaved gradient noise, Jimenez 2014) needs no sorting, as blending would.
 function patch(material, wall) {
   material.onBeforeCompile = (shader) => {
     shader.uniforms.robotAt = cutaway.robot;
@@ -40,10 +45,11 @@ function patch(material, wall) {
         `#include <opaque_fragment>
         vec3 sight = robotAt - cameraPosition;
         float along = dot(at - cameraPosition, sight) / dot(sight, sight);
-        if (cutOn > 0.5 && along > 0.0 && along < 0.97 && at.z > 0.05) {
-          float off = length(at - cameraPosition - along * sight);
-          bool dot0 = mod(floor(gl_FragCoord.x) + floor(gl_FragCoord.y), 2.0) > 0.5;
-          if (off < 0.5 || (off < 0.62 && dot0)) discard;
+        if (cutOn > 0.5 && along > 0.0 && along < 0.97 && at.z > 0.08) {
+          float off = length((at - cameraPosition) / along - sight);
+          float cut = ${CUT_M} * (2.4 - 1.4 * along);
+          float grain = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+          if (grain >= smoothstep(0.7 * cut, cut, off)) discard;
         }
         ${wall ? "gl_FragColor.a *= mix(1.0, 0.1, seen);" : ""}`,
       );

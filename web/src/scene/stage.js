@@ -4,7 +4,7 @@ import {
   Raycaster, Scene, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { h } from "../dom.js";
-import { t } from "../strings.js";
+import { say } from "../strings.js";
 import { onTheme, palette } from "../theme.js";
 import { buildSolids, cutaway, dispose } from "./solids.js";
 import { Cameras } from "./cameras.js";
@@ -37,7 +37,7 @@ export class Stage {
     this.canvas = made.domElement;
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", t("scene"));
+    say("scene").put(this.canvas, "aria-label");
     this.element = h("div", { id: "scene", class: "scene" }, this.canvas);
     this.world = new Scene();
     this.camera = new PerspectiveCamera(50, 1, 0.05, 500);

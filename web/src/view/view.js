@@ -3,7 +3,7 @@ import { h, icon, takesKeys } from "../dom.js";
 import { header, layout, notes, sceneBox } from "../layout.js";
 import { Drivers } from "../live/drivers.js";
 import { clockText } from "../panels.js";
-import { t } from "../strings.js";
+import { onLanguage, say, t } from "../strings.js";
 import { Keys } from "./keys.js";
 import { ViewLive } from "./live.js";
 import { Others } from "./robots.js";
@@ -14,7 +14,7 @@ class Headline {
     this.app = app;
     this.text = h("p", { class: "doing", role: "status" });
     this.figures = h("dl", { class: "figures poses" });
-    this.element = h("section", { id: "status", class: "panel", "aria-label": t("status") }, this.figures);
+    this.element = h("section", { id: "status", class: "panel", "aria-label": say("status") }, this.figures);
   }
 
   show(state) {
@@ -35,10 +35,10 @@ class Bar {
   constructor(app, live, headline) {
     this.app = app;
     this.live = live;
-    this.goal = h("button", { type: "button", id: "goal", class: "main wide", onclick: () => this.toggle(), "aria-pressed": "false" }, icon("goal"), t("goal"));
+    this.goal = h("button", { type: "button", id: "goal", class: "main wide", onclick: () => this.toggle(), "aria-pressed": "false" }, icon("goal"), say("goal"));
     this.hint = h("p", { class: "hint", role: "status" });
-    this.held = h("output", { id: "keys", "aria-label": t("keysHeld") });
-    this.element = h("div", { class: "steering", role: "toolbar", "aria-label": t("goal") }, headline, h("div", { class: "row" }, this.goal, this.held), this.hint);
+    this.held = h("output", { id: "keys", "aria-label": say("keysHeld") });
+    this.element = h("div", { class: "steering", role: "toolbar", "aria-label": say("goal") }, headline, h("div", { class: "row" }, this.goal, this.held), this.hint);
     for (const name of ["drivers", "link", "state", "tool"]) app.on(name, () => this.show());
     app.on("placed", ({ pose }) => {
       live.send("goal", { pose: pose.map((value) => (value === null ? null : Number(value.toFixed(3)))) });
@@ -46,6 +46,7 @@ class Bar {
       document.activeElement?.blur(); // Keys are for the loop again.
     });
     app.on("keys", (held) => (this.held.value = held.map((name) => (name === " " ? "Space" : name)).join(" ")));
+    onLanguage(() => this.show());
     document.addEventListener("keydown", (event) => this.key(event));
     this.show();
   }

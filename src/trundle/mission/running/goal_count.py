@@ -80,6 +80,11 @@ class GoalCount:
             return False
         return pose.distance_to(self.goals[-1].pose) <= radius
 
+    def is_at_last(self, pose: Pose2D, believed: Pose2D | None) -> bool:
+        """Whether the true or the believed pose is at the last goal."""
+        last, within = self.goals[-1], self._checker.is_within
+        return any(within(at, last.pose, any_yaw=last.yaw_free) for at in (pose, believed) if at is not None)
+
     def _is_at(self, goal: Goal, pose: Pose2D, believed: Pose2D | None) -> bool:
         if self._checker.is_within(pose, goal.pose, any_yaw=goal.yaw_free):
             return True

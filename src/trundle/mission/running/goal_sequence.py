@@ -20,11 +20,16 @@ from trundle.mission.running.robot_stack import RobotStack
 from trundle.mission.running.run_log import AgentTotals
 from trundle.navigation import AgentReport, NavigationStatus, NavigatorSettings
 from trundle.navigation.agents import check_command
+from trundle.navigation.status import FINAL
 from trundle.path import Path
 from trundle.sim import RobotState
 
 FARTHEST_PATH_M = 1.5
 """A path that is given begins or passes within this of the robot [m]: half of Nav2's local costmap."""
+
+
+STANDING_MPS, STANDING_RADPS = 0.01, 0.02
+"""A robot below these speeds stands: it would be stopped within a millimetre."""
 
 
 class GoalSequence:
@@ -45,6 +50,7 @@ class GoalSequence:
     Attributes:
         totals: What the agent counted for the goals that were left or reached.
         time_limit_s: When the run is stopped [s].
+        goes_on: Whether the run goes on where its goals are reached or given up; see `WaitAtGoal`.
     """
 
     def __init__(
@@ -74,6 +80,7 @@ class GoalSequence:
         """Wall time [s] of a plan that was made as a goal was set; the next command has it."""
         self.totals = AgentTotals()
         self.time_limit_s = info.time_limit_s
+        self.goes_on = False
 
     @property
     def goals(self) -> tuple[Goal, ...]:
@@ -124,7 +131,7 @@ class GoalSequence:
             if self._hands_over:
                 if not count.count_passed(stack.report.goals_reached, state.pose, stack.believed):
                     return endings.elsewhere(self._agent, state)
-                if arrived and not self._waits:
+                if arrived and not (self._waits or self.goes_on):
                     return self._at_goal(state)
             elif arrived and not count.are_reached:
                 if not count.count(state.pose, stack.believed):
@@ -133,9 +140,10 @@ class GoalSequence:
                     self._begin((count.next,))
                     observation = replace(observation, scans=())  # the agent has them
                     continue
-                if not self._waits:
+                if not (self._waits or self.goes_on):
                     return self._at_goal(state)
-            if not (self._waits or self._is_idle) and (ending := endings.given_up(stack.report, state)) is not None:
+            may_end = not (self._waits or self.goes_on or self._is_idle)
+            if may_end and (ending := endings.given_up(stack.report, state)) is not None:
                 return ending
             return self._timed_out(state) or check_command(self._agent, command)
 
@@ -153,7 +161,7 @@ class GoalSequence:
             return Outcome.COLLIDED, endings.describe_contact(hit, state.time)
         if not self._waits and (ending := endings.tipped_over(state)) is not None:
             return ending
-        if self._count.is_near_last(state.pose, self._rules.arrival_radius):
+        if not self.goes_on and self._count.is_near_last(state.pose, self._rules.arrival_radius):
             self._count.reached += 1
             return self._at_goal(state)
         return None
@@ -162,6 +170,8 @@ class GoalSequence:
         return endings.at_goal(state, self._stack.estimate.pose if self._count.reached_by_estimate else None)
 
     def _timed_out(self, state: RobotState) -> Ending | None:
+        if self.goes_on and self._extends:
+            return None
         return endings.timed_out(self.goals, self.time_limit_s) if state.time >= self.time_limit_s - 1e-9 else None
 
     def was_complete(self, report: AgentReport) -> bool:
@@ -172,6 +182,21 @@ class GoalSequence:
     def ended_by_hand(self, why: str) -> Ending:
         """How a run ends that is ended by hand: finished, where it has no other end."""
         return (Outcome.FINISHED if self._waits else Outcome.ABORTED), why
+
+    def arrived_before(self, why: str, state: RobotState) -> Ending | None:
+        """How a run that went on after its goals is ended by hand at the last one; None where it is elsewhere."""
+        if not (self.goes_on and self.goals and self.is_done) or not self.rests(state):
+            return None
+        if not self._count.is_at_last(state.pose, self._stack.believed):
+            return None
+        outcome, message = self._at_goal(state)
+        return outcome, f"{message}; {why}"
+
+    def rests(self, state: RobotState) -> bool:
+        """Whether the robot stands, and has nothing to do until there is another goal."""
+        status, twist = self._stack.report.status, state.twist
+        is_over = status in FINAL or (status is NavigationStatus.IDLE and self.is_done)
+        return is_over and abs(twist.v) < STANDING_MPS and abs(twist.w) < STANDING_RADPS
 
     # Goals ----------------------------------------------------------------------------------------------------------
 

@@ -255,7 +255,7 @@ class Session:
 
     @property
     def _executor(self) -> DirectiveExecutor | None:
-        return None if self._loop is None else self._loop.executor
+        return self._loop and self._loop.executor
 
     # Running --------------------------------------------------------------------------------------------------------
 
@@ -365,9 +365,10 @@ class Session:
         return episode
 
     def abort(self, error: KeyboardInterrupt) -> None:
-        """End the run as aborted by Ctrl-C, unless it has ended; `error` has this interrupt then."""
+        """End the run as aborted by Ctrl-C, or arrived, unless it has ended; `error` has this interrupt then."""
         if self._ended.outcome is None:
-            self._end_by(error)
+            ending = self._ended.explain(error)
+            self._end(*((self._loop and self._loop.goals.arrived_before(ending[1], self.state)) or ending), error)
 
     def _end(self, outcome: Outcome, message: str, error: BaseException | None = None) -> None:
         if self._loop is not None:

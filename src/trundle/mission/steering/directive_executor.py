@@ -93,7 +93,14 @@ class DirectiveExecutor:
     @property
     def is_held(self) -> bool:
         """Whether no control period may be driven now."""
-        return self.paused and self._steps_left == 0
+        return self._steps_left == 0 and (self.paused or self.is_waiting)
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether the run goes on after its goals, and waits for another one, or for a command by hand."""
+        if self._steering is None or self._recorded or self.manual is not None:
+            return False
+        return self._goals.goes_on and self._goals.rests(self._state)
 
     @property
     def report(self) -> SteeringReport:
@@ -231,10 +238,14 @@ class DirectiveExecutor:
                 self._drop(box, index, state)
             case kinds.PlaceRobot() as place:
                 self._put_robot(place.pose)
+            case kinds.WaitAtGoal():
+                self._goals.goes_on = True
             case kinds.Restart() as restart:
-                self.restart, self.ending = restart, (Outcome.ABORTED, "ended to start again")
+                why = "ended to start again"
+                self.restart = restart
+                self.ending = self._goals.arrived_before(why, state) or (Outcome.ABORTED, why)
             case kinds.End(why):
-                self.ending = self._goals.ended_by_hand(why)
+                self.ending = self._goals.arrived_before(why, state) or self._goals.ended_by_hand(why)
 
     def _begin_goal(self, order: Order, state: RobotState) -> None:
         self._let_go()

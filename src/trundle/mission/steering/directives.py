@@ -191,6 +191,15 @@ class PlaceRobot(CheckedDirective):
 
 
 @dataclass(frozen=True, slots=True, config=CONFIG)
+class WaitAtGoal(CheckedDirective):
+    """Keep the run going after its goals: arriving, giving up and the default time limit no longer end it.
+
+    In a run that takes directives the simulated time stands still from then on, until there is another goal or a
+    command by hand. A `Restart`, an `End`, a contact or a time limit that was given ends the run.
+    """
+
+
+@dataclass(frozen=True, slots=True, config=CONFIG)
 class Restart(CheckedDirective):
     """End the run, and begin it again.
 
@@ -245,6 +254,7 @@ Directive: TypeAlias = (
     | Release
     | DropBox
     | PlaceRobot
+    | WaitAtGoal
     | Restart
     | End
 )
@@ -265,6 +275,7 @@ DIRECTIVES: dict[str, type[Directive]] = {
     "release": Release,
     "box": DropBox,
     "place": PlaceRobot,
+    "wait": WaitAtGoal,
     "restart": Restart,
     "end": End,
 }

@@ -7,7 +7,7 @@ import time as clock
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from trundle.mission.episode import Episode
 from trundle.mission.observers import SteeringReport
@@ -22,12 +22,17 @@ _WINDOW_S = 1.0
 """How fast a run really passes is measured over so long [s], real time."""
 
 
+State: TypeAlias = Literal["idle", "running", "paused", "waiting", "ended"]
+"""What a live run does; see `LiveStatus`."""
+
+
 @dataclass(frozen=True, slots=True)
 class LiveStatus:
     """What a live run does now.
 
     Attributes:
-        state: "idle" before the first run and between two of them, "running", "paused", or "ended".
+        state: "idle" before the first run and between two of them, "running", "paused", "waiting" for another goal
+            after a `WaitAtGoal`, or "ended".
         run: Number of the run, from 1; 0 before the first one.
         time: Simulated time [s].
         speed: How fast it is to pass relative to real time; infinity for as fast as it can.
@@ -35,7 +40,7 @@ class LiveStatus:
         steering: How it is steered; None before the first run.
     """
 
-    state: Literal["idle", "running", "paused", "ended"]
+    state: State
     run: int = 0
     time: float = 0.0
     speed: float = 1.0
@@ -111,7 +116,8 @@ class LiveRun:
             while session.outcome is None:
                 if not session.steer():
                     pace.hold()
-                    self._show(session, "paused")
+                    report = session.steering
+                    self._show(session, "paused" if report is None or report.paused else "waiting")
                     if session.outcome is None:
                         self._steering.wait(_HELD_S)
                     continue
@@ -130,7 +136,7 @@ class LiveRun:
     def _take_speed(self) -> None:
         self._is_at_speed = True
 
-    def _show(self, session: Session, state: Literal["idle", "running", "paused", "ended"]) -> None:
+    def _show(self, session: Session, state: State) -> None:
         report = session.steering
         if report is not None and self._is_at_speed:  # else a restart came first: the next run has it
             self._speed = Speed(report.speed)
