@@ -17,6 +17,7 @@ WRITES = {
     "07_unknown_warehouse": {"unknown.png"},
     "08_people": {"people.png"},
     "09_tour": {"tour.png"},
+    "10_own_loop_in_the_browser": set(),
 }
 SAYS = {
     "01_load_and_view": "nova_carter: 57.5 kg",
@@ -28,17 +29,24 @@ SAYS = {
     "07_unknown_warehouse": "arrived",
     "08_people": "arrived",
     "09_tour": "spin (task of goal 4) succeeded",
+    "10_own_loop_in_the_browser": "stopped at Pose2D(",
 }
+OPTIONS = {"10_own_loop_in_the_browser": ["--seconds", "1", "--no-open"]}
+"""Those of an example that waits for a person."""
 
 
-def test_there_is_an_example_for_each_step_for_evaluations_for_sensing_and_for_goals() -> None:
+def test_there_is_an_example_for_each_step_for_evaluations_for_sensing_for_goals_and_for_the_browser() -> None:
     assert [path.stem for path in EXAMPLES] == sorted(WRITES)
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
 def test_an_example_runs_in_an_empty_folder(example: Path, tmp_path: Path) -> None:
     done = subprocess.run(
-        [sys.executable, "-W", "error", str(example)], cwd=tmp_path, capture_output=True, text=True, check=False
+        [sys.executable, "-W", "error", str(example), *OPTIONS.get(example.stem, [])],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
     assert SAYS[example.stem] in done.stdout

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from trundle.observation import Estimate, Observation, Scan
     from trundle.path import Path
     from trundle.robots import Robot
+    from trundle.serve import show
     from trundle.sim import RobotState, simulate
     from trundle.worlds import World
 
@@ -56,6 +57,7 @@ __getattr__ = lazy_names(
         "evaluate": "trundle.evaluation",
         "run": "trundle.mission",
         "sample_mission": "trundle.mission",
+        "show": "trundle.serve",
         "simulate": "trundle.sim",
     },
 )
@@ -91,6 +93,7 @@ __all__ = [
     "evaluate",
     "run",
     "sample_mission",
+    "show",
     "simulate",
 ]
 

@@ -15,10 +15,12 @@ DOCS = Path(__file__).parents[2] / "docs"
         ("planning_reference.md", "found 511.58"),
         ("python.md", ", 1 path, "),
         ("recordings.md", ", arrived, "),
+        ("browser.md", "The page: http://127.0.0.1:"),
     ],
 )
 def test_the_python_of_a_page_runs(page, printed, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("webbrowser.open", lambda _: True)
     names: dict[str, object] = {}
     blocks = re.findall(r"```python\n(.*?)```", (DOCS / page).read_text(), flags=re.DOTALL)
     assert blocks

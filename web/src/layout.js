@@ -13,10 +13,10 @@ export function header(app, ...parts) {
     name.textContent = [scene.name, scene.robot?.name].filter(Boolean).join(" · ") || t("title");
   });
   const show = () => {
-    const live = app.mode === "live";
+    const live = app.mode === "live" || (app.mode === "view" && app.state === "ended");
     const { end } = app.run;
-    state.textContent = live && app.state === "ended" && end ? told(end.outcome.replaceAll("_", " ")) : t(live ? app.state : app.mode);
-    state.dataset.state = live ? app.state : "ended";
+    state.textContent = app.mode === "live" && app.state === "ended" && end ? told(end.outcome.replaceAll("_", " ")) : t(live ? app.state : app.mode);
+    state.dataset.state = live ? app.state : app.mode === "view" ? "running" : "ended";
     if (closed) {
       state.textContent = t("offline");
       state.dataset.state = "offline";

@@ -18,6 +18,7 @@ import { buildReport } from "./replay/report.js";
 import { Stage } from "./scene/stage.js";
 import { onLanguage, startLanguage, t } from "./strings.js";
 import { onTheme, startTheme } from "./theme.js";
+import { startView } from "./view/view.js";
 
 function makeStage(app, placing) {
   try {
@@ -90,7 +91,8 @@ async function start() {
   app.on("scene_map", () => map.fitted && map.fit());
   onTheme(() => app.grid?.paint());
   onLanguage(() => (app.dirty = true));
-  const parts = boot.mode === "live" ? startLive(app, { stage, map }) : await startReplay(app, { stage, map }, boot);
+  const begin = { live: startLive, view: startView }[boot.mode] ?? startReplay;
+  const parts = await begin(app, { stage, map }, boot);
 
   let before = performance.now();
   let shown = -1;

@@ -42,6 +42,7 @@ const EN = {
   l_footprint: "footprint", l_clearance: "clearance", l_goals: "goals", l_movers: "movers", l_tracks: "tracks",
   l_rollouts: "rollouts", l_contacts: "contacts",
   what: "what", when: "time", where: "where", distance: "distance", points: "points", length: "length",
+  view: "live", keysHeld: "Keys held", viewKeys: "Keys go to the program · G goal",
 };
 
 const KO = {
@@ -84,6 +85,7 @@ const KO = {
   l_footprint: "풋프린트", l_clearance: "여유 거리", l_goals: "목표", l_movers: "이동체", l_tracks: "추적",
   l_rollouts: "롤아웃", l_contacts: "접촉",
   what: "대상", when: "시각", where: "위치", distance: "거리", points: "점", length: "길이",
+  view: "실시간", keysHeld: "누르고 있는 키", viewKeys: "키 입력은 프로그램으로 갑니다 · G 목표",
 };
 
 let table = EN;

@@ -24,13 +24,13 @@ def render(boot: Mapping[str, Any], *, title: str) -> str:
     """Return the page with its style, its script and what it shows, in one file.
 
     Args:
-        boot: What it shows: "mode" is "live", "replay" or "report"; the rest depends on it.
+        boot: What it shows: "mode" is "live", "view", "replay" or "report"; the rest depends on it.
         title: Title of the document.
     """
     # The only way out of a script element is a tag; \u003c is the same character to JSON.
     data = to_json(boot).replace("<", "\\u003c")
     meta = ""
-    if boot.get("mode") != "live":  # of a file; a server sends it as a header
+    if boot.get("mode") not in ("live", "view"):  # of a file; a server sends it as a header
         meta = f'<meta http-equiv="Content-Security-Policy" content="{escape(csp(live=False))}">'
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
@@ -44,15 +44,16 @@ def render(boot: Mapping[str, Any], *, title: str) -> str:
     )
 
 
-def csp(*, live: bool = True) -> str:
+def csp(*, live: bool = True, ancestors: str = "'none'") -> str:
     """Return the content security policy of the page: its own script and style by hash, and no other host.
 
     Args:
-        live: Whether a server sends the page: then it may talk to that server, and must not be framed.
+        live: Whether a server sends the page: then it may talk to that server, and is framed by its ancestors alone.
+        ancestors: Pages that may show it in a frame, as the policy's `frame-ancestors`.
     """
     parts = [*_ALWAYS, f"script-src {_hash('page.js')}", f"style-src {_hash('page.css')}"]
     if live:
-        parts += ["connect-src 'self'", "frame-ancestors 'none'"]
+        parts += ["connect-src 'self'", f"frame-ancestors {ancestors}"]
     return "; ".join(parts)
 
 

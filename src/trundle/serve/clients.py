@@ -6,7 +6,7 @@ import asyncio
 from collections import deque
 from collections.abc import Iterator
 
-from trundle.serve.run_feed import RunFeed
+from trundle.serve.feed import Feed
 
 _FRAGMENT = 64 * 1024
 """Characters of a part of a long message; the next part is sent once the socket has room for it."""
@@ -29,7 +29,7 @@ class Client:
         self.number = number
         self.wake = asyncio.Event()
         self._replies: deque[str] = deque(maxlen=_MOST_REPLIES)
-        self._feed: RunFeed | None = None
+        self._feed: Feed | None = None
         self._allowance, self._counted_s = BURST, 0.0
         self._begin(None)
 
@@ -46,7 +46,7 @@ class Client:
         self._allowance -= 1.0
         return self._allowance >= 0.0
 
-    def take(self, feed: RunFeed | None) -> str | None:
+    def take(self, feed: Feed | None) -> str | None:
         """Return the next message for the page, or None if it has everything."""
         if self._replies:
             return self._replies.popleft()
@@ -56,13 +56,14 @@ class Client:
             return None
         return self._take_first(feed) or self._take_rest(feed)
 
-    def _begin(self, feed: RunFeed | None) -> None:
+    def _begin(self, feed: Feed | None) -> None:
         self._feed = feed
         self._opening = deque(() if feed is None else filter(None, (feed.scene, feed.run)))
-        self._solids = self._log = self._frame = self._costmap = 0
+        self._solids = self._log = 0
+        self._seen = [0] * (0 if feed is None else len(feed.newest))
         self._ended = self._log_is_next = False
 
-    def _take_first(self, feed: RunFeed) -> str | None:
+    def _take_first(self, feed: Feed) -> str | None:
         if self._opening:
             return self._opening.popleft()
         if self._solids < len(feed.solids):
@@ -70,30 +71,28 @@ class Client:
             return feed.solids[self._solids - 1]
         return None
 
-    def _take_rest(self, feed: RunFeed) -> str | None:
+    def _take_rest(self, feed: Feed) -> str | None:
         # The log and the newest take turns, so that neither keeps the other from a slow page.
         self._log_is_next = not self._log_is_next
         if self._log_is_next:
             return self._take_log(feed) or self._take_newest(feed) or self._take_end(feed)
         return self._take_newest(feed) or self._take_log(feed) or self._take_end(feed)
 
-    def _take_log(self, feed: RunFeed) -> str | None:
+    def _take_log(self, feed: Feed) -> str | None:
         found = feed.log.read(self._log)
         if found is None:
             return None
         text, self._log = found
         return text
 
-    def _take_newest(self, feed: RunFeed) -> str | None:
-        if self._frame < feed.frame.number:
-            self._frame = feed.frame.number
-            return feed.frame.text
-        if self._costmap < feed.costmap.number:
-            self._costmap = feed.costmap.number
-            return feed.costmap.text
+    def _take_newest(self, feed: Feed) -> str | None:
+        for i, newest in enumerate(feed.newest):
+            if self._seen[i] < newest.number:
+                self._seen[i] = newest.number
+                return newest.text
         return None
 
-    def _take_end(self, feed: RunFeed) -> str | None:
+    def _take_end(self, feed: Feed) -> str | None:
         if feed.end is None or self._ended or feed.is_behind:
             return None
         self._ended = True

@@ -13,8 +13,8 @@ from trundle.mission import LiveStatus
 from trundle.serve.choosing import Choices
 from trundle.serve.clients import Client
 from trundle.serve.driver_lock import DriverLock
+from trundle.serve.feed import Feed
 from trundle.serve.page_messages import Drive, Message, Ping, encode_message, parse_message
-from trundle.serve.run_feed import RunFeed
 
 MAX_CLIENTS = 64
 """Each client costs its socket and what waits to be sent; everything else is encoded once for all."""
@@ -64,7 +64,7 @@ class Hub:
     def __init__(self, *, choices: Choices, source: str | None = None) -> None:
         self.controls: Controls | None = None
         self.folders: dict[int, Path] = {}
-        self.feed: RunFeed | None = None
+        self.feed: Feed | None = None
         self.joined = 0
         self.left_s = time.monotonic()
         self.choices = choices
@@ -80,7 +80,7 @@ class Hub:
 
     # Any thread -----------------------------------------------------------------------------------------------------
 
-    def present(self, feed: RunFeed) -> None:
+    def present(self, feed: Feed) -> None:
         """Show this from now on; a client gets all of it."""
         self.feed = feed
 

@@ -95,6 +95,13 @@ def _read_goal(pose: Any) -> tuple[float, ...]:
     return place if yaw is None else (*place, check_number("yaw of a goal", yaw, -1e3, 1e3, "rad"))
 
 
+class Keys(_Message):
+    """Tells which keys are held, as a loop of one's own gets them: `KeyboardEvent.key`, letters in lower case."""
+
+    type: Literal["keys"]
+    held: Annotated[tuple[Annotated[str, Field(min_length=1, max_length=24)], ...], Field(max_length=16)]
+
+
 class Drive(_Message):
     """Asks to drive; or, from the client that drives, answers the client that asked."""
 
@@ -109,7 +116,7 @@ class Ping(_Message):
     echo: Annotated[float, Field(ge=-1e15, le=1e15)] | Annotated[str, Field(max_length=64)] | None = None
 
 
-Message: TypeAlias = Annotated[Setup | Preview | Order | Drive | Ping, Field(discriminator="type")]
+Message: TypeAlias = Annotated[Setup | Preview | Order | Keys | Drive | Ping, Field(discriminator="type")]
 
 _SCHEMA: TypeAdapter[Message] = TypeAdapter(Message)
 

@@ -18,6 +18,7 @@ from trundle.observation import Scan
 from trundle.page import RunLines
 from trundle.page.run_lines import goal_of
 from trundle.robots import Robot
+from trundle.serve.feed import Newest
 from trundle.serve.page_messages import encode, encode_items, encode_message
 from trundle.worlds import World
 
@@ -83,23 +84,6 @@ class RunLog:
 
 
 @dataclass(frozen=True, slots=True)
-class Newest:
-    """A message of which only the newest counts.
-
-    Attributes:
-        number: Grows with every new one.
-        text: The message; "" where there has been none.
-    """
-
-    number: int = 0
-    text: str = ""
-
-    def next(self, text: str) -> Newest:
-        """Return the one that replaces it."""
-        return Newest(self.number + 1, text)
-
-
-@dataclass(frozen=True, slots=True)
 class Note:
     """An event that is not seen in the steps, such as a takeover.
 
@@ -158,6 +142,11 @@ class RunFeed:
     def add(self, item: Step | Episode | Note) -> None:
         """Take a step, the end, or another event."""
         self._items.append(item)
+
+    @property
+    def newest(self) -> tuple[Newest, ...]:
+        """The newest `frame` and `costmap` messages."""
+        return self.frame, self.costmap
 
     @property
     def is_behind(self) -> bool:

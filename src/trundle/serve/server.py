@@ -70,10 +70,13 @@ class Page:
     Attributes:
         html: The one file.
         csp: Its Content-Security-Policy.
+        framed_csp: Its policy at /frame, where a notebook shows it; None if nothing may. A frame of another site gets
+            no cookie: there the token of its address lets it in.
     """
 
     html: str
     csp: str
+    framed_csp: str | None = None
 
 
 class PageServer:
@@ -230,26 +233,34 @@ class PageServer:
             return _respond(403, "requests from other sites are refused")
         tokens = parse_qs(query).get("token", [])
         if path == "/" and tokens:
-            if len(tokens) == 1 and access.has_token(tokens[0]):
+            if self._is_let_in(tokens):
                 return self._welcome() if connection.admit() else _respond(503, _TOO_MANY)
             return _respond(403, "this token is not the server's: open the address that trundle printed")
-        if not access.has_cookie(headers.get_all("Cookie")):
+        if path == "/frame" and self._page.framed_csp is not None and self._is_let_in(tokens):
+            return self._send_page(headers, self._page.framed_csp) if connection.admit() else _respond(503, _TOO_MANY)
+        framed = is_socket and self._page.framed_csp is not None and self._is_let_in(tokens)
+        if not framed and not access.has_cookie(headers.get_all("Cookie")):
             return _respond(401, "open the address that trundle printed, with its token")
         if not connection.admit():
             return _respond(503, _TOO_MANY)
         if is_socket:
             return None
         if path == "/":
-            return self._send_page(headers)
+            return self._send_page(headers, self._page.csp)
         return self._send_file(path)
+
+    def _is_let_in(self, tokens: list[str]) -> bool:
+        return len(tokens) == 1 and self._access.has_token(tokens[0])
 
     def _welcome(self) -> Response:
         """Set the cookie, and let the browser load the page: a redirect from another site would carry no cookie."""
         html = '<!doctype html><meta http-equiv="refresh" content="0;url=/"><title>trundle</title>'
         return _respond(200, html, kind="text/html; charset=utf-8", extra={"Set-Cookie": self._access.set_cookie()})
 
-    def _send_page(self, headers: Headers) -> Response:
-        extra = {"Content-Security-Policy": self._page.csp, "Vary": "Accept-Encoding"}
+    def _send_page(self, headers: Headers, policy: str) -> Response:
+        extra = {"Content-Security-Policy": policy, "Vary": "Accept-Encoding"}
+        if policy != self._page.csp:
+            extra["X-Frame-Options"] = ""  # it knows no list: left out, frame-ancestors decides
         if "gzip" in ",".join(headers.get_all("Accept-Encoding")):
             return _respond(
                 200, self._packed, kind="text/html; charset=utf-8", extra={**extra, "Content-Encoding": "gzip"}
@@ -352,7 +363,8 @@ def _respond(
         "Connection": "close",
         **(extra or {}),
     }
-    return Response(status, reasons.get(status, "Service Unavailable"), Headers(fields), content)
+    sent = {name: value for name, value in fields.items() if value}
+    return Response(status, reasons.get(status, "Service Unavailable"), Headers(sent), content)
 
 
 def _respond_file(file: ServedFile, name: str) -> Response:

@@ -8,7 +8,13 @@ export class Link {
     this.receive = receive;
     this.change = change;
     this.wait = FIRST_MS;
+    this.stopped = false;
     this.open();
+  }
+
+  /** Opens no more once this connection is lost. */
+  stop() {
+    this.stopped = true;
   }
 
   get isOpen() {
@@ -17,13 +23,14 @@ export class Link {
 
   open() {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    this.socket = new WebSocket(`${scheme}://${location.host}/ws`);
+    this.socket = new WebSocket(`${scheme}://${location.host}/ws${location.search}`); // In a frame the address has the token.
     this.socket.onopen = () => {
       this.wait = FIRST_MS;
       this.change("open", 0);
     };
     this.socket.onmessage = (event) => this.receive(JSON.parse(event.data));
     this.socket.onclose = () => {
+      if (this.stopped) return;
       this.change("closed", this.wait);
       setTimeout(() => this.open(), this.wait);
       this.wait = Math.min(LAST_MS, this.wait * 2);

@@ -103,6 +103,34 @@ function robot(context, scene, state, layers, look, pixel) {
   context.restore();
 }
 
+/** A robot beside the first one, of a loop of one's own: its path, its trail, itself and its name. */
+function others(context, scene, other, layers, look, pixel) {
+  context.lineWidth = 2 * pixel;
+  if (layers.path && other.path) {
+    context.strokeStyle = look.path;
+    polyline(context, other.path);
+    context.stroke();
+  }
+  if (layers.trail) {
+    context.strokeStyle = look.mover;
+    polyline(context, other.rows.flatMap((row) => [row[C.x], row[C.y]]));
+    context.stroke();
+  }
+  robot(context, scene, other, layers, look, pixel);
+  name(context, other, look, pixel);
+}
+
+function name(context, { name: text, pose }, look, pixel) {
+  context.save();
+  context.translate(pose[0], pose[1]);
+  context.scale(pixel, -pixel);
+  context.font = "600 11px system-ui, sans-serif";
+  context.textAlign = "center";
+  context.fillStyle = look.ink;
+  context.fillText(text, 0, -14);
+  context.restore();
+}
+
 function frameLayers(context, app, look, pixel) {
   const { layers, frame } = app;
   const { scans = [], movers = [], tracks = [], rollouts = [], contacts = [] } = frame ?? {};
@@ -198,10 +226,12 @@ export function drawMap(context, app, state, view) {
     polyline(context, state.path);
     context.stroke();
   }
+  for (const other of state.others ?? []) others(context, scene, other, layers, look, pixel);
   if (layers.trail) trail(context, run.rows, state.index, scene.robot?.limits?.v || 1, pixel);
   frameLayers(context, app, look, pixel);
   if (layers.goals) goals(context, app, look, pixel);
   if (state.pose && run.rows.length) robot(context, scene, state, layers, look, pixel);
+  if (state.pose && state.name) name(context, state, look, pixel);
   if (app.draft) draft(context, app.draft, look, pixel);
   context.restore();
 }

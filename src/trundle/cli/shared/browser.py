@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import os
-import socket
 import sys
 import time
-import webbrowser
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from trundle.cli.shared import output
+from trundle.serve.opening import forwarding, has_screen, is_remote, make_page, open_browser, start_server
 
 if TYPE_CHECKING:
     from trundle.mission import Scenario
@@ -55,23 +53,14 @@ def serving(
     Raises:
         InputError: If it cannot listen there.
     """
-    from trundle import page
     from trundle.errors import InputError
     from trundle.serve.choosing import Choices
     from trundle.serve.hub import Hub
-    from trundle.serve.server import PORT, Page, PageServer
 
     if port is not None and not 0 <= port <= 65535:
         raise InputError(f"--port {port}: give a port from 1 to 65535, or 0 for a free one")
     hub = Hub(choices=Choices(base), source=source)
-    html = Page(page.render({"mode": "live"}, title="trundle"), page.csp())
-    if port is None:
-        try:
-            server = PageServer(hub, html, host=host, port=PORT)
-        except InputError:
-            server = PageServer(hub, html, host=host, port=0)
-    else:
-        server = PageServer(hub, html, host=host, port=port)
+    server = start_server(hub, make_page("live"), host=host, port=port)
     with server:
         yield ServedPage(hub, server)
 
@@ -99,7 +88,7 @@ def advise(page: ServedPage, *, opens: bool, quiet: bool) -> None:
         )
     elif is_remote():
         output.remark(
-            f"On your own machine: ssh -L {port}:localhost:{port} {socket.gethostname()}, then open that address there",
+            f"On your own machine: {forwarding(port)}, then open that address there",
             quiet=quiet,
         )
     if opens and not is_remote() and not open_browser(page.server.address):
@@ -134,27 +123,3 @@ def wait_until(is_over: Callable[[], bool]) -> None:
     """Wait until `is_over` is true: for a page that can ask for nothing more."""
     while not is_over():
         time.sleep(_LOOK_S)
-
-
-def is_remote() -> bool:
-    """Whether this is a shell by SSH, whose browser is on another machine."""
-    return bool(os.environ.get("SSH_CONNECTION") or os.environ.get("SSH_TTY"))
-
-
-def has_screen() -> bool:
-    """Whether this machine has a display, as far as the environment tells."""
-    names = ("DISPLAY", "WAYLAND_DISPLAY")
-    return sys.platform in ("darwin", "win32") or any(os.environ.get(name) for name in names)
-
-
-def open_browser(address: str) -> bool:
-    """Open an address in the browser of this screen; False if there is none.
-
-    A browser in the terminal (lynx, w3m) is none: it cannot show the page, and would take the terminal.
-    """
-    if not has_screen():
-        return False
-    try:
-        return webbrowser.open(address)
-    except webbrowser.Error:
-        return False
