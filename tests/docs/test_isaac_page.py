@@ -1,11 +1,11 @@
-"""docs/isaac.md names what there is."""
+"""docs/isaac_reference.md names what there is."""
 
 from pathlib import Path
 from typing import get_args
 
 from trundle.doctor import drive_check
 
-PAGE = (Path(__file__).parents[2] / "docs" / "isaac.md").read_text()
+PAGE = (Path(__file__).parents[2] / "docs" / "isaac_reference.md").read_text()
 
 
 def test_every_finding_of_the_robot_check_has_its_row() -> None:
