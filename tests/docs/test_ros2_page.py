@@ -13,7 +13,9 @@ from trundle.ros2.profile import Profile, profile_names
 DOCS = Path(__file__).parents[2] / "docs"
 GUIDE, REFERENCE = ((DOCS / page).read_text() for page in ("ros2.md", "ros2_reference.md"))
 COMMANDS = re.findall(r"^ +(trundle ros2 [^\n#]+)", GUIDE, flags=re.MULTILINE)
-ROWS = [[cell.strip() for cell in line.strip("|").split("|")] for line in REFERENCE.splitlines() if line.startswith("|")]
+ROWS = [
+    [cell.strip() for cell in line.strip("|").split("|")] for line in REFERENCE.splitlines() if line.startswith("|")
+]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
