@@ -1,4 +1,4 @@
-"""Write the tables of fields into scenario.md, robots.md and evaluation.md of docs, and the JSON Schemas.
+"""Write the tables of fields into scenario.md, robots.md and evaluation_reference.md of docs, and the JSON Schemas.
 
 python scripts/field_tables.py
 """
@@ -30,7 +30,7 @@ def contents() -> dict[Path, str]:
         DOCS / "schemas" / f"{name}.schema.json": json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
         for name, schema in schemas.items()
     }
-    for page, model in (("scenario.md", Scenario), ("robots.md", Robot), ("evaluation.md", Suite)):
+    for page, model in (("scenario.md", Scenario), ("robots.md", Robot), ("evaluation_reference.md", Suite)):
         kinds = {kind.__name__: kind for kind in models_in(model)}
         text = (DOCS / page).read_text(encoding="utf-8")
         tables = {name: fields_table(kind) for name, kind in kinds.items()}

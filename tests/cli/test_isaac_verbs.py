@@ -116,6 +116,12 @@ def test_the_same_scenario_runs_in_the_kinematic_simulator_and_in_isaac_sim(trun
     assert ends[0] == pytest.approx(ends[1], abs=0.02)
 
 
+def test_the_command_that_the_guides_start_with_drives(trundle, fake):
+    done = trundle("run", "warehouse", "--seed", "7", "--headless", "--backend", "isaac", "--no-video", "--json")
+    assert done.code == 0, done.err
+    assert done.json["outcome"] == "arrived"
+
+
 def test_a_world_of_usd_is_opened_as_it_is(trundle, fake, assets):
     file = assets / "Isaac/Environments/Simple_Warehouse/warehouse.usd"
     done = trundle(

@@ -1,4 +1,4 @@
-"""docs/ros2.md: its commands can be parsed, and its tables have what the bridge has."""
+"""docs/ros2.md and ros2_reference.md: the commands can be parsed, and the tables have what the bridge has."""
 
 import re
 import shlex
@@ -10,9 +10,12 @@ from cyclopts import App
 from trundle.ros2.navigator_role.refusals import REFUSED_ACTIONS, REFUSED_SERVICES
 from trundle.ros2.profile import Profile, profile_names
 
-PAGE = (Path(__file__).parents[2] / "docs" / "ros2.md").read_text()
-COMMANDS = re.findall(r"^ +(trundle ros2 [^\n#]+)", PAGE, flags=re.MULTILINE)
-ROWS = [[cell.strip() for cell in line.strip("|").split("|")] for line in PAGE.splitlines() if line.startswith("|")]
+DOCS = Path(__file__).parents[2] / "docs"
+GUIDE, REFERENCE = ((DOCS / page).read_text() for page in ("ros2.md", "ros2_reference.md"))
+COMMANDS = re.findall(r"^ +(trundle ros2 [^\n#]+)", GUIDE, flags=re.MULTILINE)
+ROWS = [
+    [cell.strip() for cell in line.strip("|").split("|")] for line in REFERENCE.splitlines() if line.startswith("|")
+]
 
 
 @pytest.mark.parametrize("command", COMMANDS)

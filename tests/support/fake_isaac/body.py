@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from support.fake_isaac.refused import Refused
-from trundle.geometry import Pose2D, Twist2D, integrate_twist
+from trundle.geometry import Pose2D, Twist2D, integrate_twist, wrap_angle
 from trundle.robots import WheelSpeeds
 
 
@@ -45,7 +45,8 @@ class Body:
     def step(self, dt, floor):
         self.speeds = self.targets
         self.motion = self.fake.robot.twist(WheelSpeeds(*self.speeds))
-        x, y, self.yaw = integrate_twist(self.position[0], self.position[1], self.yaw, self.motion.v, self.motion.w, dt)
+        x, y, yaw = integrate_twist(self.position[0], self.position[1], self.yaw, self.motion.v, self.motion.w, dt)
+        self.yaw = wrap_angle(yaw)  # it reports rotations, which have no turns
         self.position = [x, y, 0.0 if floor else self.position[2] - 9.81 * dt]
         # PhysX keeps the angle of a joint without limits within two turns.
         self.angles = tuple(
