@@ -1,7 +1,7 @@
 """Gather the pages of the site in build/docs, for MkDocs or Zensical to build (see mkdocs.yml).
 
-The README becomes the site's first page, docs/ its guides. A link to anything else in the repository becomes a link
-within the site, to a page that shows the file or lists the folder.
+docs/home.md becomes the site's first page, the README the next one, and docs/ the guides. A link to anything else in
+the repository becomes a link within the site, to a page that shows the file or lists the folder.
 """
 
 import re
@@ -14,7 +14,8 @@ SITE = ROOT / "build" / "docs"
 
 # Pages of the repository whose place in the site is not the one that they have in docs/ or in the repository.
 PLACES = {
-    "README.md": "index.md",
+    "docs/home.md": "index.md",
+    "README.md": "start.md",
     "README.ko.md": "ko/index.md",
     "CHANGELOG.md": "changelog.md",
     "CONTRIBUTING.md": "contributing.md",

@@ -1,4 +1,4 @@
-"""Every command and snippet of the README runs; the Korean one has the same."""
+"""Every command and snippet of the README and of docs/commands.md runs; the Korean README has the same."""
 
 import os
 import re
@@ -18,8 +18,15 @@ from trundle.mission import Episode
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
 KOREAN = (ROOT / "README.ko.md").read_text()
-COMMANDS = re.findall(r"^\| `(trundle [^`]+)` \|", README, flags=re.MULTILINE)
+PAGE = (ROOT / "docs" / "commands.md").read_text()
 SNIPPETS = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+STEP = re.compile(r"^\| (\d)\. [^|]+ \| `(trundle [^`]+)` \|$", flags=re.MULTILINE)
+VERB = re.compile(r"^\| `(trundle [^`]+)` \|", flags=re.MULTILINE)
+
+
+def commands_of(readme: str) -> list[str]:
+    """The commands of the tables, in their order: the steps of the post, then the other verbs."""
+    return [command for _, command in STEP.findall(readme)] + VERB.findall(readme)
 
 
 def without_comments(text: str) -> list[str]:
@@ -27,12 +34,22 @@ def without_comments(text: str) -> list[str]:
     return [re.sub(r"\s*#.*", "", block) for block in blocks]
 
 
-def test_the_table_names_every_verb() -> None:
-    assert {command.split()[1] for command in COMMANDS} == set(VERBS)
+def test_the_readme_is_read_in_minutes() -> None:
+    assert len(README.split()) <= 1200
+
+
+def test_five_steps_are_followed_by_eight_other_verbs_and_the_page_of_commands_has_all() -> None:
+    steps, others = [command for _, command in STEP.findall(README)], VERB.findall(README)
+    assert [number for number, _ in STEP.findall(README)] == ["1", "2", "3", "4", "5"]
+    verbs = {command.split()[1] for command in others}
+    assert len(others) == len(verbs) == 8
+    assert verbs.isdisjoint(command.split()[1] for command in steps)
+    assert {*steps, *others} < set(VERB.findall(PAGE))
+    assert {command.split()[1] for command in VERB.findall(PAGE)} == set(VERBS)
 
 
 def test_the_korean_readme_has_the_same_commands_and_code() -> None:
-    assert re.findall(r"^\| `(trundle [^`]+)` \|", KOREAN, flags=re.MULTILINE) == COMMANDS
+    assert commands_of(KOREAN) == commands_of(README)
     assert without_comments(KOREAN) == without_comments(README)
 
 
@@ -52,16 +69,11 @@ def test_the_korean_readme_has_the_same_sections_tables_and_commands_in_its_text
     assert tables(KOREAN) == tables(README)
 
 
-def test_each_step_of_the_post_has_a_command_that_the_table_has() -> None:
-    for text in (README, KOREAN):
-        steps = re.findall(r"^\| (\d)\. [^|]+ \| `([^`]+)` \|$", text, flags=re.MULTILINE)
-        assert [number for number, _ in steps] == ["1", "2", "3", "4", "5"]
-        assert {command for _, command in steps} < set(COMMANDS)
-
-
 def test_the_commands_run_one_after_another(tmp_path: Path) -> None:
+    """Those of the README as it has them, and then, in the same folder, the others of docs/commands.md."""
+    readme = commands_of(README)
     environment = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
-    for command in COMMANDS:
+    for command in [*readme, *(command for command in VERB.findall(PAGE) if command not in readme)]:
         words = shlex.split(command)[1:]
         if "serve" in words[:2]:
             continue  # it runs until it is ended: tests/cli/test_serve.py, tests/cli/test_ros2.py

@@ -1,6 +1,6 @@
-"""The README's tables, from folders of evaluations: python benchmarks/evaluation/readme_table.py runs/planners runs/…
+"""The tables of benchmarks/README.md: python benchmarks/evaluation/readme_table.py runs/planners runs/…
 
-The README has those of these commands:
+They were made from the evaluations of these commands:
 
     trundle evaluate benchmarks/evaluation/planners.yaml -o runs/planners
     trundle evaluate benchmarks/evaluation/controllers.yaml -o runs/controllers

@@ -128,7 +128,16 @@ def test_the_navigation_has_every_page_and_links_out_of_docs_lead_to_pages(tmp_p
     assert "](src/trundle/sim/isaac/signatures.yaml.md)" in isaac
     assert "](examples/isaac/index.md)" in isaac
     assert (tmp_path / "examples/isaac/index.md").is_file()
-    assert "](planning.md)" in (tmp_path / "index.md").read_text()
+    assert "](planning.md)" in (tmp_path / "start.md").read_text()
+
+
+def test_the_first_page_shows_three_things_in_three_pictures(tmp_path: Path) -> None:
+    docs_site.gather(tmp_path)
+    home = (tmp_path / "index.md").read_text()
+    parts = home.split("\n## ")[1:]
+    assert [len(re.findall(r"^!\[[^]]+\]\(images/", part, flags=re.MULTILINE)) for part in parts] == [1, 1, 1]
+    assert [len(re.findall(r"^trundle ", part, flags=re.MULTILINE)) for part in parts] == [1, 1, 1]
+    assert "](start.md#two-commands)" in home
 
 
 def test_a_link_that_leads_nowhere_is_named() -> None:

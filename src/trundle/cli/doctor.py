@@ -77,7 +77,7 @@ def robot(
     Args:
         name: A robot by name, or the path of its YAML, URDF or MJCF.
         wheel_radius: Check a controller configured with this radius [m] instead of the robot's own.
-        track_width: As wheel_radius; wheel_base in Isaac Sim's controllers [m].
+        track_width: The same for the track width [m], which Isaac Sim's controllers call wheel_base.
     """
     from trundle.doctor.drive_check import check_drive
     from trundle.sim import simulate

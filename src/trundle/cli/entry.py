@@ -36,12 +36,12 @@ VERBS = {
     "serve": ("trundle.cli.serve:app", "Open a page in the browser, where runs are set up, watched and driven."),
     "replay": ("trundle.cli.report:replay_app", "Watch a run again, in the browser."),
     "report": ("trundle.cli.report:app", "Write the report of a run: replay, plots, figures, settings."),
-    "evaluate": ("trundle.cli.evaluate:app", "Run thousands of missions, compare and judge them."),
+    "evaluate": ("trundle.cli.evaluate:app", "Run thousands of missions, and report and compare the results."),
     "scenario": ("trundle.cli.scenario:app", "Write the options of a run as a commented file."),
     "robot": ("trundle.cli.robot:app", "Write a robot file to edit."),
-    "record": ("trundle.cli.record:app", "Look into recordings, complete them, and make runs of them."),
+    "record": ("trundle.cli.record:app", "Inspect recordings, complete them, and turn them into runs."),
     "compare": ("trundle.cli.compare:app", "Compare two runs of the same commands, e.g. in two simulators."),
-    "ros2": ("trundle.cli.ros2:app", "Put a robot on the network of ROS 2, and look at that network."),
+    "ros2": ("trundle.cli.ros2:app", "Put a robot on a ROS 2 network, and check that network."),
     "doctor": ("trundle.cli.doctor:app", "Check this machine, a simulator, or a robot's wheels."),
 }
 

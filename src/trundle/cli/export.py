@@ -81,7 +81,7 @@ def export(
     """Write a world, a robot or a scenario as a file for another program; worlds load back as the same solids.
 
     As nav2, a scenario, a map or a world becomes a folder: Nav2's parameters, the map with its masks, a launch file,
-    and a list of what Nav2 has otherwise or not at all.
+    and a list of what Nav2 does differently or does not have.
 
     Args:
         source: A world by name or its file, a robot by name or its YAML or URDF, or the YAML of a scenario.
@@ -182,7 +182,7 @@ def _export_nav2(
     if quiet:
         output.remark(f"{folder / REMARKS}: {len(done.remarks)} settings", quiet=False)
     elif done.remarks:
-        head = f"What Nav2 has otherwise, or not at all ({REMARKS}):"
+        head = f"What Nav2 does differently, or does not have ({REMARKS}):"
         output.remark("\n  ".join([head, *describe_remarks(done.remarks)]), quiet=False)
     if json:
         output.print_json({**facts, "remarks": done.remarks, **told.facts})

@@ -25,7 +25,7 @@ app = App(
 
 @app.command(name="info")
 def info(file: Path, /, *, distro: options.Distro = None, json: options.Json = False) -> int:
-    """List what a bag holds, also one whose writer was killed.
+    """List the contents of a bag, even if its writer was killed.
 
     Args:
         file: A .mcap or .db3 file, or the folder of a rosbag2.
@@ -70,7 +70,7 @@ def recover(
     overwrite: options.Overwrite = False,
     json: options.Json = False,
 ) -> int:
-    """Make a complete file of a recording whose writer was killed; the source is kept.
+    """Complete a recording whose writer was killed, as a new file; the source is kept.
 
     Args:
         file: The MCAP file, such as run.partial.mcap.
@@ -109,7 +109,7 @@ def to_run(
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
-    """Make a run folder of a bag: of trundle's own, or of any robot with /tf, /odom, /map and /plan.
+    """Turn a bag into a run folder: a bag of trundle's, or of any robot with /tf, /odom, /map and /plan.
 
     Topics and frames are found by their types where they have other names. The folder has the files of a run, with the
     map as map.yaml.

@@ -137,7 +137,7 @@ class MapOptions(Config):
         height: Height of the walls [m].
         unknown: What unknown cells are in the simulated world; in the map they stay unknown. None means solid where
             the scenario's `unknown` is blocked, and free otherwise.
-        max_cells: The most cells of the map. If None, 20 million.
+        max_cells: Largest number of cells that the map may have. If None, 20 million.
     """
 
     height: Positive = 1.0
@@ -170,8 +170,8 @@ class RunSettings(NavigatorSettings):
     """Those of a navigator; without a planning deadline, so that a run is the same however busy the computer is.
 
     Attributes:
-        planning_deadline_s: How long a plan may take [s] of the computer's time, three times at most. If None, as
-            long as it takes.
+        planning_deadline_s: Wall time [s] after which a plan is stopped; it is tried three times at most. If None,
+            no limit.
     """
 
     planning_deadline_s: Positive | None = None

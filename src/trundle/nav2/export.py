@@ -105,7 +105,7 @@ def params_text(draft: Draft) -> str:
     robot = " ".join(draft.robot.name.split())
     head = (
         f"# Nav2's parameters for ROS 2 {draft.distro.capitalize()}, written by trundle for {robot}.\n"
-        f"# {REMARKS} lists what trundle has otherwise, or alone.\n"
+        f"# {REMARKS} lists what Nav2 does differently, and what it does not have.\n"
     )
     return head + yaml.dump(nodes, Dumper=_Dumper, sort_keys=False, default_flow_style=False, width=1000)
 

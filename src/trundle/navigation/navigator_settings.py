@@ -35,23 +35,23 @@ class NavigatorSettings(Config):
             tries again, three times at most, and each try may take twice as long as the one before. While the robot
             moves, a plan may take a quarter of it; where that is not enough, or the last plan took longer, the robot is
             stopped first. None means as long as it takes: the run does not depend on how busy the computer is.
-        replan_rate: How many expansions each second of a drive pays for [1/s], of all plans but the first: after a plan
-            of many, the next one waits until it is paid for. The run does not depend on how busy the computer
-            is. None means no limit.
-        replan_expansions: How many expansions such plans may take in one drive, of up to ten minutes and in proportion
-            more of a longer one; then it ends without a path. None means no limit.
-        wait_s: How long the robot waits [s] for what its lidars see on its path to move, where the path round it is
-            longer by more than 3 m.
-        patience_s: How long it stands [s] where something that is not on the map leaves no path, or occupies the goal,
-            before it gives up.
-        mover_patience_s: How long it stands [s], if that is longer, where what leaves no path, occupies the goal or
-            stands beside the robot was seen to move: it may leave.
-        recovery: What a robot does that makes no progress, in order: `replan`, `back_up`, `drive_clear`, `spin`,
-            `wait`, `drive_on_heading`, `clear_costmap`, `replan_with` or one of a plug-in; with a value (`back_up=0.5`)
-            or options (`{back_up: {distance: 0.5}}`). Each time that it is blocked, the next step runs; where one
-            fails, the one after it runs at once, and `drive_clear` only where the robot touches something, or nearly
-            does. Without any, it gives up.
-        recovery_retries: How often it tries that in a row before it gives up (Nav2's `number_of_retries`). The count
+        replan_rate: Limit on planning again [1/s]: each second of a drive allows so many expansions. After a plan that
+            took many, the next one waits. Unlike a deadline, it gives the same run on a busy computer. None
+            means no limit.
+        replan_expansions: Limit on the expansions of all plans but the first in a drive of up to ten minutes; a longer
+            drive may take proportionally more. Beyond it, the run ends without a path. None means no limit.
+        wait_s: How long the robot waits [s] for an obstacle on its path, seen by its lidars, to move away, where the
+            path round it is longer by more than 3 m.
+        patience_s: How long the robot waits [s] before it gives up, where an obstacle that is not on the map leaves no
+            path, or occupies the goal.
+        mover_patience_s: The same [s] for an obstacle that was seen to move, and so may leave; the longer of the two
+            applies.
+        recovery: The steps that a robot takes, in this order, when it makes no progress: `replan`, `back_up`,
+            `drive_clear`, `spin`, `wait`, `drive_on_heading`, `clear_costmap`, `replan_with` or one of a plug-in; with
+            a value (`back_up=0.5`) or options (`{back_up: {distance: 0.5}}`). Each time that the robot is blocked, the
+            next step runs. If a step fails, the one after it runs at once. `drive_clear` runs only where the robot
+            touches something, or nearly does. Without any step, the robot gives up.
+        recovery_retries: How many steps it takes in a row before it gives up (Nav2's `number_of_retries`). The count
             restarts when 0.5 m less of the path is left.
 
     Raises:

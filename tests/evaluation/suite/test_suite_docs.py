@@ -43,7 +43,7 @@ def test_the_page_names_every_suite_that_is_shipped():
     assert [name for name in suite_names() if f"`{name}`" not in page] == []
 
 
-def test_the_suites_of_the_readme_have_every_planner_and_controller():
+def test_the_suites_of_the_benchmarks_have_every_planner_and_controller():
     suites = [Suite.load(DOCS.parent / "benchmarks" / "evaluation" / f"{n}.yaml") for n in ("planners", "controllers")]
     for suite in suites:
         suite.check()

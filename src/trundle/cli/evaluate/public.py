@@ -66,7 +66,7 @@ class DriveOptions:
 
     robot: Annotated[str, _crossed("robot", options.ROBOT_HELP)] = "jackal"
     speed: Annotated[
-        str, _crossed("speed", "Its largest speed forwards and backwards [m/s]; 2,3,4 crosses several.")
+        str, _crossed("speed", "The robot's top speed, forwards and backwards [m/s]; 2,3,4 crosses several.")
     ] = "2"
     noise: Annotated[float, Parameter(help="Standard deviation of its lidar's ranges [m].")] = 0.01
     drift: Annotated[

@@ -45,7 +45,7 @@ _LISTS = (
     _list("robots", "Robots, separated by commas: names or files."),
     _list("planners", "Planners, separated by commas: auto,astar."),
     _list("controllers", "Controllers, separated by commas."),
-    _list("agents", "Agents that drive instead, separated by commas."),
+    _list("agents", "Agents that drive instead of planner and controller, separated by commas."),
     _list("localizer", "Localizers, separated by commas; default: the true pose."),
     _list("backends", "Simulators, separated by commas: mujoco,kinematic."),
 )
@@ -90,8 +90,8 @@ def run(
     command continues it. Exit code 1 says that a requirement was not met.
 
     Args:
-        given: A suite (a file, or smoke, tight or warehouses, which trundle ships), maps and a folder of ROS maps, or
-            maps and worlds, whose missions are picked by seed.
+        given: What to drive: a suite (a file, or smoke, tight or warehouses, which come with trundle), the word maps
+            and a folder of ROS maps, or maps and worlds, whose missions are picked by seed.
         time_limit: Simulated time after which an episode is stopped [s].
         out: Folder to write into, or to continue; left out: a new one under runs.
         workers: Number of processes; left out: one for each CPU.

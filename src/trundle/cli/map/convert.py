@@ -72,7 +72,7 @@ def convert(
             unknown in one map are taken from the other.
         source_resolution: Cell size of a MovingAI map [m], which its file does not contain; default: 1.
         source_origin: The lower-left corner of a MovingAI map [m, m, rad]; default: 0,0.
-        max_cells: The most cells to accept; left out: 20 million of a map that is read, 400 million of the new one.
+        max_cells: Largest number of cells; default: 20 million for a map that is read, 400 million for the new one.
     """
     from trundle.maps import MAX_CELLS
     from trundle.maps.convert import convert_grid, find_file_losses

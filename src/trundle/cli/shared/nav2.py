@@ -1,4 +1,4 @@
-"""`--nav2-params`: Nav2's parameters as settings, and what of them trundle has otherwise or not at all."""
+"""`--nav2-params`: Nav2's parameters as settings, and those that trundle takes differently or does not have."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ Nav2Params = Annotated[
         name="--nav2-params",
         metavar="YAML",
         negative="",
-        help="Nav2's parameter file: footprint, costmap, planner, controller, checkers, limits and monitor are taken "
-        "from it, and what trundle does not have is listed. Other options come before it, and it before a scenario.",
+        help="Nav2's parameter file. Footprint, costmap, planner, controller, checkers, limits and monitor are taken "
+        "from it, and parameters that trundle does not have are listed. It overrides a scenario, and the other "
+        "options override it.",
     ),
 ]
 

@@ -132,7 +132,7 @@ MaxCells = Annotated[
     Parameter(
         name="--max-cells",
         converter=_read_integer,
-        help="The most cells of a map that is read; left out: 20 million, for which check takes up to 1.5 GB.",
+        help="Largest number of cells of a map; default: 20 million, for which map check takes up to 1.5 GB.",
     ),
 ]
 Pose = Annotated[

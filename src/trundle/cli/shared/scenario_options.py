@@ -52,7 +52,7 @@ _OPTIONS: tuple[OptionField, ...] = (
         "Goal; repeat it for several goals in order; default: picked from the free space by seed.",
         name="--goal",
     ),
-    _field("through", "Drive through the goals without stopping, but for the last."),
+    _field("through", "Drive through all goals but the last without stopping."),
     *_plugin(
         "planner",
         f"The planner: auto, least_cost, hybrid_astar, any_angle, astar, manhattan_astar or {_PLUGIN}.",
