@@ -7,7 +7,6 @@ import os
 import warnings
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Set
-from dataclasses import dataclass
 from pathlib import Path
 
 import mujoco
@@ -21,37 +20,13 @@ from trundle.guard import ReadCall, read_guarded, read_limits
 from trundle.robots import DifferentialDrive, Robot
 from trundle.robots.from_model import read_robot
 from trundle.robots.model_wheels import wheels_named
+from trundle.sim.mujoco.joint import Joint
 from trundle.sim.mujoco.model import robot_spec
 from trundle.sim.mujoco.robot_parts import traction_joints
 from trundle.worlds.usd import need_usd
 
 TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "ball")
 """URDF's joint types, and MuJoCo's ball joint, which URDF does not have."""
-
-
-@dataclass(frozen=True, slots=True)
-class Joint:
-    """One joint.
-
-    Attributes:
-        name: Its name; MJCF allows it to be empty.
-        type: One of `TYPES`.
-        axis: Unit vector in the child body's frame (MJCF) or the joint's frame (URDF; both frames are the same); None
-            for a type without an axis.
-        limits: Lower and upper position [rad or m], or None.
-        parent: Name of the body or link that it is on.
-        child: Name of the body or link that it moves.
-        drives: Whether an actuator moves it.
-    """
-
-    name: str
-    type: str
-    axis: tuple[float, float, float] | None
-    limits: tuple[float, float] | None
-    parent: str
-    child: str
-    drives: bool
-
 
 _SUFFIXES = (".xml", ".mjcf", ".urdf", ".xacro")
 _USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")

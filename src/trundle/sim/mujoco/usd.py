@@ -10,7 +10,7 @@ import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdPhysics
 
 from trundle.errors import RobotError, WorldError
-from trundle.sim.mujoco.joints import Joint
+from trundle.sim.mujoco.joint import Joint
 from trundle.worlds.usd.stage import opened, report_missing
 
 _AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
