@@ -64,7 +64,7 @@ def test_a_wall_is_touched_and_named(trundle: Trundle, room_map: Path) -> None:
         (("--command", "1,0,1", "--start", "1"), "--start '1'"),
         (("--command", "1,0,1", "--backend", "mujco"), "Did you mean 'mujoco'?"),
         (("--command", "1,0,1", "--world", "warehose"), "Did you mean 'warehouse'?"),
-        (("--command", "1,0,1", "--world", "none.yaml"), "none.yaml: there is no such file"),
+        (("--command", "1,0,1", "--world", "none.yaml"), "none.yaml: no such file"),
         (("--command", "1,0,1", "--set", "a=1"), "give --world as well"),
         (("--teleop",), "standard input is not a terminal"),
     ],

@@ -173,7 +173,7 @@ def test_a_seed_among_the_settings_is_the_worlds(trundle: Trundle, tmp_path: Pat
     ("arguments", "words"),
     [
         (("warehose",), "Did you mean 'warehouse'?"),
-        (("none.yaml",), "cannot read none.yaml"),
+        (("none.yaml",), "none.yaml: no such file"),
         (("warehouse", "--set", "isle=2"), "isle"),
         (("warehouse", "--robot", "nova_cartr"), "Did you mean 'nova_carter'?"),
         (("warehouse", "--planner", "lest_cost"), "Did you mean 'least_cost'?"),

@@ -151,7 +151,7 @@ def test_what_was_there_stays_when_a_file_cannot_be_written(tmp_path, world):
 
 def test_without_usd_core_the_install_line_is_given(tmp_path, world, monkeypatch):
     monkeypatch.setitem(sys.modules, "pxr.Usd", None)
-    with pytest.raises(MissingExtraError, match=r"trundle\[usd\]"):
+    with pytest.raises(MissingExtraError, match=r"\[usd\]"):
         export_world(world, tmp_path / "yard.usda")
 
 

@@ -44,5 +44,5 @@ def test_ports_that_are_none_are_refused() -> None:
 
 def test_without_ray_the_install_line_is_given(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "ray", None)
-    with pytest.raises(MissingExtraError, match=r"Ray.*trundle\[ray\]"), connect("auto"):
+    with pytest.raises(MissingExtraError, match=r"Ray.*\[ray\]"), connect("auto"):
         pass

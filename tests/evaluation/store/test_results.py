@@ -99,13 +99,13 @@ def test_without_duckdb_or_pandas_the_install_line_is_given(
 ) -> None:
     with monkeypatch.context() as without:
         without.setitem(sys.modules, "pandas", None)
-        with pytest.raises(MissingExtraError, match=r"pandas.*trundle\[evaluate\]"):
+        with pytest.raises(MissingExtraError, match=r"pandas.*\[evaluate\]"):
             Results.open(folder).to_pandas()
     without_duckdb(monkeypatch)
-    with pytest.raises(MissingExtraError, match=r"DuckDB.*trundle\[evaluate\]"):
+    with pytest.raises(MissingExtraError, match=r"DuckDB.*\[evaluate\]"):
         Results.open(folder)
     write_rows(tmp_path, range(3))
-    with pytest.raises(MissingExtraError, match=r"DuckDB.*trundle\[evaluate\]"):
+    with pytest.raises(MissingExtraError, match=r"DuckDB.*\[evaluate\]"):
         Results.open(tmp_path).to_pandas()
 
 

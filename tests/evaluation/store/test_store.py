@@ -364,7 +364,7 @@ def test_without_duckdb_the_journal_stays(tmp_path: Path, monkeypatch: pytest.Mo
     assert (tmp_path / "journal.jsonl").read_bytes() == b""
     with monkeypatch.context() as without:
         without.setitem(sys.modules, "duckdb", None)
-        with pytest.raises(MissingExtraError, match=r"trundle\[evaluate\]"):
+        with pytest.raises(MissingExtraError, match=r"\[evaluate\]"):
             open_store(tmp_path)
 
 
