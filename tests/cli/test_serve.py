@@ -107,6 +107,8 @@ def test_serve_sets_up_runs_until_it_is_ended(tmp_path: Path) -> None:
                 page.send("setup", seed=2)
                 assert "end it first" in page.wait("error")["text"]
                 page.send("speed", factor="max")
+                page.wait("frame", lambda message: message["waiting"])  # at the goal, for the next one
+                page.send("end")
                 end = page.wait("end")
                 assert end["outcome"] == "arrived"
                 assert visitor.see(end["files"] + "episode.json")[0] == 200
