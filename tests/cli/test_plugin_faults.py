@@ -255,6 +255,8 @@ def test_a_server_stays_up_after_a_plugin_has_raised(tmp_path: Path, mine: Path,
                 page.send("setup", seed=2, planner="auto")
                 page.wait("run")
                 page.send("speed", factor="max")
+                page.wait("frame", lambda message: message["waiting"])  # at the goal, for the next one
+                page.send("end")
                 assert page.wait("end")["outcome"] == "arrived"
             process.send_signal(signal.SIGINT)
             assert process.wait(timeout=30) == 130

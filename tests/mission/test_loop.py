@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError
-from trundle.geometry import Pose2D
+from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, run
-from trundle.navigation import NavigationStatus, Navigator
+from trundle.navigation import AgentReport, NavigationStatus, Navigator
 from trundle.sim import Contact
 
 
@@ -253,10 +253,9 @@ def test_the_seed_reaches_the_simulator(make_sim, navigator, start):
 
 
 def test_a_navigator_that_only_says_it_arrived_is_not_believed(make_sim, navigator, start, monkeypatch):
-    def claim(pose, twist=None, *, time=None):
-        monkeypatch.setattr(type(navigator), "status", NavigationStatus.ARRIVED)
-
-    monkeypatch.setattr(navigator, "update", claim)
+    claim = AgentReport(NavigationStatus.ARRIVED)
+    monkeypatch.setattr(navigator, "update", lambda observation, estimate: Twist2D())
+    monkeypatch.setattr(navigator, "report", lambda *, rollouts=False: claim)
     episode = run(make_sim(), navigator, start, (6.5, 1.5))
     assert episode.outcome is Outcome.STUCK
     assert episode.goals_reached == 0
