@@ -22,7 +22,7 @@ _SHORTEST = 1e-3
 """A quaternion that is shorter than this is no rotation."""
 
 _FASTEST = 1e6
-"""Speeds [m/s, rad/s] and positions [m] beyond this are taken for faults, like numbers that are not finite."""
+"""Speeds [m/s, rad/s] and positions [m] beyond this are treated as faults, like numbers that are not finite."""
 
 
 class BadInputError(InputError):

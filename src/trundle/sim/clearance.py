@@ -235,7 +235,7 @@ def _is_inside(points: FloatArray, polygons: FloatArray) -> npt.NDArray[np.bool_
     """Whether each of some points (P, 2) is inside one of some convex polygons (Q, M, 2), of either sense."""
     sides = _side(polygons, np.roll(polygons, -1, axis=1), points[:, None, None])
     within = (sides >= 0.0).all(axis=2) | (sides <= 0.0).all(axis=2)
-    # A polygon without area is on both sides of its own line.
+    # A polygon without area is on both sides of its line.
     x, y = polygons[..., 0], polygons[..., 1]
     area = (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
     return (within & (np.abs(area) > _LEAST_AREA)).any(axis=1)

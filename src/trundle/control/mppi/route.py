@@ -1,4 +1,4 @@
-"""`Route`: a path as closely spaced poses, and where the robot is on it; `Headway`: whether it gets on along it."""
+"""`Route`: a path as closely spaced poses, and where the robot is on it; `Headway`: whether it advances along it."""
 
 from __future__ import annotations
 
