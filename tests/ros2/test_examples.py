@@ -18,7 +18,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples" / "ros2"
 GOALS = (6.975, 3.875, 2.425, -3.425)
 """A place in the office, and where the robot starts with seed 3."""
 
-STAND_IN = Path(__file__).parent / "navigation" / "stand_in"
+STAND_IN = Path(__file__).parent / "navigator_role" / "stand_in"
 """What takes the place of nav2_simple_commander, of which there are no wheels."""
 
 
