@@ -77,6 +77,12 @@ class ControlLoop:
         """Whether the run is paused, and no control period may be driven now."""
         return self.executor is not None and self.executor.is_held
 
+    def steer_and_drive(self) -> Ending | None:
+        """Apply the directives that are due, and wait while the run is paused; then drive one control period."""
+        while (ending := self.steer()) is None and self.executor is not None and self.executor.is_held:
+            self.executor.wait()
+        return self.drive() if ending is None else ending
+
     def drive(self) -> Ending | None:
         """Drive one control period; or how the run ends instead.
 

@@ -19,7 +19,7 @@ from trundle.mission.fields import Rules
 from trundle.mission.metrics import Measure, measure_truth
 from trundle.mission.observers import Observer, Observers, RunInfo, SteeringReport, Step
 from trundle.mission.running.control_loop import ControlLoop
-from trundle.mission.running.endings import RunEnd
+from trundle.mission.running.endings import Ending, RunEnd
 from trundle.mission.running.episode_maker import conclude
 from trundle.mission.running.goal_sequence import GoalSequence
 from trundle.mission.running.preparation import (
@@ -270,7 +270,7 @@ class Session:
         Raises:
             BaseException: What a plug-in raised; the run has ended as `error`, and observers were notified.
         """
-        return self._loop.last if self._attempt(self._drive_when_steered) and self._loop is not None else None
+        return self._loop.last if self._attempt(ControlLoop.steer_and_drive) and self._loop is not None else None
 
     def steer(self) -> bool:
         """Apply the directives that are due; `step` does so first, and waits while the run is paused.
@@ -281,11 +281,11 @@ class Session:
         Raises:
             BaseException: As `step`.
         """
-        return self._attempt(self._steer)
+        return self._attempt(ControlLoop.steer) and self._loop is not None and not self._loop.is_held
 
     def drive(self) -> Step | None:
         """Drive one control period as things stand: `step` without directives; for a loop that calls `steer`."""
-        return self._loop.last if self._attempt(self._drive) and self._loop is not None else None
+        return self._loop.last if self._attempt(ControlLoop.drive) and self._loop is not None else None
 
     def run(self) -> Episode:
         """Drive until the run has ended, and return the episode.
@@ -293,44 +293,28 @@ class Session:
         Raises:
             BaseException: As `step`.
         """
+        act = ControlLoop.drive if self._executor is None else ControlLoop.steer_and_drive
         if self._loop is not None:
             self._loop.returns_steps = False
         try:
-            while self._attempt(self._drive_when_steered):
+            while self._attempt(act):
                 pass
         except KeyboardInterrupt as error:  # between two periods
             self.abort(error)
         return self.conclude()
 
-    def _attempt(self, act: Callable[[ControlLoop], bool]) -> bool:
+    def _attempt(self, act: Callable[[ControlLoop], Ending | None]) -> bool:
         """Do something of the run, and say whether it goes on; what it raises ends the run."""
         if self._ended.outcome is not None or self._loop is None:
             return False
-        goes_on = False
         try:
-            goes_on = act(self._loop)
+            if (ending := act(self._loop)) is not None:
+                self._end(*ending)
         except BaseException as error:  # noqa: BLE001 - whatever it is, the run ends properly
             self._end_by(error)
         if self._ended.fault is not None:
             self.conclude()
-        return goes_on
-
-    def _drive_when_steered(self, loop: ControlLoop) -> bool:
-        while not self._steer(loop):
-            if loop.executor is None or self._ended.outcome is not None:
-                return False
-            loop.executor.wait()
-        return self._drive(loop)
-
-    def _steer(self, loop: ControlLoop) -> bool:
-        if (ending := loop.steer()) is not None:
-            self._end(*ending)
-        return self._ended.outcome is None and not loop.is_held
-
-    def _drive(self, loop: ControlLoop) -> bool:
-        if (ending := loop.drive()) is not None:
-            self._end(*ending)
-        return ending is None
+        return self._ended.outcome is None
 
     # Ending ---------------------------------------------------------------------------------------------------------
 
