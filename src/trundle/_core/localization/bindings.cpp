@@ -13,10 +13,10 @@ void bind_localization(nanobind::module_ &m) {
   m.def("resample_particles", &resample_particles, arg("particles").noconvert(), arg("weights").noconvert(),
         arg("bins").noconvert(), arg("bound").noconvert(), arg("seed"));
   m.def("match_scan", &match_scan, arg("field").noconvert(), arg("resolution"), arg("limit"),
-        arg("points").noconvert(), arg("starts").noconvert(), arg("priors").noconvert(),
+        arg("points").noconvert(), arg("targets").noconvert(), arg("starts").noconvert(), arg("priors").noconvert(),
         arg("information").noconvert(), arg("settings").noconvert());
   m.def("judge_beams", &judge_beams, arg("field").noconvert(), arg("resolution"), arg("sensors").noconvert(),
-        arg("points").noconvert(), arg("poses").noconvert(), arg("tolerance"));
+        arg("points").noconvert(), arg("poses").noconvert(), arg("tolerance"), arg("depth"));
   m.def("search_poses", &search_poses, arg("table").noconvert(), arg("allowed").noconvert(), arg("resolution"),
         arg("points").noconvert(), arg("window").noconvert(), arg("settings").noconvert(), arg("most"),
         arg("most_nodes"));

@@ -31,17 +31,19 @@ Floats weigh_particles(In<float, 2> table, double resolution, double outside, In
 Floats resample_particles(In<double, 2> particles, In<double, 1> weights, In<double, 1> bins, In<double, 1> bound,
                           std::uint64_t seed);
 
-// Poses where points lie best on the zero of a field, near priors: Gauss-Newton with robust weights. `settings` are
-// first width, last width and noise [m], most beams that count as information, iterations, and the field's value where
-// surfaces are taken to be [m]. Returns poses (K, 3), their information (K, 3, 3), and (K, 4): the sum of the beams'
-// weights, their rms and mean distance [m], iterations.
-nb::tuple match_scan(In<float, 2> field, double resolution, double limit, In<double, 2> points, In<double, 2> starts,
-                     In<double, 2> priors, In<double, 3> information, In<double, 1> settings);
+// Poses where points lie best on surfaces of a field, near priors: Gauss-Newton with robust weights. `targets` (K, N) are
+// the field's values where the surface of each point is, 0 where the map is right. `settings` are first width, last width
+// and noise [m], most beams that count as information, iterations. Returns poses (K, 3), their information (K, 3, 3), and
+// (K, 6): the sum of the beams' weights, their rms distance from the targets [m], the sum of weights for targets of 0,
+// iterations, the mean distance [m], and which share of a common distance's information is independent of the pose.
+nb::tuple match_scan(In<float, 2> field, double resolution, double limit, In<double, 2> points, In<double, 2> targets,
+                     In<double, 2> starts, In<double, 2> priors, In<double, 3> information, In<double, 1> settings);
 
 // How the beams from sensors (N, 2) to points (N, 2) fit the field from poses: for each pose and beam 0 where it ends on
-// the surface within `tolerance`, 1 where it ends before it, 2 where it goes through it, 3 where the map does not tell.
+// the surface, up to `tolerance` before it or `depth` behind it, 1 where it ends before it, 2 where it goes through it, 3 where the map does not tell.
 nb::ndarray<nb::numpy, std::uint8_t> judge_beams(In<float, 2> field, double resolution, In<double, 2> sensors,
-                                                 In<double, 2> points, In<double, 2> poses, double tolerance);
+                                                 In<double, 2> points, In<double, 2> poses, double tolerance,
+                                                 double depth);
 
 // Poses within a window (least and most x, y, yaw) whose points' mean of a table is largest, branch and bound.
 // `settings`: step of yaw, least score, share of the best score that another needs, how far apart two are (m, rad).

@@ -45,17 +45,19 @@ bool solve(const Matrix &a, const std::array<double, 3> &b, std::array<double, 3
 struct Sums {
   Matrix hessian{};
   std::array<double, 3> gradient{};
-  double weight = 0.0, total = 0.0, squares = 0.0;
+  double weight = 0.0, raw_weight = 0.0, total = 0.0, squares = 0.0;
+  std::array<double, 3> slopes{};
 };
 
-Sums add_beams(const FieldView &field, const double *points, std::size_t count, const double *pose, double width,
-               double offset) {
+Sums add_beams(const FieldView &field, const double *points, std::size_t count, const double *targets, const double *pose,
+               double width) {
   Sums sums;
   const double cos = std::cos(pose[2]), sin = std::sin(pose[2]), w2 = width * width;
   for (std::size_t i = 0; i < count; ++i) {
     const double px = cos * points[2 * i] - sin * points[2 * i + 1], py = sin * points[2 * i] + cos * points[2 * i + 1];
     Slope slope = field.at(pose[0] + px, pose[1] + py);
-    slope.value -= offset;
+    const double raw2 = slope.value * slope.value, raw_share = w2 / (w2 + raw2);
+    slope.value -= targets[i];
     const double share = w2 / (w2 + slope.value * slope.value), weight = share * share;
     const double jx = slope.x, jy = slope.y, jt = slope.y * px - slope.x * py;
     const double wx = weight * jx, wy = weight * jy, wt = weight * jt;
@@ -69,7 +71,11 @@ Sums add_beams(const FieldView &field, const double *points, std::size_t count, 
     sums.gradient[1] += wy * slope.value;
     sums.gradient[2] += wt * slope.value;
     sums.weight += weight;
+    sums.slopes[0] += wx;
+    sums.slopes[1] += wy;
+    sums.slopes[2] += wt;
     sums.total += weight * slope.value;
+    sums.raw_weight += raw_share * raw_share;
     sums.squares += weight * slope.value * slope.value;
   }
   sums.hessian[1] = sums.hessian[3];
@@ -80,23 +86,24 @@ Sums add_beams(const FieldView &field, const double *points, std::size_t count, 
 
 }  // namespace
 
-nb::tuple match_scan(In<float, 2> field, double resolution, double limit, In<double, 2> points, In<double, 2> starts,
-                     In<double, 2> priors, In<double, 3> information, In<double, 1> settings) {
+nb::tuple match_scan(In<float, 2> field, double resolution, double limit, In<double, 2> points, In<double, 2> targets,
+                     In<double, 2> starts, In<double, 2> priors, In<double, 3> information, In<double, 1> settings) {
   check_resolution(resolution);
   check_points(points);
   check_poses(starts);
   check_poses(priors);
   const std::size_t count = starts.shape(0), beams = points.shape(0);
+  refuse_unless(targets.shape(0) == count && targets.shape(1) == beams, "targets need shape (K, N)");
+  refuse_far(targets.data(), targets.size(), "targets must be finite");
   refuse_unless(priors.shape(0) == count && information.shape(0) == count && information.shape(1) == 3 &&
                     information.shape(2) == 3,
                 "each start needs a prior and its information, shape (K, 3, 3)");
   refuse_infinite(information.data(), information.size(), "the information must be finite");
-  refuse_unless(settings.shape(0) == 6, "there are 6 settings: first width, last width, noise, most beams, iterations, offset");
+  refuse_unless(settings.shape(0) == 5, "there are 5 settings: first width, last width, noise, most beams, iterations");
   const double *s = settings.data();
   for (int i = 0; i < 4; ++i) refuse_unless(s[i] >= 1e-4 && s[i] <= 1e6, "the settings must be from 0.0001 to a million");
   refuse_unless(s[4] >= 1.0 && s[4] <= 1000.0, "there must be from 1 to 1000 iterations");
-  refuse_unless(std::abs(s[5]) <= 1e3, "the offset must be within 1 km");
-  std::vector<double> poses(starts.data(), starts.data() + 3 * count), found(9 * count), told(4 * count);
+  std::vector<double> poses(starts.data(), starts.data() + 3 * count), found(9 * count), told(6 * count);
   {
     nb::gil_scoped_release release;
     const FieldView view{field.data(), static_cast<std::ptrdiff_t>(field.shape(0)),
@@ -110,7 +117,7 @@ nb::tuple match_scan(In<float, 2> field, double resolution, double limit, In<dou
       Sums sums;
       Matrix total{};
       for (; done <= iterations; ++done) {
-        sums = add_beams(view, points.data(), beams, pose, width, s[5]);
+        sums = add_beams(view, points.data(), beams, targets.data() + beams * k, pose, width);
         const double scale = sums.weight > 0.0 ? std::min(1.0, s[3] / sums.weight) / (s[2] * s[2]) : 0.0;
         for (int i = 0; i < 9; ++i) total[i] = scale * sums.hessian[i] + known[i];
         if (done == iterations) break;
@@ -133,25 +140,35 @@ nb::tuple match_scan(In<float, 2> field, double resolution, double limit, In<dou
       }
       pose[2] = std::remainder(pose[2], 2.0 * kPi);
       std::copy(total.begin(), total.end(), found.begin() + static_cast<std::ptrdiff_t>(9 * k));
-      told[4 * k] = sums.weight;
-      told[4 * k + 1] = sums.weight > 0.0 ? std::sqrt(sums.squares / sums.weight) : 0.0;
-      told[4 * k + 2] = sums.weight > 0.0 ? sums.total / sums.weight : 0.0;
-      told[4 * k + 3] = done;
+      told[6 * k] = sums.weight;
+      told[6 * k + 1] = sums.weight > 0.0 ? std::sqrt(sums.squares / sums.weight) : 0.0;
+      told[6 * k + 2] = sums.raw_weight;
+      told[6 * k + 3] = done;
+      told[6 * k + 4] = sums.weight > 0.0 ? sums.total / sums.weight : 0.0;
+      // What is left of the information of a distance that all surfaces share, when the pose is not known either.
+      std::array<double, 3> taken{};
+      const double scale = sums.weight > 0.0 ? std::min(1.0, s[3] / sums.weight) / (s[2] * s[2]) : 0.0;
+      if (scale > 0.0 && solve(total, sums.slopes, taken)) {
+        const double lost = sums.slopes[0] * taken[0] + sums.slopes[1] * taken[1] + sums.slopes[2] * taken[2];
+        told[6 * k + 5] = std::clamp(1.0 - scale * lost / sums.weight, 0.0, 1.0);
+      }
     }
   }
   return nb::make_tuple(to_numpy(std::move(poses), {count, 3}), to_numpy(std::move(found), {count, 3, 3}),
-                        to_numpy(std::move(told), {count, 4}));
+                        to_numpy(std::move(told), {count, 6}));
 }
 
 nb::ndarray<nb::numpy, std::uint8_t> judge_beams(In<float, 2> field, double resolution, In<double, 2> sensors,
-                                                 In<double, 2> points, In<double, 2> poses, double tolerance) {
+                                                 In<double, 2> points, In<double, 2> poses, double tolerance,
+                                                 double depth) {
   check_resolution(resolution);
   check_points(sensors);
   check_points(points);
   check_poses(poses);
   const std::size_t beams = points.shape(0), count = poses.shape(0);
   refuse_unless(sensors.shape(0) == beams, "each beam needs a sensor and a point");
-  refuse_unless(tolerance > 0.0 && tolerance <= 1e6, "the tolerance must be above 0");
+  refuse_unless(tolerance > 0.0 && tolerance <= 1e6 && depth > 0.0 && depth <= 1e6,
+                "tolerance and depth must be above 0");
   std::vector<std::uint8_t> out(beams * count);
   {
     nb::gil_scoped_release release;
@@ -173,7 +190,7 @@ nb::ndarray<nb::numpy, std::uint8_t> judge_beams(In<float, 2> field, double reso
         }
         // From the sensor on by what is free at least (sphere tracing: Hart 1996), up to shortly before the end.
         bool through = false;
-        for (double at = 0.0; at < range - tolerance;) {
+        for (double at = 0.0; at < range - depth;) {
           const double free = view.known(x + at * dx, y + at * dy) ? view.at(x + at * dx, y + at * dy).value : tolerance;
           if (free <= 0.0) {
             through = true;
@@ -182,7 +199,7 @@ nb::ndarray<nb::numpy, std::uint8_t> judge_beams(In<float, 2> field, double reso
           at += std::max(free, 0.25 * resolution);
         }
         const double end = view.at(x + range * dx, y + range * dy).value;
-        verdict = through || end < -tolerance ? 2 : std::abs(end) <= tolerance ? 0 : 1;
+        verdict = through || end < -depth ? 2 : end <= tolerance ? 0 : 1;
       }
     }
   }

@@ -19,9 +19,10 @@ from trundle.geometry import FloatArray, Pose2D
 from trundle.localization.amcl.beams import BeamPicker, Beams
 from trundle.localization.amcl.hypotheses import Hypotheses
 from trundle.localization.amcl.map_field import MapField
-from trundle.localization.amcl.motion import Motion
+from trundle.localization.amcl.motion import Motion, OdometryBias
 from trundle.localization.amcl.particle_cloud import ParticleCloud
 from trundle.localization.amcl.search import search_map, search_near
+from trundle.localization.amcl.seen_surfaces import SeenSurfaces
 from trundle.localization.amcl.settings import AmclSettings
 from trundle.localization.localizer import Localizer
 from trundle.maps import OccupancyGrid
@@ -40,7 +41,7 @@ _START_M, _START_RAD = 1.3, math.radians(30.0)
 _NEAR_EVERY_S = 0.5
 _MAP_EVERY_S, _MAP_SELDOM_S = 1.5, 12.0
 _WORSE = 0.7  # agreement below which a better pose nearby is searched for
-_OFFSET_GAIN = 0.02
+_LEARN_AFTER = 5  # scans: the start has been corrected by then
 _LOST_M, _LOST_RAD = 1.0, 0.5
 """Least deviations of an estimate that is lost."""
 
@@ -67,6 +68,8 @@ class AmclLocalizer(Localizer):
         self._field = MapField(grid, self.settings)
         self._picker = BeamPicker(robot, self.settings.max_beams, self.settings.laser_max_range)
         self._cloud = ParticleCloud(self._field, self.settings)
+        self._bias = OdometryBias()
+        self._surfaces = SeenSurfaces(self._field)
         self._tracks = Hypotheses(self._field, self.settings)
         rows, cols = self._field.shape
         middle = Pose2D(0.5 * cols * self._field.resolution, 0.5 * rows * self._field.resolution)
@@ -114,7 +117,8 @@ class AmclLocalizer(Localizer):
         self._started = _deviations(covariance)
         self._odometry: Pose2D | None = None  # at the last update
         self._time = 0.0  # of the last update
-        self._offset = 0.0
+        self._surfaces.clear()
+        self._bias.clear()
         self._settled = False  # whether the start has been looked at
         self._next_near = self._next_map = -math.inf
         self._map_wait = _MAP_EVERY_S
@@ -135,7 +139,7 @@ class AmclLocalizer(Localizer):
             self._bridge_jump(observation)
         if self._odometry is None:
             self._odometry, self._time = observation.odometry, observation.time
-        motion = Motion.between(self._odometry, observation.odometry)
+        motion = self._bias.corrected(Motion.between(self._odometry, observation.odometry))
         beams = self._picker.pick(observation) if observation.scans and self._is_due(motion) else None
         if beams is None or len(beams) < _FEW_BEAMS:
             return self._report(observation, motion)
@@ -160,21 +164,23 @@ class AmclLocalizer(Localizer):
         """Correct the tracks and the particles by a scan."""
         tracks, cloud = self._tracks, self._cloud
         tracks.follow(motion)
+        before, expected = tracks.main, tracks.main.pose
         cloud.move(motion)
         cloud.weigh(beams)
         seconds = time - self._time
         wide = not self._settled or tracks.main.agreement < _WORSE
         if tracks.confirmed or tracks.main.scans:
-            tracks.compare(beams, seconds, cloud.best() if tracks.confirmed else None, self._offset, wide=wide)
+            targets = self._surfaces.targets(beams, tracks.main.pose) if tracks.confirmed else None
+            tracks.compare(beams, seconds, cloud.best() if tracks.confirmed else None, targets, wide=wide)
         self._search(beams, time)
         if tracks.decide() or not tracks.confirmed:
             self._spread_particles()
         else:
             cloud.resample(tracks.main.pose)
         main = tracks.main
-        if tracks.confirmed and main.agreement > _WORSE:
-            bound = 0.6 * self._field.resolution
-            self._offset = min(bound, max(-bound, self._offset + _OFFSET_GAIN * main.offset))
+        if tracks.confirmed and main is before and main.scans > _LEARN_AFTER and tracks.state == "localized":
+            self._bias.learn(motion, expected.inverse() @ main.pose)
+            self._surfaces.learn(beams, main.pose, main.distance, main.independent)
 
     def _search(self, beams: Beams, time: float) -> None:
         tracks, field = self._tracks, self._field
@@ -182,7 +188,7 @@ class AmclLocalizer(Localizer):
         if tracks.confirmed and time >= self._next_near and (not self._settled or main.agreement < _WORSE):
             metres, radians = (_NEAR_M, _NEAR_RAD) if self._settled else self._start_window()
             found = search_near(field, beams, main.pose, metres, radians)
-            tracks.propose(beams, found, self._offset, is_far=False)
+            tracks.propose(beams, found, is_far=False)
             self._settled = True
             self._next_near = time + _NEAR_EVERY_S
         wanted = tracks.state == "lost" if tracks.confirmed else (main.scans == 0 or tracks.state == "lost")
@@ -192,8 +198,8 @@ class AmclLocalizer(Localizer):
             found = search_map(field, beams)
             if not tracks.confirmed and found:
                 tracks.start(found[0], _JUMP, confirmed=False)
-                tracks.compare(beams, 0.0, None, self._offset, wide=True)
-            tracks.propose(beams, found, self._offset, is_far=True)
+                tracks.compare(beams, 0.0, None, None, wide=True)
+            tracks.propose(beams, found, is_far=True)
             self._next_map = time + self._map_wait
             self._map_wait = min(_MAP_SELDOM_S, 1.5 * self._map_wait)
 

@@ -22,12 +22,14 @@ from trundle.observation import LocalizationState
 _SAME_M, _SAME_RAD = 0.08, 0.05  # tracks this near are one
 _LOCAL_SCANS, _LOCAL_LEAD = 3, 0.04
 _LEAD_GAIN = 0.35
+_START_SCANS = 30
+_DROP, _CLEAR_LEAD = 0.08, 0.25
 _FAR_TRAVEL_M = 0.6  # the robot sees other things by then; turning by 1.2 rad counts as much
 _FAR_LEAD = 0.15
-_FAR_SCORE = 0.55
+_FAR_SCORE = 0.6
 _RIVAL = 0.12  # a rival whose score is this near leaves the state ambiguous
 _RIVAL_M, _RIVAL_RAD = 0.5, 0.35
-_HOPELESS = 0.3
+_HOPELESS = 0.4
 _MOST = 12
 _NEW = np.diag((0.1**2, 0.1**2, 0.06**2))
 
@@ -65,13 +67,13 @@ class Hypotheses:
         for track in self.tracks:
             track.follow(motion, self._settings)
 
-    def compare(self, beams: Beams, seconds: float, idea: Pose2D | None, offset: float, *, wide: bool) -> None:
+    def compare(self, beams: Beams, seconds: float, idea: Pose2D | None, targets: FloatArray | None, *, wide: bool) -> None:
         """Match a scan from all tracks, and from one more pose, which becomes a track where it fits better."""
         tracks = self.tracks
         starts, covariances = [track.pose for track in tracks], [track.covariance for track in tracks]
         if idea is not None:
             starts, covariances = [*starts, idea], [*covariances, _NEW]
-        found = match(self._field, beams, starts, covariances, self._settings, wide=wide, offset=offset)
+        found = match(self._field, beams, starts, covariances, self._settings, wide=wide, targets=targets)
         for track, one in zip(tracks, found, strict=False):
             update_score(track, one, seconds)
         for track in self.others:
@@ -79,11 +81,11 @@ class Hypotheses:
         if idea is not None:
             self._consider(found[-1], is_far=False)
 
-    def propose(self, beams: Beams, poses: Sequence[Pose2D], offset: float, *, is_far: bool) -> None:
+    def propose(self, beams: Beams, poses: Sequence[Pose2D], *, is_far: bool) -> None:
         """Make tracks of poses that a search has found, where the scan agrees with the map."""
         if poses:
             covariances = [_NEW] * len(poses)
-            for one in match(self._field, beams, poses, covariances, self._settings, wide=True, offset=offset):
+            for one in match(self._field, beams, poses, covariances, self._settings, wide=True):
                 self._consider(one, is_far=is_far)
 
     def _consider(self, found: Match, *, is_far: bool) -> None:
@@ -128,9 +130,12 @@ class Hypotheses:
 
     def _may_take_over(self, track: Track) -> bool:
         if not track.is_far:
-            return track.scans >= _LOCAL_SCANS and track.lead > _LOCAL_LEAD
+            # Where the main track fits as ever, another place only looks alike: its wheels have not slipped.
+            dropped = self.main.scans < _START_SCANS or self.main.fit < self.main.usual - _DROP
+            return track.scans >= _LOCAL_SCANS and track.lead > (_LOCAL_LEAD if dropped else _CLEAR_LEAD)
         return (
             self.confirmed
+            and self.main.score < self._settings.lost_below
             and track.travel >= _FAR_TRAVEL_M
             and track.scans >= 5
             and track.score >= _FAR_SCORE

@@ -39,16 +39,17 @@ class AmclSettings(Config):
         update_min_a: Least turn between updates [rad]; 0 uses every scan.
         recovery: Whether the whole map is searched when the robot is lost.
         lost_below: Share of beams that agree with the map, on average over a second, below which the robot is lost.
-        match_noise: Deviation of a beam from the map in scan matching [m], of lidar and map together.
+        match_noise: Deviation of a beam from the map in scan matching [m], of lidar and map together. It is larger than
+            the lidar's noise, because errors of the map repeat from scan to scan.
         map_error: What the map itself may be off by [m], added to the deviations of the estimate.
     """
 
     min_particles: Annotated[int, Field(ge=10, le=100_000)] = 500
     max_particles: Annotated[int, Field(ge=10, le=100_000)] = 2000
-    alpha1: Alpha = 0.02
-    alpha2: Alpha = 0.02
-    alpha3: Alpha = 0.02
-    alpha4: Alpha = 0.02
+    alpha1: Alpha = 0.01
+    alpha2: Alpha = 0.01
+    alpha3: Alpha = 0.01
+    alpha4: Alpha = 0.01
     alpha5: Alpha = 0.0
     laser_max_range: Metres | None = None
     max_beams: Annotated[int, Field(ge=10, le=10_000)] = 120
@@ -60,9 +61,9 @@ class AmclSettings(Config):
     update_min_d: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
     update_min_a: Annotated[Angle, Field(ge=0.0, le=10.0)] = 0.0
     recovery: bool = True
-    lost_below: Share = 0.4
-    match_noise: Annotated[float, Field(ge=0.002, le=10.0)] = 0.03
-    map_error: Annotated[float, Field(ge=0.0, le=10.0)] = 0.004
+    lost_below: Share = 0.45
+    match_noise: Annotated[float, Field(ge=0.002, le=10.0)] = 0.1
+    map_error: Annotated[float, Field(ge=0.0, le=10.0)] = 0.012
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -21,7 +21,9 @@ _WIDTH_M = 0.1  # of the robust weights
 _WIDE_M = 0.4  # at first, of a pose that may be some decimetres off
 _ITERATIONS = 8
 _TOLERANCE_M = 0.12  # within which a beam agrees with the map
+_DEPTH_M = 0.3  # behind the map's surface, which is drawn round all of a band of heights
 _SHORT_COUNTS = 0.5  # something that is not on the map is in front of it more often than the robot is lost
+_USUAL_S = 6.0  # of the average of the fit that a slip of wheels is told by
 _SCORE_S = 0.7  # of the average of agreement: it falls from 0.9 to 0.4 in 0.7 s
 
 
@@ -45,11 +47,13 @@ class Track:
     score: float = 0.0
     fit: float = 0.0
     agreement: float = 0.0
+    usual: float = 0.0
+    distance: float = 0.0
+    independent: float = 0.0
     lead: float = 0.0
     scans: int = 0
     travel: float = 0.0
     is_far: bool = False
-    offset: float = 0.0
     weight: float = field(default=0.0)
 
     def follow(self, motion: Motion, settings: AmclSettings) -> None:
@@ -87,14 +91,16 @@ class Match:
         covariance: Shape (3, 3).
         fit: Mean weight of the beams, 0 to 1.
         agreement: Share of the beams that agree with the map; see `agreements`.
-        offset: Mean distance of the beams' ends from surfaces [m].
+        distance: Mean distance of the beams' ends from where they are expected [m].
+        independent: How far a distance that all beams share can be told from a wrong pose, 0 to 1.
     """
 
     pose: Pose2D
     covariance: FloatArray
     fit: float
     agreement: float
-    offset: float
+    distance: float
+    independent: float
 
 
 def match(
@@ -105,22 +111,23 @@ def match(
     settings: AmclSettings,
     *,
     wide: bool,
-    offset: float,
+    targets: FloatArray | None = None,
 ) -> list[Match]:
-    """Match a scan from several starts, each of which is its own prior."""
+    """Match a scan from several starts, each of which is its own prior; `targets` (N,) are those of the first."""
     poses = np.array([start.as_tuple() for start in starts])
     information = np.linalg.inv(np.array(covariances))
-    numbers = np.array(
-        (_WIDE_M if wide else _WIDTH_M, _WIDTH_M, settings.match_noise, MOST_INFORMATIVE, _ITERATIONS, offset)
-    )
+    numbers = np.array((_WIDE_M if wide else _WIDTH_M, _WIDTH_M, settings.match_noise, MOST_INFORMATIVE, _ITERATIONS))
+    surfaces = np.zeros((len(poses), len(beams)))
+    if targets is not None:
+        surfaces[0] = targets
     found, known, told = match_scan(
-        field_.values, field_.resolution, field_.limit, beams.points, poses, poses, information, numbers
+        field_.values, field_.resolution, field_.limit, beams.points, surfaces, poses, poses, information, numbers
     )
     spread = np.linalg.inv(known)
     shares = agreements(field_, beams, found)
     count = float(len(beams))
     return [
-        Match(Pose2D(*pose), 0.5 * (one + one.T), row[0] / count, share, row[2])
+        Match(Pose2D(*pose), 0.5 * (one + one.T), row[2] / count, share, row[4], row[5])
         for pose, one, row, share in zip(found.tolist(), spread, told.tolist(), shares.tolist(), strict=True)
     ]
 
@@ -131,7 +138,7 @@ def agreements(field_: MapField, beams: Beams, poses: FloatArray) -> npt.NDArray
     A beam that ends before what is on the map counts half: more often something stands there than the robot is lost.
     """
     tolerance = max(_TOLERANCE_M, 1.5 * field_.resolution)
-    verdicts = judge_beams(field_.values, field_.resolution, beams.sensors, beams.points, poses, tolerance)
+    verdicts = judge_beams(field_.values, field_.resolution, beams.sensors, beams.points, poses, tolerance, _DEPTH_M)
     agree, short, through = ((verdicts == kind).sum(axis=1) for kind in range(3))
     counted = agree + through + _SHORT_COUNTS * short
     # With few beams on the map there is little evidence for anything.
@@ -143,5 +150,7 @@ def update_score(track: Track, found: Match, seconds: float) -> None:
     gain = 1.0 if track.scans == 0 else 1.0 - math.exp(-seconds / _SCORE_S)
     track.pose, track.covariance = found.pose, found.covariance
     track.score += gain * (found.agreement - track.score)
-    track.fit, track.agreement, track.offset = found.fit, found.agreement, found.offset
+    track.usual += (1.0 if track.scans == 0 else 1.0 - math.exp(-seconds / _USUAL_S)) * (found.fit - track.usual)
+    track.fit, track.agreement = found.fit, found.agreement
+    track.distance, track.independent = found.distance, found.independent
     track.scans += 1
