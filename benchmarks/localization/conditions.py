@@ -1,7 +1,7 @@
 """Conditions of a recorded drive: odometry errors, slips, beams that fail, a start that is off, and a changed map.
 
-A: odometry 1 % and 1°/m off, exact start. B: 5 % and 5°/m, start off by 1 m and 20°. D: as B, with six slips of 0.3 m and
-10°, a quarter of the smaller objects missing from the map and twelve ghosts on it.
+A: odometry 1 % and 1°/m off, exact start. B: 5 % and 5°/m, start off by 1 m and 20°. D: as B, with six slips of 0.3 m
+and 10°, a quarter of the smaller objects missing from the map and twelve ghosts on it.
 """
 
 from __future__ import annotations
@@ -11,9 +11,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import ndimage
-
 from benchmarks.localization.drives import Drive, Moment
+from scipy import ndimage
 
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
@@ -47,12 +46,11 @@ CONDITIONS = {
 def change_map(grid: OccupancyGrid, moments: Sequence[Moment], rng: np.random.Generator) -> OccupancyGrid:
     """Take a quarter of the smaller objects off a map, and put twelve ghosts on it, where the robot does not drive."""
     data = grid.data.copy()
-    labels, count = ndimage.label(data >= 65, np.ones((3, 3)))
+    labels, _ = ndimage.label(data >= 65, np.ones((3, 3)))
     for index, part in enumerate(ndimage.find_objects(labels), start=1):
         size = max(s.stop - s.start for s in part) * grid.resolution
         if size <= _SMALL_M and rng.random() < 0.25:
             data[labels == index] = 0
-    rows, cols = grid.shape
     inverse = grid.origin.inverse()
     driven = np.array([(inverse @ m.pose).as_tuple()[:2] for m in moments[::10]]) / grid.resolution
     free = np.argwhere(grid.data == 0)

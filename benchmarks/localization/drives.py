@@ -10,10 +10,10 @@ import numpy as np
 
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
+from trundle.mission import sample_mission
 from trundle.navigation import Navigator
 from trundle.navigation.status import NavigationStatus
 from trundle.observation import Scan
-from trundle.mission import sample_mission
 from trundle.robots import Robot
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.worlds import World
@@ -68,7 +68,7 @@ def record_drive(name: str, seed: int, *, seconds: float = 120.0, cache: Path | 
     file = None if cache is None else cache / f"{Path(name).stem}_{seed}_{seconds:g}.pickle"
     if file is not None and file.exists():
         with file.open("rb") as stream:
-            return pickle.load(stream)  # noqa: S301 - written by this program
+            return pickle.load(stream)
     robot = load_robot()
     world, grid = make_place(name, seed)
     navigator = Navigator(grid, robot)

@@ -3,8 +3,8 @@
 python -m benchmarks.localization.tracking --runs 8
 python -m benchmarks.localization.tracking --worlds warehouse map.yaml --conditions D --localizer amcl
 
-Errors are of the position, from two seconds after the start on; "bad" is the share of time with more than 0.5 m, "cover"
-the share of true positions inside the 95 % ellipse. CPU time is that of whole calls of `update` with a scan.
+Errors are of the position, from two seconds after the start on; "bad" is the share of time with more than 0.5 m,
+"cover" the share of true positions inside the 95 % ellipse. CPU time is that of whole calls of `update` with a scan.
 """
 
 from __future__ import annotations

@@ -62,7 +62,9 @@ def test_a_wrong_surface_in_a_file_is_one_clear_error(tmp_path):
     OccupancyGrid(CELLS, 0.05, surface="overlap").save(tmp_path / "map.yaml")
     text = (tmp_path / "map.yaml").read_text().replace("overlap", "middle")
     (tmp_path / "map.yaml").write_text(text)
-    with pytest.raises(MapError, match=r"map.yaml:8:10: surface is 'middle'; it must be one of border, overlap, centre"):
+    with pytest.raises(
+        MapError, match=r"map.yaml:8:10: surface is 'middle'; it must be one of border, overlap, centre"
+    ):
         OccupancyGrid.load(tmp_path / "map.yaml")
 
 

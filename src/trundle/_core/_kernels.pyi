@@ -670,3 +670,61 @@ def label_components(
 
 def mark_gaps(blocked: npt.NDArray[np.uint8], limit: float) -> npt.NDArray[np.uint8]:
     """1 in runs of open cells, in rows, columns and diagonals, shorter than `limit` cells and blocked at both ends."""
+
+def distance_field(
+    occupied: npt.NDArray[np.uint8], resolution: float, shift: float, limit: float
+) -> npt.NDArray[np.float32]: ...
+def field_at(
+    field: npt.NDArray[np.float32], resolution: float, limit: float, points: npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]: ...
+def move_particles(
+    particles: npt.NDArray[np.float64],
+    motion: npt.NDArray[np.float64],
+    alphas: npt.NDArray[np.float64],
+    least: npt.NDArray[np.float64],
+    seed: int,
+) -> npt.NDArray[np.float64]: ...
+def weigh_particles(
+    table: npt.NDArray[np.float32],
+    resolution: float,
+    outside: float,
+    particles: npt.NDArray[np.float64],
+    points: npt.NDArray[np.float64],
+) -> npt.NDArray[np.float64]: ...
+def resample_particles(
+    particles: npt.NDArray[np.float64],
+    weights: npt.NDArray[np.float64],
+    bins: npt.NDArray[np.float64],
+    bound: npt.NDArray[np.float64],
+    seed: int,
+) -> npt.NDArray[np.float64]: ...
+def match_scan(
+    field: npt.NDArray[np.float32],
+    resolution: float,
+    limit: float,
+    points: npt.NDArray[np.float64],
+    targets: npt.NDArray[np.float64],
+    starts: npt.NDArray[np.float64],
+    priors: npt.NDArray[np.float64],
+    information: npt.NDArray[np.float64],
+    settings: npt.NDArray[np.float64],
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
+def judge_beams(
+    field: npt.NDArray[np.float32],
+    resolution: float,
+    sensors: npt.NDArray[np.float64],
+    points: npt.NDArray[np.float64],
+    poses: npt.NDArray[np.float64],
+    tolerance: float,
+    depth: float,
+) -> npt.NDArray[np.uint8]: ...
+def search_poses(
+    table: npt.NDArray[np.uint8],
+    allowed: npt.NDArray[np.uint8],
+    resolution: float,
+    points: npt.NDArray[np.float64],
+    window: npt.NDArray[np.float64],
+    settings: npt.NDArray[np.float64],
+    most: int,
+    most_nodes: int,
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], bool]: ...

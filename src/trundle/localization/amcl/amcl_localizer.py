@@ -1,8 +1,8 @@
 """`AmclLocalizer`: an adaptive particle filter whose mean is refined by scan matching, and which says when it is lost.
 
 Particles after Fox (KLD sampling, 2001) and Thrun, Burgard and Fox (Probabilistic Robotics, 2005, chapter 8), with the
-motion model and the names of Nav2's amcl. The pose comes from Gauss-Newton on a signed distance field, with the odometry
-as prior; particles, a search round the pose and a search of the whole map find better ones, which are followed beside
+motion model and the names of Nav2's amcl. The pose comes from Gauss-Newton on a signed distance field, with the
+odometry as prior; particles, a search round the pose and a search of the whole map find better ones, which are followed beside
 it until it is clear which is right.
 """
 
@@ -24,12 +24,12 @@ from trundle.localization.amcl.particle_cloud import ParticleCloud
 from trundle.localization.amcl.search import search_map, search_near
 from trundle.localization.amcl.seen_surfaces import SeenSurfaces
 from trundle.localization.amcl.settings import AmclSettings
-from trundle.localization.localizer import Localizer
+from trundle.localization.localizer import Localizer, check_covariance
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import OCCUPIED_FROM
 from trundle.observation import Estimate, Hypothesis, Observation
 from trundle.robots import Robot
-from trundle.values import as_array, check_kind, check_seed
+from trundle.values import check_kind, check_seed
 
 _EXACT = np.diag((0.01**2, 0.01**2, 0.005**2))
 """A start pose that is said to be exact is taken as this, so that scans may correct it."""
@@ -94,7 +94,11 @@ class AmclLocalizer(Localizer):
             self.reinitialize_global()
             return
         placed = self._field.from_map(Pose2D.of(pose))
-        spread = _EXACT if covariance is None else self._field.covariance_from_map(_checked(covariance)) + _EXACT
+        spread = (
+            _EXACT
+            if covariance is None
+            else self._field.covariance_from_map(check_covariance(covariance, "the start pose")) + _EXACT
+        )
         value = self._field.cell_value(placed)
         if value is None:
             raise InputError(
@@ -122,7 +126,7 @@ class AmclLocalizer(Localizer):
         self._settled = False  # whether the start has been looked at
         self._next_near = self._next_map = -math.inf
         self._map_wait = _MAP_EVERY_S
-        self._last: Estimate | None = None
+        self._last: tuple[FloatArray, tuple[Hypothesis, ...]] | None = None
 
     def reinitialize_global(self) -> None:
         """Forget where the robot is: it is searched on the whole map at the next scan."""
@@ -171,7 +175,8 @@ class AmclLocalizer(Localizer):
         wide = not self._settled or tracks.main.agreement < _WORSE
         if tracks.confirmed or tracks.main.scans:
             targets = self._surfaces.targets(beams, tracks.main.pose) if tracks.confirmed else None
-            tracks.compare(beams, seconds, cloud.best() if tracks.confirmed else None, targets, wide=wide)
+            idea = cloud.best() if tracks.confirmed else None
+            tracks.compare(beams, seconds, idea=idea, targets=targets, wide=wide)
         self._search(beams, time)
         if tracks.decide() or not tracks.confirmed:
             self._spread_particles()
@@ -198,7 +203,7 @@ class AmclLocalizer(Localizer):
             found = search_map(field, beams)
             if not tracks.confirmed and found:
                 tracks.start(found[0], _JUMP, confirmed=False)
-                tracks.compare(beams, 0.0, None, None, wide=True)
+                tracks.compare(beams, 0.0, idea=None, targets=None, wide=True)
             tracks.propose(beams, found, is_far=True)
             self._next_map = time + self._map_wait
             self._map_wait = min(_MAP_SELDOM_S, 1.5 * self._map_wait)
@@ -249,7 +254,7 @@ class AmclLocalizer(Localizer):
             particles=particles,
         )
 
-    def _shown(self, motion: Motion | None) -> tuple[FloatArray | None, tuple[Hypothesis, ...]]:
+    def _shown(self, motion: Motion | None) -> tuple[FloatArray, tuple[Hypothesis, ...]]:
         """Particles and hypotheses in the map frame, of the last scan."""
         if motion is not None and self._last is not None:
             return self._last
@@ -266,7 +271,9 @@ class AmclLocalizer(Localizer):
         tracks = self._tracks.tracks
         total = sum(max(track.score, 1e-3) for track in tracks)
         hypotheses = tuple(
-            Hypothesis(field.to_map(track.pose), max(track.score, 1e-3) / total, field.covariance_to_map(track.covariance))
+            Hypothesis(
+                field.to_map(track.pose), max(track.score, 1e-3) / total, field.covariance_to_map(track.covariance)
+            )
             for track in tracks
         )
         self._last = particles, hypotheses
@@ -276,18 +283,3 @@ class AmclLocalizer(Localizer):
 def _deviations(covariance: FloatArray) -> tuple[float, float]:
     """The largest deviation of the position [m], and that of the yaw [rad]."""
     return math.sqrt(float(np.linalg.eigvalsh(covariance[:2, :2])[-1])), math.sqrt(float(covariance[2, 2]))
-
-
-def _checked(covariance: FloatArray) -> FloatArray:
-    matrix = as_array(covariance, np.float64, "the covariance of a pose")
-    if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
-        raise InputError(
-            f"the covariance of a pose is a finite matrix of shape (3, 3), of x, y [m²] and yaw [rad²]; got shape {matrix.shape}"
-        )
-    least = float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T))[0])
-    if not np.allclose(matrix, matrix.T, rtol=1e-6, atol=1e-12) or least < -1e-9:
-        raise InputError(
-            "the covariance of a pose must be symmetric, without a negative eigenvalue (positive semidefinite); its "
-            f"least eigenvalue is {least:g}. Give variances on the diagonal, in m² and rad²"
-        )
-    return matrix

@@ -67,7 +67,9 @@ class Hypotheses:
         for track in self.tracks:
             track.follow(motion, self._settings)
 
-    def compare(self, beams: Beams, seconds: float, idea: Pose2D | None, targets: FloatArray | None, *, wide: bool) -> None:
+    def compare(
+        self, beams: Beams, seconds: float, idea: Pose2D | None, targets: FloatArray | None, *, wide: bool
+    ) -> None:
         """Match a scan from all tracks, and from one more pose, which becomes a track where it fits better."""
         tracks = self.tracks
         starts, covariances = [track.pose for track in tracks], [track.covariance for track in tracks]

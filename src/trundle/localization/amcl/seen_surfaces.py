@@ -1,9 +1,9 @@
 """`SeenSurfaces`: where lidars see the surfaces of a map, which is rarely where the map draws them.
 
-A map draws what lies in a band of heights, in whole cells; a lidar sees one height. Walls are up to a cell off, and what
-is under a shelf a decimetre or more. Where a robot knows its place, each patch of the map's surface is given the mean
-distance at which beams ended from it; scan matching then expects them there. A part of the distance is never believed, so
-that the map keeps the estimate from drifting.
+A map draws what lies in a band of heights, in whole cells; a lidar sees one height. Walls are up to a cell off, and
+what is under a shelf a decimetre or more. Where a robot knows its place, each patch of the map's surface is given the
+mean distance at which beams ended from it; scan matching then expects them there. A part of the distance is never
+believed, so that the map keeps the estimate from drifting.
 """
 
 from __future__ import annotations

@@ -115,7 +115,7 @@ def match(
 ) -> list[Match]:
     """Match a scan from several starts, each of which is its own prior; `targets` (N,) are those of the first."""
     poses = np.array([start.as_tuple() for start in starts])
-    information = np.linalg.inv(np.array(covariances))
+    information = np.linalg.inv(np.array(covariances, dtype=np.float64)).astype(np.float64, copy=False)
     numbers = np.array((_WIDE_M if wide else _WIDTH_M, _WIDTH_M, settings.match_noise, MOST_INFORMATIVE, _ITERATIONS))
     surfaces = np.zeros((len(poses), len(beams)))
     if targets is not None:
