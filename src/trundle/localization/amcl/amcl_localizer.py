@@ -2,8 +2,8 @@
 
 Particles after Fox (KLD sampling, 2001) and Thrun, Burgard and Fox (Probabilistic Robotics, 2005, chapter 8), with the
 motion model and the names of Nav2's amcl. The pose comes from Gauss-Newton on a signed distance field, with the
-odometry as prior; particles, a search round the pose and a search of the whole map find better ones, which are followed beside
-it until it is clear which is right.
+odometry as prior; particles, a search round the pose and a search of the whole map find better ones, which are
+followed beside it until it is clear which is right.
 """
 
 from __future__ import annotations
@@ -196,7 +196,7 @@ class AmclLocalizer(Localizer):
             tracks.propose(beams, found, is_far=False)
             self._settled = True
             self._next_near = time + _NEAR_EVERY_S
-        wanted = tracks.state == "lost" if tracks.confirmed else (main.scans == 0 or tracks.state == "lost")
+        wanted = tracks.is_doubtful if tracks.confirmed else (main.scans == 0 or tracks.state == "lost")
         if not wanted:
             self._map_wait = _MAP_EVERY_S
         elif self.settings.recovery and time >= self._next_map:

@@ -30,6 +30,8 @@ _FAR_SCORE = 0.6
 _RIVAL = 0.12  # a rival whose score is this near leaves the state ambiguous
 _RIVAL_M, _RIVAL_RAD = 0.5, 0.35
 _HOPELESS = 0.4
+_DOUBT = 0.8  # of the usual agreement, below which the whole map is searched
+_BETTER = 0.1  # by which a place elsewhere agrees better, so that the state is ambiguous
 _MOST = 12
 _NEW = np.diag((0.1**2, 0.1**2, 0.06**2))
 
@@ -111,6 +113,8 @@ class Hypotheses:
         for track in sorted(self.others, key=lambda one: -one.score):
             if self._may_take_over(track):
                 was_far = track.is_far
+                if not was_far:
+                    track.usual_score = max(track.usual_score, self.main.usual_score)
                 self._take_over(track)
                 if was_far:
                     self.confirmed = not self._rivals(track)
@@ -137,7 +141,7 @@ class Hypotheses:
             return track.scans >= _LOCAL_SCANS and track.lead > (_LOCAL_LEAD if dropped else _CLEAR_LEAD)
         return (
             self.confirmed
-            and self.main.score < self._settings.lost_below
+            and self.is_doubtful
             and track.travel >= _FAR_TRAVEL_M
             and track.scans >= 5
             and track.score >= _FAR_SCORE
@@ -172,10 +176,16 @@ class Hypotheses:
         self.others = kept
 
     @property
+    def is_doubtful(self) -> bool:
+        """Whether the main track agrees with the map so badly that it may be elsewhere."""
+        return self.main.score < max(self._settings.lost_below, _DOUBT * self.main.usual_score)
+
+    @property
     def state(self) -> LocalizationState:
         """What the tracks say about the robot's place."""
         if self.confirmed:
-            if self.main.scans == 0 or self.main.score >= self._settings.lost_below:
-                return "localized"
-            return "ambiguous" if any(one.score > _FAR_SCORE for one in self.others) else "lost"
+            better = max(self.main.score + _BETTER, _FAR_SCORE)
+            if any(one.is_far and one.scans > 2 and one.score > better for one in self.others):
+                return "ambiguous"
+            return "localized" if self.main.scans == 0 or self.main.score >= self._settings.lost_below else "lost"
         return "ambiguous" if self.main.score >= self._settings.lost_below else "lost"

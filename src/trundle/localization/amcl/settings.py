@@ -61,7 +61,7 @@ class AmclSettings(Config):
     update_min_d: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
     update_min_a: Annotated[Angle, Field(ge=0.0, le=10.0)] = 0.0
     recovery: bool = True
-    lost_below: Share = 0.45
+    lost_below: Share = 0.5
     match_noise: Annotated[float, Field(ge=0.002, le=10.0)] = 0.1
     map_error: Annotated[float, Field(ge=0.0, le=10.0)] = 0.012
 

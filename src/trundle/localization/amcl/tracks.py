@@ -20,9 +20,10 @@ MOST_INFORMATIVE = 30.0  # beams: errors of a scan repeat with the map, and more
 _WIDTH_M = 0.1  # of the robust weights
 _WIDE_M = 0.4  # at first, of a pose that may be some decimetres off
 _ITERATIONS = 8
-_TOLERANCE_M = 0.12  # within which a beam agrees with the map
-_DEPTH_M = 0.3  # behind the map's surface, which is drawn round all of a band of heights
+_TOLERANCE_M = 0.1  # within which a beam agrees with the map
+_DEPTH_M = 0.2  # behind the map's surface, which is drawn round all of a band of heights
 _SHORT_COUNTS = 0.5  # something that is not on the map is in front of it more often than the robot is lost
+_LONG_S = 12.0
 _USUAL_S = 6.0  # of the average of the fit that a slip of wheels is told by
 _SCORE_S = 0.7  # of the average of agreement: it falls from 0.9 to 0.4 in 0.7 s
 
@@ -48,6 +49,7 @@ class Track:
     fit: float = 0.0
     agreement: float = 0.0
     usual: float = 0.0
+    usual_score: float = 0.0
     distance: float = 0.0
     independent: float = 0.0
     lead: float = 0.0
@@ -150,6 +152,9 @@ def update_score(track: Track, found: Match, seconds: float) -> None:
     gain = 1.0 if track.scans == 0 else 1.0 - math.exp(-seconds / _SCORE_S)
     track.pose, track.covariance = found.pose, found.covariance
     track.score += gain * (found.agreement - track.score)
+    track.usual_score += (1.0 if track.scans == 0 else 1.0 - math.exp(-seconds / _LONG_S)) * (
+        track.score - track.usual_score
+    )
     track.usual += (1.0 if track.scans == 0 else 1.0 - math.exp(-seconds / _USUAL_S)) * (found.fit - track.usual)
     track.fit, track.agreement = found.fit, found.agreement
     track.distance, track.independent = found.distance, found.independent
