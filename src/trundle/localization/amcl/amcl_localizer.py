@@ -39,7 +39,7 @@ _START_M, _START_RAD = 1.3, math.radians(30.0)
 """How far round a pose it is searched, while driving and at the start."""
 
 _NEAR_EVERY_S = 0.5
-_MAP_EVERY_S, _MAP_SELDOM_S = 1.5, 12.0
+_MAP_EVERY_S, _MAP_SELDOM_S = 1.0, 6.0
 _WORSE = 0.7  # agreement below which a better pose nearby is searched for
 _LEARN_AFTER = 5  # scans: the start has been corrected by then
 _LOST_M, _LOST_RAD = 1.0, 0.5
@@ -206,7 +206,7 @@ class AmclLocalizer(Localizer):
                 tracks.compare(beams, 0.0, idea=None, targets=None, wide=True)
             tracks.propose(beams, found, is_far=True)
             self._next_map = time + self._map_wait
-            self._map_wait = min(_MAP_SELDOM_S, 1.5 * self._map_wait)
+            self._map_wait = min(_MAP_SELDOM_S, 1.3 * self._map_wait)
 
     def _start_window(self) -> tuple[float, float]:
         metres, radians = self._started

@@ -132,7 +132,8 @@ class BeamPicker:
             return None
         self._newest[scan.lidar] = scan.time
         back = observation.odometry.inverse()
-        return scan, back @ first, back @ last
+        seen = back @ first
+        return scan, seen, seen if last is first else back @ last
 
     def _pick_from(
         self, scan: Scan, first: Pose2D, last: Pose2D, most: int, offset: float

@@ -74,6 +74,8 @@ class Hypotheses:
     ) -> None:
         """Match a scan from all tracks, and from one more pose, which becomes a track where it fits better."""
         tracks = self.tracks
+        if idea is not None and self.main.is_near(idea, _SAME_M, _SAME_RAD):
+            idea = None
         starts, covariances = [track.pose for track in tracks], [track.covariance for track in tracks]
         if idea is not None:
             starts, covariances = [*starts, idea], [*covariances, _NEW]

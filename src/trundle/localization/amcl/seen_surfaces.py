@@ -20,7 +20,7 @@ _PATCH_M = 0.1
 _DEEPEST_M = 0.35  # farther from the map's surface it is another thing that is seen
 _BELIEVED = 0.9  # of the mean distance
 _MAP_IS_RIGHT_M, _RISE_M = 0.04, 0.03  # up to this distance the map counts, from their sum on what was seen
-_OFFSET_GAIN, _INDEPENDENT = 0.006, 0.6
+_OFFSET_GAIN, _INDEPENDENT = 0.003, 0.6
 _HALF_AFTER = 5.0  # beams
 _MOST_BEAMS = 60.0  # the mean is of about the last so many
 
@@ -65,7 +65,7 @@ class SeenSurfaces:
         self._counts[patches] = np.minimum(self._counts[patches] + 1.0, _MOST_BEAMS)
         self._means[patches] += (distances - self._means[patches]) / self._counts[patches]
         if independent > _INDEPENDENT:
-            bound = 0.6 * self._field.resolution
+            bound = 0.4 * self._field.resolution
             self.offset = min(bound, max(-bound, self.offset + _OFFSET_GAIN * distance))
 
     def _patches(self, beams: Beams, pose: Pose2D) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.bool_], FloatArray]:

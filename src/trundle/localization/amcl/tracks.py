@@ -22,6 +22,7 @@ _WIDE_M = 0.4  # at first, of a pose that may be some decimetres off
 _ITERATIONS = 8
 _TOLERANCE_M = 0.1  # within which a beam agrees with the map
 _DEPTH_M = 0.2  # behind the map's surface, which is drawn round all of a band of heights
+_JUDGED = 60  # beams that judge a pose
 _SHORT_COUNTS = 0.5  # something that is not on the map is in front of it more often than the robot is lost
 _LONG_S = 12.0
 _USUAL_S = 6.0  # of the average of the fit that a slip of wheels is told by
@@ -140,11 +141,13 @@ def agreements(field_: MapField, beams: Beams, poses: FloatArray) -> npt.NDArray
     A beam that ends before what is on the map counts half: more often something stands there than the robot is lost.
     """
     tolerance = max(_TOLERANCE_M, 1.5 * field_.resolution)
-    verdicts = judge_beams(field_.values, field_.resolution, beams.sensors, beams.points, poses, tolerance, _DEPTH_M)
+    step = -(-len(beams) // _JUDGED)
+    sensors, points = np.ascontiguousarray(beams.sensors[::step]), np.ascontiguousarray(beams.points[::step])
+    verdicts = judge_beams(field_.values, field_.resolution, sensors, points, poses, tolerance, _DEPTH_M)
     agree, short, through = ((verdicts == kind).sum(axis=1) for kind in range(3))
     counted = agree + through + _SHORT_COUNTS * short
     # With few beams on the map there is little evidence for anything.
-    return agree / np.maximum(counted, 0.15 * len(beams))
+    return agree / np.maximum(counted, 0.15 * len(points))
 
 
 def update_score(track: Track, found: Match, seconds: float) -> None:
