@@ -46,6 +46,7 @@ _LOST_M, _LOST_RAD = 1.0, 0.5
 """Least deviations of an estimate that is lost."""
 
 _FEW_BEAMS = 10
+_BLIND_M = 0.1
 _JUMP = np.diag((0.5**2, 0.5**2, 0.35**2))
 _ANYWHERE = np.diag((10.0**2, 10.0**2, 2.0**2))
 
@@ -146,6 +147,11 @@ class AmclLocalizer(Localizer):
         motion = self._bias.corrected(Motion.between(self._odometry, observation.odometry))
         beams = self._picker.pick(observation) if observation.scans and self._is_due(motion) else None
         if beams is None or len(beams) < _FEW_BEAMS:
+            if motion.travel > _BLIND_M:  # the next scan is far: a long motion is no single turn and distance
+                self._tracks.follow(motion)
+                self._cloud.move(motion)
+                self._odometry = observation.odometry
+                return self._report(observation, None)
             return self._report(observation, motion)
         self._take(beams, motion, observation.time)
         self._odometry, self._time = observation.odometry, observation.time

@@ -27,7 +27,9 @@ _DROP, _CLEAR_LEAD = 0.08, 0.25
 _FAR_TRAVEL_M = 0.6  # the robot sees other things by then; turning by 1.2 rad counts as much
 _FAR_LEAD = 0.15
 _FAR_SCORE = 0.6
-_RIVAL = 0.12  # a rival whose score is this near leaves the state ambiguous
+_RIVAL, _RIVAL_LATER, _LATER_M = 0.12, 0.05, 3.0
+"""A rival whose score is this near leaves the state ambiguous: less, the farther both have been followed."""
+
 _RIVAL_M, _RIVAL_RAD = 0.5, 0.35
 _HOPELESS = 0.4
 _DOUBT = 0.8  # of the usual agreement, below which the whole map is searched
@@ -134,7 +136,7 @@ class Hypotheses:
     def _is_beaten(self, track: Track) -> bool:
         if track.is_far:
             return track.score < _HOPELESS or (track.scans > 5 and track.score < self.main.score - 0.25)
-        return track.scans > 5 and track.lead < -0.02
+        return track.scans > 5 and track.lead < 0.02
 
     def _may_take_over(self, track: Track) -> bool:
         if not track.is_far:
@@ -162,11 +164,13 @@ class Hypotheses:
 
     def _rivals(self, track: Track) -> list[Track]:
         """Tracks elsewhere that agree with the map nearly as well."""
+        shares = [min(1.0, one.travel / _LATER_M) for one in self.tracks]
+        margins = [_RIVAL + min(share, track.travel / _LATER_M) * (_RIVAL_LATER - _RIVAL) for share in shares]
         return [
             one
-            for one in self.tracks
+            for one, margin in zip(self.tracks, margins, strict=True)
             if one is not track
-            and one.score > track.score - _RIVAL
+            and one.score > track.score - margin
             and not one.is_near(track.pose, _RIVAL_M, _RIVAL_RAD)
         ]
 
