@@ -12,7 +12,7 @@ from trundle.evaluation.row import Row
 from trundle.evaluation.suite import Suite
 from trundle.evaluation.suite.expand import Expansion
 from trundle.evaluation.suite.parts import SuiteWorld
-from trundle.files.opening import exists
+from trundle.files.opening import advise_missing, exists
 
 
 def find_beside(suite: Suite, folder: Path) -> Suite:
@@ -50,7 +50,7 @@ def use_map(suite: Suite, row: Row, place: str | os.PathLike[str], versions: tup
         if "name" not in found:
             raise InputError(f"--map {given}: there is no {Path(world.name).name} in it")
     elif not exists(given):
-        raise InputError(f"--map {given}: there is no such file")
+        raise InputError(f"--map {given}: no such file{advise_missing(given)}")
     worlds = [*suite.worlds]
     worlds[at] = SuiteWorld.model_validate({**world.model_dump(), **found, "label": row.world})
     changed = Suite.make(**{**{name: getattr(suite, name) for name in suite.model_fields_set}, "worlds": worlds})

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from trundle.errors import InputError, WorldError
 from trundle.extras import missing_extra
-from trundle.files.opening import check_regular, exists, open_file, read_up_to
+from trundle.files.opening import check_regular, describe_unreadable, exists, open_file, read_up_to
 from trundle.files.parser_errors import parser_errors, parser_reason
 from trundle.files.xml_elements import parse_xml, read_limited
 from trundle.geometry import FloatArray
@@ -163,7 +163,7 @@ def _load_scene(path: Path) -> Any:
     try:
         size = check_regular(path)
     except OSError as error:
-        raise WorldError(f"cannot read {path}: {error.strerror or error}") from error
+        raise WorldError(describe_unreadable(path, error)) from error
     if size > MAX_BYTES:
         raise WorldError(f"{path}: {size} bytes exceeds the limit of {MAX_BYTES} bytes for a mesh file")
     if path.suffix.lower() in _GLTF:
