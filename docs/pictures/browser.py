@@ -1,4 +1,4 @@
-"""The pictures of docs/browser.md: the page live, before a run, at a goal, in an aisle, on a phone, a report, and a loop.
+"""The pictures of docs/browser.md: the page before a run, driving, in an aisle, at a goal, on a phone; a report; a loop.
 
 Those in Korean need a font that has it, such as NanumGothic.
 

@@ -80,7 +80,7 @@ def compose_text(text: str, name: str, *, allow_duplicate_keys: bool = False) ->
             raise
         raise InputError(f"{name}: not valid YAML: {error}") from error
     if node is None:
-        raise InputError(f"{name}: the file is empty")
+        raise InputError(f"{name}: the file is empty; write `key: value` lines into it, or give another file")
     if not allow_duplicate_keys:
         _refuse_duplicate_keys(node, name)
     return node
@@ -114,7 +114,7 @@ def read_text(path: Path, max_bytes: int = MAX_BYTES, wanted: str = "") -> str:
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a text file in UTF-8 (byte {error.start})") from error
+        raise InputError(f"{path}: not a text file in UTF-8 (byte {error.start}); save it as UTF-8") from error
 
 
 def _place(name: str, mark: yaml.Mark) -> str:
@@ -127,9 +127,9 @@ def _refuse_duplicate_keys(node: yaml.Node, name: str) -> None:
         seen: set[str] = set()
         for key, _ in node.value:
             if not isinstance(key, yaml.ScalarNode):
-                raise InputError(f"{place(key, name)}: a key must be a plain name")
+                raise InputError(f"{place(key, name)}: a key must be a plain name, as in `name: value`")
             if key.value in seen:
-                raise InputError(f"{place(key, name)}: the key {key.value!r} is given twice")
+                raise InputError(f"{place(key, name)}: the key {key.value!r} is given twice; leave one out")
             seen.add(key.value)
         children = [value for _, value in node.value]
     elif isinstance(node, yaml.SequenceNode):

@@ -272,7 +272,10 @@ def read_numbers(text: str | None) -> list[int] | None:
             raise InputError(f"--only {text}: give numbers of worlds, as in 0,15,30 or 0:60 or 0:300:15")
         numbers += [int(part)] if len(pieces) == 1 else range(*map(int, pieces))
     if not numbers or len(set(numbers)) < len(numbers):
-        raise InputError(f"--only {text}: {'a world is there twice' if numbers else 'this names no world'}")
+        raise InputError(
+            f"--only {text}: {'a world is there twice' if numbers else 'this names no world'}; "
+            "give numbers of worlds, as in 0,15,30 or 0:60"
+        )
     return numbers
 
 
