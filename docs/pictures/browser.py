@@ -1,4 +1,4 @@
-"""The pictures of docs/browser.md: the page before a run, driving, in an aisle, at a goal, on a phone; a report; a loop.
+"""The pictures of docs/browser.md: before a run, driving, in an aisle, at a goal, on a phone, a report, and a loop.
 
 Those in Korean need a font that has it, such as NanumGothic.
 
