@@ -82,7 +82,7 @@ class DriveOptions:
     )
     controller_option: Annotated[list[str] | None, PARAMETERS["controller_options"]] = None
     collision_monitor: Annotated[
-        bool | None, _flag("Let every command pass the collision monitor.", "--no-collision-monitor")
+        bool | None, _flag("Check every command against the scans.", "--no-collision-monitor")
     ] = None
     backend: Annotated[str, _crossed("backend", "The simulator: mujoco or kinematic. Commas cross several.")] = "mujoco"
 

@@ -95,9 +95,7 @@ Overwrite = Annotated[
 ]
 OverwriteMap = Annotated[
     bool,
-    Parameter(
-        name="--overwrite", negative="", help="Replace a map that has changed since trundle wrote it, as by hand."
-    ),
+    Parameter(name="--overwrite", negative="", help="Replace a map even if it was edited since trundle wrote it."),
 ]
 OverwriteFile = Annotated[bool, Parameter(name="--overwrite", negative="", help="Replace the file if it exists.")]
 Record = Annotated[
