@@ -174,7 +174,7 @@ def is_as_written(yaml_file: Path) -> bool:
 def find_map_of(image: Path) -> Path | None:
     """Return a YAML file in an image's folder that names the image as that of a map; None if there is none."""
     name = re.escape(image.name)
-    line = re.compile(rf"^image:\s*(?:\./)?([\"']?){name}\1\s*(?:#.*)?$", re.MULTILINE)
+    line = re.compile(rf"^image:\s*([\"']?)(?:\./)?{name}\1\s*(?:#.*)?$", re.MULTILINE)
     others = (path for path in image.parent.iterdir() if path.suffix.lower() in (".yaml", ".yml"))
     return next((path for path in sorted(others) if line.search(_read_text(path))), None)
 
