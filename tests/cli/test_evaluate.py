@@ -150,7 +150,7 @@ def test_a_map_that_is_gone_when_an_evaluation_is_continued_is_named_and_no_row_
     gone = trundle("evaluate", suite, "-o", "a")
     assert gone.code == 2
     assert gone.err.count("\n") == 1
-    assert "room.png: No such file" in gone.err
+    assert "room.png: no such file" in gone.err
     assert trundle("evaluate", "report", "a").code == 0
     aside.rename(image)
     assert json.loads(trundle("evaluate", suite, "-o", "a", "--json").out.splitlines()[0])["resumed"] == 4

@@ -62,7 +62,8 @@ class Choices:
         for kind in ("world", "robot", "planner", "controller"):
             name = getattr(message, kind, None)
             if name is not None and name not in getattr(self, f"{kind}s"):
-                raise InputError(f"{kind} {name!r} is not among the choices of this server")
+                choices = ", ".join(getattr(self, f"{kind}s"))
+                raise InputError(f"{kind} {name!r} is not among the choices of this server: {choices}")
 
 
 def place_of(scenario: Scenario) -> str:

@@ -109,7 +109,20 @@ def pairs_option(field: str, help: str, *, name: str = "") -> OptionField:
 
 def _group(title: str, help: str) -> Parameter:
     group = Group(title, help=help, sort_key=0)
-    return Parameter(name="*", group=group, name_transform=lambda field: option_name(field)[2:], negative="")
+    return Parameter(
+        name="*",
+        group=group,
+        name_transform=lambda field: option_name(field)[2:],
+        negative="",
+        show_default=_show_default,
+    )
+
+
+def _show_default(default: object) -> object:
+    """Return a field's default as it is written on a command line."""
+    if isinstance(default, tuple) and all(isinstance(item, Choice) for item in default):
+        return ",".join(item.name for item in default)
+    return default
 
 
 CostmapOptions = Annotated[
