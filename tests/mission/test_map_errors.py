@@ -50,11 +50,11 @@ def test_ghosts_are_on_the_map_where_the_robot_could_be_and_not_in_the_world():
 
 
 def test_planner_costmap_and_localizer_get_the_wrong_map():
-    class Keeping:
-        maps = []
+    maps = []
 
+    class Keeping:
         def __init__(self, map):
-            self.maps.append(map)
+            maps.append(map)
 
         def reset(self, pose):
             self.pose = pose
@@ -67,7 +67,7 @@ def test_planner_costmap_and_localizer_get_the_wrong_map():
         mission.session().finish()
         wrong = mission.grid
         assert not np.array_equal(wrong.data, prepare().grid.data)
-        assert Keeping.maps == [wrong]
+        assert maps == [wrong]
         assert mission.navigator.grid is wrong
         rows, cols = np.nonzero((wrong.data == OCCUPIED) & (prepare().grid.data == FREE))
         assert (mission.navigator.costmap.data[rows, cols] > INSCRIBED).all()
@@ -125,7 +125,7 @@ def test_unknown_cells_inside_of_what_is_missing_become_free():
 
 
 def test_a_map_without_room_for_ghosts_is_refused():
-    with pytest.raises(ScenarioError, match="map_errors: the map has no room for a ghost .* smaller ghosts"):
+    with pytest.raises(ScenarioError, match=r"map_errors: the map has no room for a ghost .* smaller ghosts"):
         prepare({"ghosts": 1, "size": 60.0})
 
 

@@ -13,7 +13,6 @@ from pydantic import Field
 
 from trundle._core import label_components
 from trundle.costmap import Costmap
-from trundle.errors import ScenarioError
 from trundle.files.config_fields import NotNegative, Positive
 from trundle.files.yaml_config import Config
 from trundle.geometry import FloatArray

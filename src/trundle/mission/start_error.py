@@ -37,9 +37,8 @@ class StartError(Config):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if self.unknown and not self.model_fields_set.isdisjoint(("distance", "heading", "covariance")):
-            if self != StartError(unknown=True):
-                raise ValueError("a start that is unknown has no distance, heading or covariance: give either")
+        if self.unknown and (self.distance > 0.0 or self.heading > 0.0 or not self.covariance):
+            raise ValueError("a start that is unknown has no distance, heading or covariance: give either")
         return self
 
     def draw(self, start: Pose2D, seed: int) -> tuple[Pose2D | None, FloatArray | None]:

@@ -182,7 +182,7 @@ class _SpinningWheels:
         self._until = self._draw_gap()
 
     def count(self, driven: float, dt: float) -> tuple[float, float]:
-        """What they count in a period of `dt` [s] in which the robot drove so far [m]: forward [m] and heading [rad]."""
+        """What they count in a period of `dt` [s] after the robot drove so far [m]: forward [m] and heading [rad]."""
         self._until -= abs(driven)
         if self._until <= 0.0 and self._left_s <= 0.0 and self._slips.count != self._begun:
             self._begun, self._left_s = self._begun + 1, _SLIP_S

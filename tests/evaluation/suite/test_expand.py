@@ -5,6 +5,7 @@ import pytest
 
 from trundle.errors import InputError
 from trundle.evaluation.suite import Suite
+from trundle.geometry import Pose2D
 
 
 def make(**settings):
@@ -209,36 +210,15 @@ def test_an_unknown_localizer_of_a_suite_is_refused():
         make(seeds=1, localizer="odometri").check()
 
 
-def two_localizers():
-    """Two classes of one name."""
-
-    class Localizer:
-        def reset(self, pose):
-            self.pose = pose
-
-        def update(self, observation):
-            return self.pose
-
-    first = Localizer
-
-    class Localizer:
-        def reset(self, pose):
-            pass
-
-        def update(self, observation):
-            return observation.odometry
-
-    return first, Localizer
-
-
 def test_localizers_of_one_name_are_told_apart_by_their_labels_or_refused():
-    first, second = two_localizers()
-    with pytest.raises(InputError, match="two localizers are called 'Localizer': leave one out, or give one of them a"):
+    first = lambda observation: observation.odometry  # noqa: E731 - both are called <lambda>
+    second = lambda observation: Pose2D(1.0, 2.0)  # noqa: E731
+    with pytest.raises(InputError, match="two localizers are called '<lambda>': leave one out, or give one of them a"):
         make(seeds=1, localizer=[first, second]).check()
     suite = make(seeds=1, localizer=[first, {"name": second, "label": "by odometry"}])
     suite.check()
     specs = [suite.spec(index) for index in range(2)]
-    assert [spec.settings for spec in specs] == ["localizer=Localizer", "localizer=by_odometry"]
+    assert [spec.settings for spec in specs] == ["localizer=<lambda>", "localizer=by_odometry"]
     assert [spec.scenario.localizer.given for spec in specs] == [first, second]
     with pytest.raises(InputError, match="localizer L2 is given twice"):
         make(seeds=1, localizer=[{"name": first, "label": "L1"}, {"name": first, "label": "L2"}]).check()
