@@ -243,7 +243,8 @@ def test_without_a_count_slips_go_on():
 
 
 def test_a_number_alone_is_the_count():
-    assert OdometryErrors(slips=6) == OdometryErrors(slips={"count": 6, "distance": 0.3, "heading": "10deg"})
+    assert OdometryErrors(slips=6) == OdometryErrors(slips={"count": 6})
+    assert OdometryErrors(slips=6).slips.heading == pytest.approx(math.radians(10.0), abs=1e-4)
 
 
 def test_slips_leave_the_other_errors_as_they_are():

@@ -46,13 +46,13 @@ class Slips(Config):
         count: The most slips of a run. If None, no limit.
         every: Mean distance from one slip to the next [m]; each is drawn between half of it and one and a half times.
         distance: What the odometry counts too much in one slip [m], 0 to 5.
-        heading: By how much one slip turns its heading [rad], 0 to π; text may be degrees.
+        heading: By how much one slip turns its heading [rad], 0 to π; text may be degrees. The default is 10°.
     """
 
     count: Annotated[int, Field(ge=0)] | None = None
     every: Positive = 5.0
     distance: Annotated[NotNegative, Field(le=5.0)] = 0.3
-    heading: Annotated[Angle, Field(ge=0.0, le=math.pi)] = math.radians(10.0)
+    heading: Annotated[Angle, Field(ge=0.0, le=math.pi)] = 0.1745
 
 
 def _read_count(value: object) -> object:
