@@ -399,6 +399,13 @@ def test_what_a_localizer_has_to_bear_is_given_as_pairs_and_repeated_by_the_scen
             np.testing.assert_array_equal(first[name], again[name])
 
 
+def test_an_unknown_start_is_refused_for_a_localizer_that_needs_one(trundle):
+    done = trundle("run", "maze", "--localizer", "odometry", "--start-error", "unknown=true", "--no-video", "-o", "a")
+    assert done.code == 2
+    assert "needs a start" in done.err
+    assert not Path("a").exists()
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [

@@ -77,6 +77,9 @@ class Believing:
         self.told.append((pose, covariance, seed))
         self.pose = pose or Pose2D(0.0, 0.0)
 
+    def reinitialize_global(self):
+        raise NotImplementedError
+
     def update(self, observation):
         return Estimate(observation.time, self.pose, None, self.pose @ observation.odometry.inverse())
 
