@@ -87,16 +87,19 @@ class ErringLidars(SimulatorWrapper):
         return replace(state, scans=tuple(self._measure(scan) for scan in state.scans))
 
     def _measure(self, scan: Scan) -> Scan:
-        errors, ranges = self._errors, scan.ranges
+        errors, ranges = self._errors, scan.ranges.copy()
+        least, most = scan.range_min, scan.range_max
         if errors.noise > 0.0:
-            hit = np.isfinite(ranges)
-            noisy = np.where(hit, ranges, 0.0) + self._noise_rng.normal(0.0, errors.noise, len(ranges))
-            ranges = np.where(hit, np.clip(noisy, scan.range_min, scan.range_max), ranges)
-        if errors.dropouts > 0.0 or errors.short_returns > 0.0:
-            chosen, share = self._rng.random((2, len(ranges)))
-            # A beam that measured nothing (NaN), or met something too close, has no way on which to meet something.
-            reach = np.clip(np.where(np.isnan(ranges), scan.range_min, ranges), scan.range_min, scan.range_max)
-            early = scan.range_min + share * (reach - scan.range_min)
-            is_short = (reach > scan.range_min) & (chosen < errors.dropouts + errors.short_returns)
-            ranges = np.where(chosen < errors.dropouts, np.inf, np.where(is_short, early, ranges))
+            noise = self._noise_rng.normal(0.0, errors.noise, len(ranges))
+            hit = np.flatnonzero(np.isfinite(ranges))
+            ranges[hit] = np.minimum(np.maximum(ranges[hit] + noise[hit], least), most)
+        if (wrong := errors.dropouts + errors.short_returns) > 0.0:
+            drawn = self._rng.random(len(ranges))
+            beams = np.flatnonzero(drawn < wrong)
+            # A beam that measured nothing (NaN), or met something too close, meets nothing sooner.
+            early = beams[ranges[beams] > least]
+            reach = np.minimum(ranges[early], most)
+            share = self._rng.random(len(ranges))[early]
+            ranges[early] = least + share * (reach - least)
+            ranges[beams[drawn[beams] < errors.dropouts]] = np.inf
         return replace(scan, ranges=ranges)
