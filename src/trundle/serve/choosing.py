@@ -21,6 +21,7 @@ _OF_A_PLACE = {
     "goal": None,
     "goals": None,
     "unmapped": None,
+    "map_errors": None,
     "movers": (),
 }
 """Fields of a scenario that make no sense in another world, with their defaults."""

@@ -29,6 +29,9 @@ EXAMPLES = {
     "layers": "rolling_window=true",
     "latency": "scan_age_s=0.1",
     "odometry": "heading=1deg",
+    "lidar_errors": "dropouts=0.01",
+    "map_errors": "missing=0.25",
+    "start_error": "distance=0.5",
     "monitor": "time_before_collision=1.5",
 }
 """A pair for each option that takes KEY=VALUE, or whose plug-in does, for messages and help."""
