@@ -170,7 +170,7 @@ def test_a_constant_correction_changes_nothing_but_the_rounding(drift):
 
 def test_an_estimate_that_trembles_does_not_make_cells_flicker():
     layered = LayeredCostmap(make_map(), CARTER)
-    around, rng = Surroundings([(2.025, -0.5, 2.025, 0.5)], noise=0.01), np.random.default_rng(3)
+    around, rng = Surroundings([(2.025, -0.525, 2.025, 0.525)], noise=0.01), np.random.default_rng(3)
     odom, changes = Pose2D(1.0, 2.0, 0.5), 0
     for tick in range(200):
         x, y, yaw = (rng.normal(size=3) * (0.004, 0.004, 0.002)).tolist()
@@ -180,7 +180,7 @@ def test_an_estimate_that_trembles_does_not_make_cells_flicker():
         layered.update([scan], estimate(0.05 * tick, believed, believed @ odom.inverse()))
         changes += layered.costmap is not before and tick > 20
     assert layered.sensed.sum() >= 20
-    assert changes <= 20
+    assert changes <= 10  # with marks in odom: 134
 
 
 def test_a_late_scan_is_placed_by_the_correction_of_now():
