@@ -44,7 +44,7 @@ from trundle.sim.wrapper import SimulatorWrapper
 from trundle.worlds import World
 
 WRONG_M = 0.15
-OPTIONS: dict[str, dict[str, Any]] = {"warehouse": {"low_objects": False}}
+OPTIONS: dict[str, dict[str, Any]] = {kind: {"low_objects": False} for kind in ("warehouse", "office")}
 WANDERS_S = 1.0  # time constant of the error
 
 
@@ -77,7 +77,7 @@ class StandIn:
         sim: Where the truth is.
         error: Standard deviation of x and y [m].
         turn: Standard deviation of the yaw [rad].
-        jump: By how much the error jumps now and then [m]; the yaw by a degree for every 2 cm, at most 5 degrees.
+        jump: By how much the error jumps now and then [m]; its yaw by 0.1 degrees for every centimetre.
         every: Mean time between two jumps [s].
     """
 
@@ -108,7 +108,7 @@ class StandIn:
         keeps = math.exp(-seconds / WANDERS_S)
         self._error = keeps * self._error + math.sqrt(1.0 - keeps**2) * self._sigma * self._rng.normal(size=3)
         if self._jump and self._rng.random() < seconds / self._every:
-            way, turn = self._rng.uniform(-math.pi, math.pi), math.radians(min(5.0, 50.0 * self._jump))
+            way, turn = self._rng.uniform(-math.pi, math.pi), math.radians(10.0 * self._jump)
             self._offset = np.array([self._jump * math.cos(way), self._jump * math.sin(way), turn * self._rng.normal()])
 
 
@@ -124,7 +124,7 @@ class Found:
         marked: Cells that were sensed, summed over all looks at the costmap.
         wrong: Those of them that are wrong.
         most_wrong: The most at one look.
-        contacts: Number of contacts.
+        contacts: What was touched.
         seconds: Of the drive [s].
         cpu_us: CPU time of a control period, simulator and all [µs].
     """
@@ -136,7 +136,7 @@ class Found:
     marked: int
     wrong: int
     most_wrong: int
-    contacts: int
+    contacts: str
     seconds: float
     cpu_us: float
 
@@ -222,7 +222,7 @@ def drive(mission: Mission, robot: Robot, options: argparse.Namespace, *, estima
         sum(marked for marked, _ in looks),
         sum(wrong for _, wrong in looks),
         max((wrong for _, wrong in looks), default=0),
-        len(episode.metrics.contacts),
+        ", ".join(episode.metrics.contacts),
         steps * navigator.dt,
         1e6 * spent / max(1, steps),
     )
@@ -260,7 +260,7 @@ def main() -> None:
                     f"{found.seconds:.0f}",
                     str(found.replans),
                     str(found.stops),
-                    str(found.contacts),
+                    found.contacts,
                     str(found.most_wrong),
                     f"{100.0 * found.wrong / max(1, found.marked):.2f}",
                     f"{found.cpu_us:.0f}",

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from trundle.costmap import LayeredCostmap, ObstacleLayer, ObstacleLayerSettings, MapWindow
+from trundle.costmap import LayeredCostmap, MapWindow, ObstacleLayer, ObstacleLayerSettings
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.observation import Estimate

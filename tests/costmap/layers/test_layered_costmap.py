@@ -213,6 +213,16 @@ def test_an_estimate_that_jumps_forgets_what_was_sensed_around_the_robot(jump):
     assert layered.warnings == {}
 
 
+def test_a_slip_that_is_put_right_at_once_forgets_nothing():
+    layered = LayeredCostmap(make_map(), CARTER)
+    see(layered, Surroundings(BOX))
+    before = layered.obstacles()
+    slipped = Pose2D(0.6, 0.1, 0.4)  # of the odometry, within one period; the robot has moved by 2 cm
+    here = Pose2D(0.02, 0.0)
+    layered.update([], estimate(0.2, here, here @ slipped.inverse()))
+    assert np.array_equal(layered.obstacles(), before)
+
+
 def test_an_estimate_that_jumps_keeps_what_was_sensed_far_away():
     layered = LayeredCostmap(make_map(60.0), CARTER)
     see(layered, Surroundings(BOX))

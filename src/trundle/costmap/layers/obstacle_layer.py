@@ -234,7 +234,7 @@ class ObstacleLayer:
         self._grid = EvidenceGrid(edge, timed=timed, rolling=keep_within is not None)
         self._rule = self.settings.misses_to_clear, self.settings.hits_to_mark
         self._sensors: dict[tuple[Pose2D, float, float], tuple[FloatArray, FloatArray]] = {}
-        self._T_map_odom: Pose2D | None = None
+        self._last: Estimate | None = None
 
     @property
     def warnings(self) -> Mapping[str, int]:
@@ -245,7 +245,7 @@ class ObstacleLayer:
         """Forget everything, for a new run."""
         self._filter.reset()
         self._grid.clear()
-        self._T_map_odom = None
+        self._last = None
 
     def forget(self, pose: Pose2D, size: float, *, outside: bool) -> None:
         """Forget what was seen in a square of edge `size` [m] around a pose, or outside of it; map frame."""
@@ -267,10 +267,10 @@ class ObstacleLayer:
         jumped = self._filter.follow(estimate)
         if jumped:
             self._grid.clear()
-        elif self._T_map_odom is not None:
-            jumped = self._correct(estimate, self._T_map_odom)
+        elif self._last is not None:
+            jumped = self._correct(self._last, estimate)
+        self._last = estimate
         pose, T_map_odom = estimate.pose, estimate.T_map_odom
-        self._T_map_odom = T_map_odom
         forgot = self._grid.hold(pose.x, pose.y, self._half)
         boxes = [self._mark(scan, _in_map(T_map_odom, poses)) for scan, poses in self._filter.admit(scans)]
         grid, persistence = self._grid, self.settings.observation_persistence
@@ -303,13 +303,15 @@ class ObstacleLayer:
         """Return where marked cells were hit [m], map frame, shape (N, 2)."""
         return self._grid.marks()
 
-    def _correct(self, estimate: Estimate, before: Pose2D) -> bool:
-        """Forget what lies around the robot if the estimate jumps from `before`; return whether it does."""
-        after = estimate.T_map_odom
-        if after is before or after == before:
+    def _correct(self, before: Estimate, estimate: Estimate) -> bool:
+        """Forget what lies around the robot if the estimate jumps from the one before; return whether it does."""
+        after, T_map_odom = estimate.pose, before.T_map_odom
+        if estimate.T_map_odom is T_map_odom or estimate.T_map_odom == T_map_odom:
             return False
-        believed = before @ self._filter.odom_pose
-        moved, turned = believed.distance_to(estimate.pose), abs(wrap_angle(after.yaw - before.yaw))
+        # Where wheels slip and the same update puts that right, the pose goes on evenly: all marks are where they were.
+        believed, last = T_map_odom @ self._filter.odom_pose, before.pose
+        moved = min(after.distance_to(believed), after.distance_to(last))
+        turned = min(abs(wrap_angle(after.yaw - believed.yaw)), abs(wrap_angle(after.yaw - last.yaw)))
         if moved <= _JUMP_M and turned <= _JUMP_RAD:
             return False
         self._grid.forget(believed.x, believed.y, self._half, outside=False)
