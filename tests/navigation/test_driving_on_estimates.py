@@ -7,7 +7,8 @@ import pytest
 
 from support.estimates import StandIn, Watched
 from support.sensed_rooms import GOAL, ROBOT, START, block, grid_of, room
-from trundle.costmap import LETHAL
+from trundle.costmap import LETHAL, LayersSettings, ObstacleLayerSettings
+from trundle.geometry import Twist2D
 from trundle.maps.cells import OCCUPIED
 from trundle.mission import Session
 from trundle.navigation import Navigator, NavigatorSettings
@@ -96,3 +97,17 @@ def test_an_estimate_that_jumps_now_and_then_arrives_with_few_more_plans(exact, 
     assert drive.episode.metrics.contacts == ()
     assert drive.pose.distance_to(GOAL) < 0.45
     assert drive.episode.metrics.replans <= exact.episode.metrics.replans + 2 * drive.corrections
+
+
+@pytest.mark.parametrize("clear_static", [False, True])
+def test_what_lies_below_the_lidar_stays_on_the_map_unless_static_obstacles_are_cleared(clear_static):
+    pallet = block("pallet", 4.0, 2.5, 5.0, 3.5, height=0.15)
+    layers = LayersSettings(obstacle=ObstacleLayerSettings(clear_static=clear_static))
+    navigator = Navigator(grid_of(room(pallet)), ROBOT, layers=layers)
+    navigator.set_goal(GOAL)
+    with simulate(room(pallet), ROBOT, backend="kinematic", lidar=True) as sim:
+        state = sim.reset(START)
+        for _ in range(20):
+            navigator.update(state.pose, state.twist, time=state.time, scans=state.scans)
+            state = sim.step(Twist2D(), navigator.dt)
+    assert (navigator.costmap.cost_at(4.1, 3.0) == LETHAL) != clear_static

@@ -53,7 +53,8 @@ class ObstacleLayerSettings(Config):
         source_timeout: Scans that are older than this are ignored [s].
         hits_to_mark: Number of scans in which a cell must be hit before it is marked, 1 to 5.
         misses_to_clear: How many scans must pass through a marked cell before it is cleared, 1 to 10.
-        clear_static: Whether beams also clear obstacles of the static map.
+        clear_static: Whether beams also clear obstacles of the static map, also those that lie below or above the
+            lidars' planes: a map does not say how high things are.
         static_tolerance: Nothing is marked within this distance of an obstacle of the static map [m], between centres
             of cells, as a robot that is not quite where it believes to be sees walls a little beside their place. If
             None, this holds for the eight cells around it; 0 marks everything. Without effect with `clear_static`.
@@ -366,6 +367,9 @@ def _in_map(T_map_odom: Pose2D, poses: FloatArray) -> FloatArray:
     if x == y == turn == 0.0:
         return poses
     cos, sin = math.cos(turn), math.sin(turn)
+    if len(poses) == 1:
+        ((at_x, at_y, yaw),) = poses.tolist()
+        return np.array([(x + cos * at_x - sin * at_y, y + sin * at_x + cos * at_y, yaw + turn)])
     seen = np.empty_like(poses)
     seen[:, 0] = x + cos * poses[:, 0] - sin * poses[:, 1]
     seen[:, 1] = y + sin * poses[:, 0] + cos * poses[:, 1]
