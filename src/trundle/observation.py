@@ -1,4 +1,4 @@
-"""What a robot observes, and where it believes to be: `Scan`, `Observation`, `Estimate` and `Track`.
+"""What a robot observes, and where it believes to be: `Scan`, `Observation`, `Estimate`, `Hypothesis` and `Track`.
 
 None of them holds the truth of a simulation. Frames are those of REP-105: `map`, `odom` (continuous, but it drifts) and
 `base_link`.
@@ -10,7 +10,7 @@ import bisect
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import cast
+from typing import Literal, TypeAlias, cast
 
 import numpy as np
 
@@ -116,6 +116,26 @@ class Observation:
     scans: tuple[Scan, ...] = ()
 
 
+LocalizationState: TypeAlias = Literal["localized", "ambiguous", "lost"]
+"""What a localizer says of its estimate: `localized`, `ambiguous` where several places fit what the robot sees, and
+`lost` where none does."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hypothesis:
+    """One of the places where a robot may be.
+
+    Attributes:
+        pose: Pose of base_link in the map frame.
+        weight: How likely the localizer takes it to be, 0 to 1.
+        covariance: Covariance of (x, y, yaw) [m², rad²], shape (3, 3), or None if it is not known.
+    """
+
+    pose: Pose2D
+    weight: float
+    covariance: FloatArray | None = None
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Estimate:
     """Where a robot believes to be.
@@ -125,12 +145,19 @@ class Estimate:
         pose: Pose of base_link in the map frame.
         covariance: Covariance of (x, y, yaw) [m², rad²], shape (3, 3), or None if it is not known.
         T_map_odom: Pose of the odom frame in the map frame: what a localizer corrects.
+        state: Whether the robot is there: see `LocalizationState`. A localizer that cannot tell says `localized`.
+        hypotheses: The places where it may be, most likely first; empty where the localizer has only the pose.
+        particles: (x, y, yaw, weight) of the particles [m, rad, 1], map frame, shape (N, 4), read-only; None where the
+            localizer has none.
     """
 
     time: float
     pose: Pose2D
     covariance: FloatArray | None = None
     T_map_odom: Pose2D = _SAME_FRAME
+    state: LocalizationState = "localized"
+    hypotheses: tuple[Hypothesis, ...] = ()
+    particles: FloatArray | None = None
 
     @property
     def odom_pose(self) -> Pose2D:

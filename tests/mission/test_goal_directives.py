@@ -16,6 +16,7 @@ from trundle.mission import (
     FollowPath,
     GivenDirective,
     Pause,
+    ReinitializeGlobal,
     RunBehavior,
     Session,
     SetGoal,
@@ -215,7 +216,8 @@ def test_a_path_waits_for_what_stands_on_it(world, room, carter, start, steering
 def test_these_directives_are_read_as_they_were_written(tmp_path):
     kinds = [SetGoals([(1.0, 2.0), (1, 2, 0.5)], through=False), FollowPath(CORNER), FollowPath(CORNER, [True, False])]
     kinds += [RunBehavior("spin", {"angle": 1.0}), RunBehavior("wait"), Cancel(), Cancel("behavior"), ClearObstacles()]
-    kinds += [ClearObstacles("except", 2.0), SetPose((1.0, 2.0, 0.5))]
+    kinds += [ClearObstacles("except", 2.0), SetPose((1.0, 2.0, 0.5)), ReinitializeGlobal()]
+    kinds += [SetPose((1.0, 2.0, 0.5), np.diag([0.25, 0.25, 0.07]))]
     given = tuple(GivenDirective(k, 0.05 * k, kind) for k, kind in enumerate(kinds))
     save_directives(tmp_path / "directives.json", given)
     assert load_directives(tmp_path / "directives.json") == given
@@ -243,6 +245,8 @@ def test_these_directives_are_read_as_they_were_written(tmp_path):
         (lambda: ClearObstacles("around"), "needs the size"),
         (lambda: ClearObstacles("around", -1.0), "size of the region"),
         (lambda: SetPose((1.0,)), "a pose is"),
+        (lambda: SetPose((1.0, 2.0), [1.0, 1.0]), "3 x 3 finite numbers"),
+        (lambda: SetPose((1.0, 2.0), np.diag([1.0, 1.0, -1.0])), "not positive semidefinite"),
     ],
 )
 def test_a_bad_directive_is_one_clear_error(make, message):

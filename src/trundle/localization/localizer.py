@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
+import numpy as np
+
 from trundle.errors import InputError
 from trundle.fault import wrong_result
 from trundle.files.choice import Choice, split_choice
-from trundle.geometry import Pose2D
+from trundle.geometry import FloatArray, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.observation import Estimate, Observation
 from trundle.registry import Contract, PluginFunction, Registry, is_foreign, keywords_taken, name_of
 from trundle.robots import Robot
-from trundle.values import check_kind
+from trundle.values import as_array, check_kind
 
 LOCALIZERS: Registry[Localizer] = Registry(
     "localizer",
@@ -21,27 +23,6 @@ LOCALIZERS: Registry[Localizer] = Registry(
     {"odometry": "trundle.localization.odometry:OdometryLocalizer"},
     contract=Contract({"reset": "pose", "update": "observation"}, function=("observation",)),
 )
-
-
-@runtime_checkable
-class Localizer(Protocol):
-    """Estimates a robot's pose. It may also be a function, or return poses alone: see `LocalizerLike`.
-
-    It gets observations only, never the truth of a simulation. A run asks nothing else of it than these two methods. A
-    localizer of another package may have a `reset` without `seed`, if it draws no random numbers.
-    """
-
-    def reset(self, pose: Pose2D, *, seed: int = 0) -> None:
-        """Start over with the robot at `pose`, map frame. The same seed and observations give the same estimates."""
-        ...
-
-    def update(self, observation: Observation) -> Estimate:
-        """Return where the robot is after one more observation; its time is the observation's.
-
-        Raises:
-            InputError: If the time of the observation is not after the last one.
-        """
-        ...
 
 
 class SomeLocalizer(Protocol):
@@ -54,6 +35,45 @@ class SomeLocalizer(Protocol):
     def update(self, observation: Observation, /) -> Estimate | Pose2D:
         """Return where the robot is after one more observation."""
         ...
+
+
+@runtime_checkable
+class Localizer(Protocol):
+    """Estimates a robot's pose. It may also be a function, or return poses alone: see `LocalizerLike`.
+
+    It gets observations only, never the truth of a simulation. `reset` and `update` are all that a localizer must have;
+    its `reset` may take the pose alone, or the keywords that it needs. One without `reinitialize_global` gets it from
+    here, and is never started without a pose.
+    """
+
+    def reset(self, pose: Pose2D | None, *, covariance: FloatArray | None = None, seed: int = 0) -> None:
+        """Start over. The same seed and observations give the same estimates.
+
+        Args:
+            pose: Where the robot is, map frame; None where that is not known: it may be anywhere on the map.
+            covariance: Of (x, y, yaw) of the pose [m², rad²], shape (3, 3); None where the pose is exact.
+            seed: Of its random numbers.
+
+        Raises:
+            InputError: If there is no pose, and the localizer cannot find one; or the covariance is none.
+        """
+        ...
+
+    def update(self, observation: Observation) -> Estimate:
+        """Return where the robot is after one more observation; its time is the observation's.
+
+        Raises:
+            InputError: If the time of the observation is not after the last one.
+        """
+        ...
+
+    def reinitialize_global(self) -> None:
+        """Forget the pose: the robot may be anywhere on the map. By default a localizer cannot.
+
+        Raises:
+            InputError: If the localizer cannot find a pose by itself.
+        """
+        raise InputError("this localizer cannot find by itself where the robot is: give it a pose")
 
 
 LocalizerLike: TypeAlias = str | Choice | SomeLocalizer | Callable[..., object]
@@ -88,7 +108,7 @@ def create_localizer(localizer: LocalizerLike, grid: OccupancyGrid | None, robot
     return LocalizerAdapter(made) if isinstance(made, PluginFunction) or is_foreign(made) else made
 
 
-class LocalizerAdapter:
+class LocalizerAdapter(Localizer):
     """Gives a localizer of another package, or a function, the whole protocol, and checks what it returns.
 
     Args:
@@ -103,13 +123,24 @@ class LocalizerAdapter:
         self.localizer: Any = localizer.function if is_function else localizer
         self._estimate: Callable[[Observation], Any] = localizer if is_function else localizer.update
         self._reset: Callable[..., Any] | None = None if is_function else localizer.reset
+        self._search = None if is_function else getattr(localizer, "reinitialize_global", None)
         self._time: float | None = None
 
-    def reset(self, pose: Pose2D, *, seed: int = 0) -> None:
-        """Start over with the robot at `pose`; see `Localizer`. A function keeps nothing."""
+    def reset(self, pose: Pose2D | None, *, covariance: FloatArray | None = None, seed: int = 0) -> None:
+        """Start over; see `Localizer`. A function keeps nothing; a `reset` without a keyword is called without it."""
+        if pose is None and self._search is None:
+            raise InputError(f"localizer {name_of(self.localizer)!r} has no reinitialize_global(): it needs a start")
         self._time = None
         if self._reset is not None:
-            self._reset(pose, **({"seed": seed} if keywords_taken(self._reset, ("seed",)) else {}))
+            given = {"covariance": covariance, "seed": seed}
+            taken = keywords_taken(self._reset, tuple(given))
+            self._reset(pose, **{name: given[name] for name in taken})
+
+    def reinitialize_global(self) -> None:
+        """Forget the pose; see `Localizer`."""
+        if self._search is None:
+            raise InputError(f"localizer {name_of(self.localizer)!r} has no reinitialize_global(): give it a pose")
+        self._search()
 
     def update(self, observation: Observation) -> Estimate:
         """Return where the robot is; see `Localizer`.
@@ -134,3 +165,22 @@ class LocalizerAdapter:
                 kind="localizer",
             )
         return found
+
+
+def check_covariance(value: object, of: str) -> FloatArray:
+    """Return the covariance of (x, y, yaw) of something as an array [m², rad²], shape (3, 3).
+
+    Raises:
+        InputError: If it has another shape, a number is not finite, or it is not symmetric or not positive
+            semidefinite.
+    """
+    matrix = as_array(value, np.float64, f"the covariance of {of}")
+    if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
+        raise InputError(f"the covariance of {of} needs 3 x 3 finite numbers, of (x, y, yaw); got shape {matrix.shape}")
+    scale = float(np.abs(matrix).max())
+    if np.abs(matrix - matrix.T).max() > 1e-9 * scale or np.linalg.eigvalsh(matrix).min() < -1e-9 * scale:
+        raise InputError(
+            f"the covariance of {of} is not symmetric, or not positive semidefinite: give variances of x, y [m²] and "
+            f"yaw [rad²] on the diagonal, got {matrix.tolist()}"
+        )
+    return matrix

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import cast
+from typing import cast, get_args
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from trundle.geometry.solids import Box, Solid
 from trundle.localization import Localizer, create_localizer
 from trundle.localization.localizer import LocalizerLike
 from trundle.maps import OccupancyGrid
-from trundle.observation import Estimate, Observation
+from trundle.observation import Estimate, LocalizationState, Observation
 from trundle.robots import Robot
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.testing.conformance import ConformanceError, accept, expect
@@ -79,6 +79,7 @@ def check_localizer(
     _check_repeats(make, grid, driven, used, observations, estimates)
     _check_observations_alone(make(grid, driven), tolerances)
     _check_times(make(grid, driven), observations)
+    _check_without_pose(make(grid, driven), observations)
 
 
 def _follow(localizer: Localizer, start: Pose2D, observations: Sequence[Observation], seed: int = 3) -> list[Estimate]:
@@ -101,6 +102,14 @@ def _check_estimate(estimate: Estimate, observation: Observation) -> None:
         and abs(wrap_angle(odom.yaw - observation.odometry.yaw)) <= _NEAR,
         f"pose must be T_map_odom @ odometry; the odometry is {observation.odometry}, and T_map_odom makes it {odom}",
     )
+    states = get_args(LocalizationState)
+    expect(estimate.state in states, f"state must be one of {', '.join(states)}; found: {estimate.state!r}")
+    particles = estimate.particles
+    expect(
+        particles is None or (particles.ndim == 2 and particles.shape[1] == 4 and bool(np.isfinite(particles).all())),
+        "particles must be finite, of the shape (N, 4): x, y, yaw and weight",
+    )
+    expect(all(0.0 <= one.weight <= 1.0 for one in estimate.hypotheses), "the weight of a hypothesis must be 0 to 1")
     covariance = estimate.covariance
     if covariance is not None:
         matrix = np.asarray(covariance)
@@ -189,6 +198,20 @@ def _check_times(localizer: Localizer, observations: Sequence[Observation]) -> N
     _check_estimate(localizer.update(observations[3]), observations[3])
     localizer.reset(_START, seed=3)
     _check_estimate(localizer.update(observations[0]), observations[0])
+
+
+def _check_without_pose(localizer: Localizer, observations: Sequence[Observation]) -> None:
+    """A start with a covariance, and none: the localizer searches, or says with an InputError that it cannot."""
+    localizer.reset(_START, covariance=np.diag([0.01, 0.01, 0.001]), seed=3)
+    _check_estimate(localizer.update(observations[0]), observations[0])
+    for forget in (localizer.reinitialize_global, lambda: localizer.reset(None, seed=3)):
+        try:
+            forget()
+        except InputError:
+            continue
+        localizer.update(observations[1])
+        localizer.reset(_START, seed=3)
+        localizer.update(observations[0])
 
 
 def _drive(world: World, robot: Robot) -> tuple[list[Pose2D], list[Observation]]:

@@ -14,6 +14,7 @@ from trundle.errors import InputError
 from trundle.fault import check_result
 from trundle.geometry import Pose2D, Twist2D
 from trundle.localization import Localizer
+from trundle.localization.localizer import check_covariance
 from trundle.mission.observers import MonitorReport
 from trundle.mission.running.run_log import RunLog
 from trundle.navigation import Agent, AgentReport, AssistedCommand
@@ -197,16 +198,33 @@ class RobotStack:
         """Where the localizer believes the robot to be; None without one."""
         return None if self._localizer is None else self.estimate.pose
 
-    def relocate(self, pose: Pose2D) -> None:
+    def relocate(self, pose: Pose2D, covariance: Sequence[Sequence[float]] | None = None) -> None:
         """Tell the localizer where the robot is; it estimates the pose again, by what was observed last.
+
+        Args:
+            pose: Where it is.
+            covariance: Of (x, y, yaw) [m², rad²]; None where the pose is exact.
 
         Raises:
             InputError: If there is no localizer.
         """
+        localizer = self._need_localizer()
+        known = None if covariance is None else check_covariance(covariance, "the pose")
+        localizer.reset(pose, covariance=known, seed=self._seed)
+        self.estimate = self._locate(localizer)
+
+    def reinitialize_global(self) -> None:
+        """Tell the localizer that the robot may be anywhere; its next estimate says what it makes of that.
+
+        Raises:
+            InputError: If there is no localizer, or it cannot find a pose by itself.
+        """
+        self._need_localizer().reinitialize_global()
+
+    def _need_localizer(self) -> Localizer:
         if self._localizer is None:
             raise InputError("the robot knows its true pose: there is no localizer whose pose could be set")
-        self._localizer.reset(pose, seed=self._seed)
-        self.estimate = self._locate(self._localizer)
+        return self._localizer
 
     def move_to(self, state: RobotState) -> None:
         """Take that the robot was put somewhere else, at rest: it sees nothing yet, and a localizer does not notice."""

@@ -226,7 +226,9 @@ class DirectiveExecutor:
             case kinds.ClearObstacles(region, size):
                 self._stack.agent.clear_obstacles(region, size)
             case kinds.SetPose() as given:
-                self._stack.relocate(given.target)
+                self._stack.relocate(given.target, given.covariance)
+            case kinds.ReinitializeGlobal():
+                self._stack.reinitialize_global()
             case kinds.Manual(v, w):
                 self.manual, self._by = Twist2D(v, w), order.by
                 self._hold(order)

@@ -19,6 +19,7 @@ from trundle.mission.steering.goal_directives import (
     Cancel,
     ClearObstacles,
     FollowPath,
+    ReinitializeGlobal,
     RunBehavior,
     SetGoal,
     SetGoals,
@@ -250,6 +251,7 @@ Directive: TypeAlias = (
     | Cancel
     | ClearObstacles
     | SetPose
+    | ReinitializeGlobal
     | Manual
     | Release
     | DropBox
@@ -271,6 +273,7 @@ DIRECTIVES: dict[str, type[Directive]] = {
     "cancel": Cancel,
     "clear": ClearObstacles,
     "pose": SetPose,
+    "reinitialize": ReinitializeGlobal,
     "manual": Manual,
     "release": Release,
     "box": DropBox,

@@ -12,6 +12,7 @@ from pydantic.dataclasses import dataclass
 
 from trundle.errors import InputError
 from trundle.geometry import Goal, Pose2D
+from trundle.localization.localizer import check_covariance
 from trundle.mission.steering.checks import CONFIG, CheckedDirective, flag, number_of
 from trundle.navigation.behaviors import Behavior, create_behavior
 from trundle.navigation.waypoint import tasks_of
@@ -241,19 +242,37 @@ class SetPose(CheckedDirective):
 
     Attributes:
         pose: (x, y, yaw), or a pose; map frame.
+        covariance: Of (x, y, yaw) [m², rad²], three rows of three numbers; None where the pose is exact.
 
     Raises:
-        InputError: If it is no pose.
+        InputError: If it is no pose, or the covariance is not symmetric or has a negative variance.
     """
 
     pose: Pose2D | Sequence[float]
+    covariance: Sequence[Sequence[float]] | None = None
 
     @field_validator("pose", mode="plain")
     @classmethod
     def _check_pose(cls, pose: Any) -> tuple[float, float, float]:
         return Pose2D.of(pose).as_tuple()
 
+    @field_validator("covariance", mode="plain")
+    @classmethod
+    def _check_covariance(cls, covariance: Any) -> tuple[tuple[float, ...], ...] | None:
+        if covariance is None:
+            return None
+        rows = check_covariance(covariance, "the pose").tolist()
+        return tuple(tuple(row) for row in rows)
+
     @property
     def target(self) -> Pose2D:
         """The pose."""
         return Pose2D.of(self.pose)
+
+
+@dataclass(frozen=True, slots=True, config=CONFIG)
+class ReinitializeGlobal(CheckedDirective):
+    """Tell the localizer that the robot may be anywhere on the map, as Nav2's service of a like name does.
+
+    It is refused without a localizer, and where that cannot find a pose by itself.
+    """
