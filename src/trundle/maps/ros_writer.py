@@ -128,7 +128,7 @@ def _compose_yaml(grid: CellGrid, image: str, mode: Mode) -> str:
         "negate: 0\n"
         f"occupied_thresh: {OCCUPIED_THRESH}\n"
         f"free_thresh: {FREE_THRESH}\n"
-    )
+    ) + ("" if grid.surface == "border" else f"surface: {grid.surface}\n")
 
 
 def save_pair(yaml_file: Path, suffix: str, content: bytes, compose: Callable[[str], str]) -> None:
