@@ -2,6 +2,7 @@
 
     python -m benchmarks.sensing.marks_on_estimates [--missions 3] [--worlds warehouse office cylinders]
     python -m benchmarks.sensing.marks_on_estimates --jump 0.2 --every 5
+    python -m benchmarks.sensing.marks_on_estimates --localizer amcl
 
 Each mission is driven with the true pose, and with a stand-in for a localizer: the truth with an error that wanders by
 1 cm and 0.2 degrees, put on odometry that is wrong by 1 % and 1 degree per metre, at every scan. With `--jump`, its
@@ -30,6 +31,7 @@ import trundle
 from trundle.costmap import LETHAL, Costmap
 from trundle.errors import TrundleError
 from trundle.geometry import Goal, Pose2D, Twist2D, wrap_angle
+from trundle.localization import create_localizer
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import OCCUPIED
 from trundle.mission.obstacles import Unmapped
@@ -199,7 +201,8 @@ def drive(mission: Mission, robot: Robot, options: argparse.Namespace, *, estima
     with trundle.simulate(mission.world, robot, backend=options.backend, lidar=True) as inner:
         sim = WatchedSimulator(errors.simulate(inner) if estimated else inner)
         stand_in = StandIn(sim, options.error, math.radians(options.turn), options.jump, options.every)
-        localizer = stand_in if estimated else None
+        named = options.localizer and create_localizer(options.localizer, mission.grid, robot)
+        localizer = (named or stand_in) if estimated else None
         with trundle.Session(
             sim, navigator, mission.start, mission.goal, seed=mission.seed, localizer=localizer, time_limit_s=300.0
         ) as session:
@@ -239,6 +242,7 @@ def main() -> None:
     parser.add_argument("--turn", type=float, default=0.2, help="the same of its yaw [degrees]")
     parser.add_argument("--jump", type=float, default=0.0, help="of the estimate, now and then [m]")
     parser.add_argument("--every", type=float, default=5.0, help="mean time between jumps [s]")
+    parser.add_argument("--localizer", help="such as amcl, instead of the stand-in")
     parser.add_argument("--noise", type=float, default=0.02, help="of the lidars [m]")
     options = parser.parse_args()
     robot = noisy(Robot.load("nova_carter"), options.noise)
