@@ -83,8 +83,8 @@ def test_without_scans_it_stands_and_gives_up_in_the_end(world):
     episode = session.run()
     assert episode.outcome is trundle.Outcome.STUCK
     assert "has not found out in 120 s where it is" in episode.message
-    assert episode.time_s == pytest.approx(GIVES_UP_S, abs=0.2)
-    assert episode.driven_m < 0.01
+    assert episode.metrics.time_s == pytest.approx(GIVES_UP_S, abs=0.2)
+    assert episode.metrics.distance_m < 0.01
 
 
 def test_a_robot_that_is_somewhere_else_forgets_what_it_sensed_and_plans_again(world):

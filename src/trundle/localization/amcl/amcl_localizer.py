@@ -41,6 +41,7 @@ _START_M, _START_RAD = 1.3, math.radians(30.0)
 _NEAR_EVERY_S = 0.5
 _MAP_EVERY_S, _MAP_SELDOM_S = 1.0, 6.0
 _WORSE = 0.7  # agreement below which a better pose nearby is searched for
+_LEARN_EVERY = 3  # scans: the robot has moved a little by then
 _LEARN_AFTER = 5  # scans: the start has been corrected by then
 _LOST_M, _LOST_RAD = 1.0, 0.5
 """Least deviations of an estimate that is lost."""
@@ -191,7 +192,8 @@ class AmclLocalizer(Localizer):
         main = tracks.main
         if tracks.confirmed and main is before and main.scans > _LEARN_AFTER and tracks.state == "localized":
             self._bias.learn(motion, expected.inverse() @ main.pose)
-            self._surfaces.learn(beams, main.pose, main.distance, main.independent)
+            if main.scans % _LEARN_EVERY == 0:
+                self._surfaces.learn(beams, main.pose, main.distance, main.independent)
 
     def _search(self, beams: Beams, time: float) -> None:
         tracks, field = self._tracks, self._field

@@ -16,7 +16,7 @@ _BINS = np.array((0.5, np.pi / 18.0))  # as in Nav2
 _EXPLORERS = 0.1  # share of the particles that are drawn widely round the main track at each update
 _EXPLORE = np.array((0.2, 0.1))  # [m, rad]: a slip of wheels
 _NEAR_M, _NEAR_RAD = 0.3, 0.2  # of one cluster
-_BEAMS = 40  # that weigh particles: scan matching makes the estimate accurate
+_BEAMS = 30  # that weigh particles: scan matching makes the estimate accurate
 _STANDING = np.zeros(3)
 
 

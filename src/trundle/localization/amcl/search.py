@@ -11,13 +11,13 @@ from trundle.geometry import FloatArray, Pose2D
 from trundle.localization.amcl.beams import Beams
 from trundle.localization.amcl.map_field import MapField
 
-_POINTS = 90
+_POINTS = 60
 _POINT_CELL_M = 0.1
-_YAW_STEP_RAD = math.radians(1.5)
+_YAW_STEP_RAD = math.radians(2.0)
 _MOST = 12  # poses
 _APART_M, _APART_RAD = 0.6, 0.3
 _LEAST_SCORE = 100.0  # of 255: about two of five beams end on the map
-_SHARE = 0.75  # of the best one's score that others need
+_SHARE = 0.8  # of the best one's score that others need
 _MOST_NODES = 2_000_000
 
 

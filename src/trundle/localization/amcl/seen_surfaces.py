@@ -20,9 +20,9 @@ _PATCH_M = 0.1
 _DEEPEST_M = 0.35  # farther from the map's surface it is another thing that is seen
 _BELIEVED = 0.9  # of the mean distance
 _MAP_IS_RIGHT_M, _RISE_M = 0.04, 0.03  # up to this distance the map counts, from their sum on what was seen
-_OFFSET_GAIN, _INDEPENDENT = 0.003, 0.6
-_HALF_AFTER = 5.0  # beams
-_MOST_BEAMS = 60.0  # the mean is of about the last so many
+_OFFSET_GAIN, _INDEPENDENT = 0.009, 0.6
+_HALF_AFTER = 2.0  # beams
+_MOST_BEAMS = 20.0  # the mean is of about the last so many
 
 
 class SeenSurfaces:
