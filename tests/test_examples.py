@@ -18,6 +18,7 @@ WRITES = {
     "08_people": {"people.png"},
     "09_tour": {"tour.png"},
     "10_own_loop_in_the_browser": set(),
+    "11_localization": set(),
 }
 SAYS = {
     "01_load_and_view": "nova_carter: 57.5 kg",
@@ -30,12 +31,13 @@ SAYS = {
     "08_people": "arrived",
     "09_tour": "spin (task of goal 4) succeeded",
     "10_own_loop_in_the_browser": "stopped at Pose2D(",
+    "11_localization": "s: localized, 0.0",
 }
-OPTIONS = {"10_own_loop_in_the_browser": ["--seconds", "1", "--no-open"]}
+OPTIONS = {"10_own_loop_in_the_browser": ["--seconds", "1", "--no-open"], "11_localization": ["--fast"]}
 """Those of an example that waits for a person."""
 
 
-def test_there_is_an_example_for_each_step_for_evaluations_for_sensing_for_goals_and_for_the_browser() -> None:
+def test_there_is_an_example_for_each_step_for_evaluations_for_sensing_goals_the_browser_and_localization() -> None:
     assert [path.stem for path in EXAMPLES] == sorted(WRITES)
 
 
