@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -59,7 +59,6 @@ class Track:
     scans: int = 0
     travel: float = 0.0
     is_far: bool = False
-    weight: float = field(default=0.0)
 
     def follow(self, motion: Motion, settings: AmclSettings) -> None:
         """Move by the odometry; the covariance grows."""
