@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from itertools import pairwise
+from typing import Any, cast
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -70,8 +70,7 @@ class Drive:
 
 def estimate_of(step: Step) -> Estimate:
     """Return what the localizer said."""
-    assert step.estimate is not None
-    return step.estimate
+    return cast("Estimate", step.estimate)
 
 
 def drive(settings: dict[str, Any], localizer: str, *, is_carried: bool = False) -> Drive:
@@ -125,7 +124,7 @@ def plot_errors(
         return LEFT + (WIDTH - LEFT - 40) * time / end, PLOT_HEIGHT - BOTTOM - (PLOT_HEIGHT - BOTTOM - TOP) * share
 
     bottom, top = PLOT_HEIGHT - BOTTOM, at(0.0, 10**high)[1]
-    for before, after in zip(states, states[1:], strict=False):
+    for before, after in pairwise(states):
         tint = tuple(round(255 - 0.22 * (255 - part)) for part in STATES[estimate_of(after).state])
         draw.rectangle((at(before.state.time, 1)[0], top, at(after.state.time, 1)[0], bottom), fill=tint)
     for error in (0.001, 0.01, 0.1, 1.0, 10.0):
@@ -173,9 +172,7 @@ def draw_kidnapping(carried: Drive) -> None:
         view.line(part, ESTIMATED, 3)
     view.line([true[cut - 1], true[cut]], BAD, 3)
     view.disc(true[cut].tolist(), 9, BAD)
-    top = framed(
-        view.finish(), "Carried away after 12 s", ((TRUE, "true"), (ESTIMATED, "estimated"), (BAD, "carried"))
-    )
+    top = framed(view.finish(), "Carried away after 12 s", ((TRUE, "true"), (ESTIMATED, "estimated"), (BAD, "carried")))
     legend = tuple((color, name) for name, color in STATES.items())
     curves = ((carried.times, carried.errors, INK),)
     save_stacked(

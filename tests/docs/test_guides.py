@@ -21,11 +21,12 @@ GUIDES = (
     "browser",
     "simulation",
     "planning",
+    "localization",
 )
 # Pages with the fields, options and proofs behind a guide.
 REFERENCES = ("evaluation", "isaac", "planning", "ros2", "worlds")
 # What they begin with needs no other program and no network, and no other test runs it.
-RUN_HERE = ("maps", "worlds", "sensing", "control", "simulation", "planning")
+RUN_HERE = ("maps", "worlds", "sensing", "control", "simulation", "planning", "localization")
 
 
 @pytest.mark.parametrize("guide", GUIDES)
