@@ -39,6 +39,15 @@ def read_twist(twist: Any) -> Twist2D:
     return Twist2D(twist.linear.x, twist.angular.z)
 
 
+def read_covariance(message: Any) -> FloatArray | None:
+    """Read the covariance of (x, y, yaw) of a geometry_msgs/PoseWithCovariance, shape (3, 3).
+
+    Zeros mean that it is not known, or that the pose is exact: they are None.
+    """
+    whole = np.asarray(message.covariance, dtype=np.float64).reshape(6, 6)
+    return whole[np.ix_((0, 1, 5), (0, 1, 5))] if whole.any() else None
+
+
 def read_matrix(transform: Any) -> FloatArray:
     """Read a geometry_msgs/Transform as a matrix, shape (4, 4)."""
     turn = transform.rotation
