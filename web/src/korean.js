@@ -27,6 +27,7 @@ const WORDS = {
   "turning per distance": "거리당 회전", "steps of recovery": "복구 동작", "stops by the collision monitor": "충돌 감시기의 정지",
   "error of the estimate": "추정 오차", "search for a path": "경로 탐색", "run into while standing by": "서 있는 로봇에 부딪힌 것",
   "touched, but seen by no lidar": "닿았지만 라이다에 안 보인 것",
+  localized: "위치 확인됨", ambiguous: "위치 불확실", lost: "위치를 잃음",
   time: "시간", distance: "주행 거리", "smallest clearance": "최소 여유 거리",
   "real-time factor": "실시간 배율", replans: "다시 계획",
 };
@@ -72,6 +73,7 @@ const SENTENCES = [
   [`(?:the )?(goal|start) ${AT} lies in (.+)`, "@1 ($2, $3)에 설 수 없음: $5"],
   [`(?:the )?(goal|start) ${AT} is occupied by something that is not on the map(.*)`, "@1 ($2, $3)에 지도에 없는 것이 있음"],
   [`no path from ${AT} to ${AT}: (.+)`, "($1, $2)에서 ($4, $5)까지 경로 없음: @7"],
+  ["ambiguous: (\\d+) places", "위치 불확실: 후보 $1곳"],
   ["goal (\\d+): (.+)", "목표 $1: @2"],
 ].map(([pattern, korean]) => [new RegExp(`^${pattern}$`), korean]);
 const ENDS = { goal: "목표", start: "출발점" };

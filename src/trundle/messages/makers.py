@@ -13,7 +13,8 @@ from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.messages.codec import STAMPED_COMMANDS, Codec
-from trundle.observation import Estimate, Scan
+from trundle.messages.readers import DIAGNOSIS
+from trundle.observation import Estimate, Scan, describe_state
 from trundle.robots import Robot
 from trundle.sim.state import MoverState
 
@@ -41,12 +42,6 @@ def covariance_of(covariance: FloatArray) -> FloatArray:
     whole = np.zeros((6, 6))
     whole[np.ix_((0, 1, 5), (0, 1, 5))] = covariance
     return whole.ravel()
-
-
-def describe_state(estimate: Estimate) -> str:
-    """Return what a localizer says of its estimate in words: "localized", "ambiguous: 3 places" or "lost"."""
-    places = len(estimate.hypotheses)
-    return f"ambiguous: {places} places" if estimate.state == "ambiguous" and places > 1 else estimate.state
 
 
 def scan_topic(lidar: str, robot: Robot) -> str:
@@ -211,19 +206,20 @@ class MessageMaker:
         return self.codec.make(POSE, header=self.header(time, frame), pose=kind(pose=self.pose(pose), covariance=whole))
 
     def diagnosis(self, time: float, estimate: Estimate) -> Any:
-        """Make a `DIAGNOSTICS` of what a localizer says of its estimate: a warning where the robot may be elsewhere."""
+        """Make a `DIAGNOSTICS` of what a localizer says of its estimate: a warning where the robot may be elsewhere.
+
+        Its values are the state, and "x y yaw weight" of each place [m, rad, 1].
+        """
         value = self.codec.kind("diagnostic_msgs/msg/KeyValue")
         values = [value("state", estimate.state)]
         values += [
-            value(
-                f"place {number}", f"x={at.pose.x:.3f} y={at.pose.y:.3f} yaw={at.pose.yaw:.3f} weight={at.weight:.3f}"
-            )
+            value(f"place {number}", f"{at.pose.x:.3f} {at.pose.y:.3f} {at.pose.yaw:.3f} {at.weight:.3f}")
             for number, at in enumerate(estimate.hypotheses, 1)
         ]
         status = self.codec.make(
             "diagnostic_msgs/msg/DiagnosticStatus",
             level=_LEVELS[estimate.state],
-            name="trundle: localization",
+            name=DIAGNOSIS,
             message=describe_state(estimate),
             hardware_id="",
             values=values,
