@@ -1,4 +1,4 @@
-"""The pictures of docs/browser.md: the page live, before a run, at a goal, in an aisle, on a phone, and a report.
+"""The pictures of docs/browser.md: before a run, driving, in an aisle, at a goal, on a phone, a report, and a loop.
 
 Those in Korean need a font that has it, such as NanumGothic.
 
@@ -31,16 +31,20 @@ WebGL2RenderingContext.prototype.getExtension = function (name) {
 };
 """
 START, GOAL = "-13,0,0", "13,0,1.57"
+AISLE = 0.74, 0.5
+"""Where in the map's picture the goal of the loop is clicked: in the second aisle."""
+
+
+SERVE = ["-m", "trundle", "serve", "warehouse", "--seed", "4", "--no-open", "--port", "0"]
+LOOP = Path(__file__).parents[2] / "examples" / "10_own_loop_in_the_browser.py"
 
 
 @contextmanager
-def serve(folder: Path):
-    """The address of a page on the warehouse, in a process that ends with the block."""
-    command = [sys.executable, "-m", "trundle", "serve", "warehouse", "--seed", "4", "--no-open", "--port", "0"]
-    with subprocess.Popen(
-        [*command, f"--start={START}", f"--goal={GOAL}"], cwd=folder, stdout=subprocess.PIPE, text=True
-    ) as server:
-        yield next(line for line in server.stdout if line.startswith("http")).strip()
+def serve(folder: Path, *arguments: str):
+    """The address of the page of a command, in a process that ends with the block."""
+    command = [sys.executable, "-u", *arguments]
+    with subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True) as server:
+        yield next(word for line in server.stdout for word in line.split() if word.startswith("http"))
         server.terminate()
 
 
@@ -51,12 +55,12 @@ def save(tab: Page, file: Path) -> None:
     print(f"{file}: {file.stat().st_size / 1000:.0f} kB")
 
 
-def open_tab(browser, address: str, width: int, height: int, **look) -> Page:
+def open_tab(browser, address: str, width: int, height: int, *, ready: str = "#go:not([disabled])", **look) -> Page:
     context = browser.new_context(viewport={"width": width, "height": height}, **look)
     context.add_init_script(SHARP)
     tab = context.new_page()
     tab.goto(address)
-    tab.wait_for_selector("#go:not([disabled])")
+    tab.wait_for_selector(ready)
     return tab
 
 
@@ -121,6 +125,17 @@ def phone(browser, address: str, out: Path) -> None:
     end(tab)
 
 
+def loop(browser, address: str, out: Path) -> None:
+    tab = open_tab(browser, address, 1280, 760, ready="#goal:not([disabled])", locale="en-US", color_scheme="light")
+    tab.click("#goal")
+    box = tab.locator("#map").bounding_box()
+    tab.mouse.click(box["x"] + AISLE[0] * box["width"], box["y"] + AISLE[1] * box["height"])
+    far = "() => parseFloat(document.querySelectorAll('#status dd')[1].textContent) > -4.5"
+    tab.wait_for_function(far, timeout=180_000)
+    save(tab, out / "browser_show.webp")
+    tab.context.close()
+
+
 def report(browser, folder: Path, out: Path) -> None:
     command = [
         sys.executable,
@@ -157,11 +172,13 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name, sync_playwright() as playwright:
         folder = Path(name)
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
-        with serve(folder) as address:
+        with serve(folder, *SERVE, f"--start={START}", f"--goal={GOAL}") as address:
             live(browser, address, out)
             tablet(browser, address, out)
             phone(browser, address, out)
         report(browser, folder, out)
+        with serve(folder, str(LOOP), "--no-open") as address:
+            loop(browser, address, out)
         browser.close()
 
 

@@ -5,8 +5,9 @@ from rosbags.rosbag2 import StoragePlugin
 from support.foreign_bags import room, write_bag
 from trundle.bags import read_run, recover
 from trundle.bags.bag_content import TopicNames
+from trundle.bags.run_record import RUN_RECORD, describe_run, parse_records
 from trundle.errors import InputError
-from trundle.mission import Episode, Outcome
+from trundle.mission import Episode, Outcome, Scenario
 from trundle.record import RunFolder
 
 
@@ -20,6 +21,21 @@ def test_our_own_bag_gives_the_run_back(recorded):
     assert run.scenario == recorded.scenario
     assert np.array_equal(run.grid.data, recorded.grid.data)
     assert sum(len(step.scans) for step in run.steps) == sum(len(step.scans) for step in recorded.steps)
+
+
+@pytest.mark.parametrize("start_error", ["unknown", {"distance": 0.5, "heading": "10deg", "covariance": False}])
+def test_a_bag_keeps_what_a_localizer_had_to_bear(recorded, start_error):
+    scenario = Scenario.make(
+        world="office",
+        lidar=True,
+        localizer="odometry",
+        odometry={"slips": {"count": 6, "every": 3.0}},
+        lidar_errors={"noise": 0.02, "dropouts": 0.01, "short_returns": 0.01},
+        start_error=start_error,
+        map_errors={"missing": 0.25, "ghosts": [2, 12]},
+    )
+    record = parse_records(recorded.path, {RUN_RECORD: describe_run(recorded.info, scenario, "jazzy")})
+    assert record.scenario == scenario
 
 
 def test_a_recovered_bag_is_an_aborted_run_with_metrics(recorded, partial):

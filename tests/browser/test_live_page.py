@@ -152,6 +152,7 @@ def test_pause_step_speed_box_and_restart_are_sent(driving: Any, played: Any) ->
     assert played.wait_for("pause")[0]["paused"] is True
     played.frame(paused=True)
     driving.wait_for_selector("#step:not([disabled])")
+    driving.wait_for_selector("#status .doing:text-is('paused · driving to the goal')")
     driving.click("#step")
     driving.locator("#speed").focus()
     for _ in range(4):

@@ -229,6 +229,15 @@ def test_the_robot_check_says_what_lidars_miss(trundle: Trundle) -> None:
     assert "a EUR pallet" in shown[0]["missed"]
 
 
+def test_the_robot_check_says_how_exact_odometry_must_be(trundle: Trundle) -> None:
+    done = trundle("doctor", "robot", "nova_carter", "--backend", "kinematic")
+    assert "after 10 m it is within 0.25 m of its goal if the odometry is wrong by at most 2.5 % of the" in done.out
+    assert "--localizer amcl bears odometry that is wrong by 5 % of the distance and 5° per metre" in done.out
+    shown = trundle("doctor", "robot", "nova_carter", "--backend", "kinematic", "--json").json
+    assert [need["distance"] for need in shown["odometry_needed"]] == [10.0, 30.0]
+    assert shown["localizer"] == "amcl"
+
+
 def test_a_robot_without_lidars_is_said_to_sense_nothing(trundle: Trundle, tmp_path: Path) -> None:
     robot = tmp_path / "blind.yaml"
     robot.write_text(describe_robot(Robot.load("nova_carter").model_copy(update={"lidars": {}})))

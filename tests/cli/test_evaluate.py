@@ -34,6 +34,37 @@ def test_seeds_on_the_command_line_are_those_of_worlds_with_missions_of_their_ow
     assert sorted((row["world"], row["seed"]) for row in rows) == [("room", 3), ("room", 4), ("tight", 3), ("tight", 4)]
 
 
+def test_a_suite_drives_in_maps_that_are_given_besides(trundle, suite, room_map, tmp_path):
+    (tmp_path / "maze.yaml").write_text("worlds: {name: cylinders, seed: 3}\nbackends: kinematic\nmissions: 9\n")
+    assert trundle("evaluate", "maze.yaml", room_map, "--seeds", "2", "-o", "a", "--quiet").code == 0
+    rows = trundle("evaluate", "show", "a", "--json").json
+    assert [(row["world"], row["seed"]) for row in rows] == [
+        (name, k) for name in ("cylinders", "room") for k in (0, 1)
+    ]
+    done = trundle("evaluate", "maze.yaml", suite, "-o", "b")
+    assert done.code == 2
+    assert "give one suite, with maps and worlds" in done.err
+    done = trundle("evaluate", "maze.yaml", "ofice", "-o", "b")
+    assert done.code == 2
+    assert "office" in done.err
+
+
+def test_the_errors_of_a_localizer_are_columns_and_can_be_required(trundle, room_map, tmp_path):
+    (tmp_path / "start.yaml").write_text(
+        f"worlds: [{room_map}]\nbackends: kinematic\nmissions: 2\nlocalizer: odometry\n"
+        "start_error: [null, {distance: 0.1}]\n"
+    )
+    assert trundle("evaluate", "start.yaml", "-o", "a", "--quiet").code == 0
+    for row in trundle("evaluate", "show", "a", "--json").json:
+        error = 0.1 if "distance" in row["settings"] else 0.0
+        assert row["localization_error_m"] == pytest.approx(error, abs=1e-6)
+        assert row["localization_error_p95_m"] == pytest.approx(error, abs=1e-6)
+        assert row["lost_s"] == 0.0
+    assert trundle("evaluate", "report", "a", "--require", "localization_error_p95_m<=0.2").code == 0
+    assert trundle("evaluate", "report", "a", "--require", "localization_error_m<=0.01").code == 1
+    assert "mean error of the estimate" in (tmp_path / "a" / "report.html").read_text()
+
+
 def test_a_suite_is_run_shown_reported_and_compared(trundle, suite, tmp_path):
     assert trundle("evaluate", suite, "-o", "a", "--quiet").code == 0
     assert trundle("evaluate", suite, "-o", "b", "--planners", "astar", "--quiet").code == 0
@@ -98,7 +129,7 @@ def test_failed_episodes_are_listed_with_the_command_that_repeats_them(trundle, 
         (["room.yaml", "--require", "success[planner=astar]>=0.9"], "astar"),
         (["room.yaml", "--seeds", "0:1000000000"], "1,000,000,000 episodes"),
         (["room.yaml", "--workers", "0"], "workers"),
-        (["smoke", "office"], "one suite alone"),
+        (["smoke", "tight"], "give one suite, with maps"),
         (["room.yaml", "--controllers", "lookahed"], "'lookahead'"),
         (["room.yaml", "--robots", "nova_cater"], "'nova_carter'"),
         (["room.yaml", "--seeds", "5:5"], "no episodes"),
@@ -150,7 +181,7 @@ def test_a_map_that_is_gone_when_an_evaluation_is_continued_is_named_and_no_row_
     gone = trundle("evaluate", suite, "-o", "a")
     assert gone.code == 2
     assert gone.err.count("\n") == 1
-    assert "room.png: No such file" in gone.err
+    assert "room.png: no such file" in gone.err
     assert trundle("evaluate", "report", "a").code == 0
     aside.rename(image)
     assert json.loads(trundle("evaluate", suite, "-o", "a", "--json").out.splitlines()[0])["resumed"] == 4

@@ -93,12 +93,16 @@ run warehouse --set aisle_width=wide | must be a number from 1 to 10
 run map.yaml --planner-option goal_tolerance | give KEY=VALUE
 run map.yaml --inflation-radius -1 | it must be at least 0
 run map.yaml --inflation-raduis 0.5 | Did you mean --inflation-radius?
+run map.yaml --nav2-params none.yaml | no such file; did you mean gone.yaml?
+run map.yaml --nav2-params nav2/params.yaml | no such file: there is no folder nav2
+run map.yaml --nav2-params map.yaml | is not under ros__parameters: write NODE
 run --from nightly | FOLDER:ID
 run map.yaml --distro humble | give --record with it
 run map.yaml --no-map | needs lidars
 run warehouse office | See: trundle run --help
 plan warehouse | trundle map build warehouse -o map.yaml
 plan map.yaml -o out.jpg | give a file that ends in .png
+plan map.yaml -o map.png | it is the image of the map big.yaml; give another name
 plan map.yaml --deadline -1 | a positive number of seconds
 map build warehouse --resolution 5cm | in metres, seconds or Hz: 0.05
 map build warehouse --resolution -0.05 | 0.0001 to 5 m
@@ -108,6 +112,13 @@ map build map.yaml -o my.yaml | replace it with --overwrite
 map build nova_carter | give it with --robot nova_carter
 map convert map.yaml -o map.yaml | give another name
 map convert map.yaml -o my.yaml | replace it with --overwrite
+map check map.yaml -o map.png | it is the image of the map big.yaml; give another name
+map check map.yaml --fix map.yaml | this is the map that is checked; give another file, or replace it with --overwrite
+map check map.yaml --fix my.yaml | Give another file with --fix, or replace it with --overwrite
+export map.yaml --to map -o my.yaml | Give another file with -o, or replace it with --overwrite
+record info run.mcap | give the .mcap file of a recording
+record recover run.mcap | give the .mcap file of a recording
+record to-run bag | give a .mcap or .db3 file
 view warehouse | this with --world warehouse
 joints ./notes.txt | has no `key: value` lines
 drive nova_carter --command 0.4 | give V,W,SECONDS
@@ -203,13 +214,45 @@ def test_a_map_is_built_again_until_it_is_edited(files: Trundle) -> None:
     assert files("map", "build", "office", "-o", "again.yaml", "--resolution", "0.1").code == 0
     edited = Path("again.yaml").read_text().replace("0.65", "0.6")
     Path("again.yaml").write_text(edited)
-    for command in ("map build office", "map convert map.yaml"):
-        done = files(*command.split(), "-o", "again.yaml")
+    verbs = ("map build office -o", "map convert map.yaml -o", "export office --to map -o", "map check map.yaml --fix")
+    for verb in verbs:
+        done = files(*verb.split(), "again.yaml")
         assert done.code == 2
         assert "--overwrite" in done.err
         assert Path("again.yaml").read_text() == edited
     assert files("map", "build", "office", "-o", "again.yaml", "--overwrite").code == 0
     assert "0.65" in Path("again.yaml").read_text()
+
+
+def test_a_map_is_fixed_in_place_when_asked_to(files: Trundle) -> None:
+    before = Path("map.yaml").read_text().replace("0.65", "0.1")
+    Path("map.yaml").write_text(before)
+    assert files("map", "check", "map.yaml", "--fix", "map.yaml").code == 2
+    assert Path("map.yaml").read_text() == before
+    done = files("map", "check", "map.yaml", "--fix", "map.yaml", "--overwrite", "--json")
+    assert done.json["fixed"] == "map.yaml"
+    assert files("map", "check", "map.yaml").code == 0
+    assert "occupied_thresh: 0.65" in Path("map.yaml").read_text()
+
+
+def test_the_maps_for_nav2_are_kept_once_they_are_edited(files: Trundle) -> None:
+    for name in ("keepout", "limits"):
+        assert files("map", "convert", "map.yaml", "-o", f"{name}.yaml").code == 0
+    with Path("limits.yaml").open("a") as limits:
+        limits.write("type: 1\nbase: 100\nmultiplier: -0.5\n")
+    Path("masks.yaml").write_text("map: map.yaml\nkeepout: keepout.yaml\nspeed_mask: limits.yaml\n")
+    export = ("export", "masks.yaml", "--to", "nav2", "-o", "out", "--quiet")
+    for _ in range(2):
+        assert files(*export).code == 0
+    for name in ("map", "keepout", "speed"):
+        path = Path("out", f"{name}.yaml")
+        written = path.read_text()
+        path.write_text(written.replace("0.65", "0.6"))
+        done = files(*export)
+        assert done.code == 2
+        assert f"out/{name}.yaml already exists" in done.err
+        path.write_text(written)
+    assert files(*export).code == 0
 
 
 def test_a_movingai_map_is_replaced_only_by_the_same(files: Trundle) -> None:

@@ -381,6 +381,31 @@ def test_settings_of_sensing_are_given_as_pairs(trundle, tmp_path):
     assert again.layers == scenario.layers
 
 
+def test_what_a_localizer_has_to_bear_is_given_as_pairs_and_repeated_by_the_scenario_that_is_written(trundle):
+    pairs = ("--odometry", "scale=0.05", "--odometry", "slips=6", "--lidar-errors", "noise=0.02")
+    pairs += ("--lidar-errors", "dropouts=0.1", "--map-errors", "missing=0.25", "--map-errors", "ghosts=3")
+    pairs += ("--localizer", "odometry", "--start-error", "distance=0.5", "--start-error", "heading=10deg")
+    done = trundle("run", "office", "--lidar", *pairs, *QUICK, "--time-limit", "5", "--seed", "3", "--json", "-o", "a")
+    assert done.code in (0, 1), done.err
+    scenario = Scenario.load("a")
+    assert scenario.odometry.slips.count == 6
+    assert scenario.lidar_errors.model_dump() == {"noise": 0.02, "dropouts": 0.1, "short_returns": 0.0}
+    assert (scenario.map_errors.missing, scenario.map_errors.ghosts) == (0.25, (3, 3))
+    assert scenario.start_error.heading == pytest.approx(np.deg2rad(10.0))
+    assert done.json["localization_error_m"] > 0.3
+    trundle("run", "a/scenario.yaml", "--no-video", "-o", "b")
+    with np.load("a/trajectory.npz") as first, np.load("b/trajectory.npz") as again:
+        for name in first.files:
+            np.testing.assert_array_equal(first[name], again[name])
+
+
+def test_an_unknown_start_is_refused_for_a_localizer_that_needs_one(trundle):
+    done = trundle("run", "maze", "--localizer", "odometry", "--start-error", "unknown=true", "--no-video", "-o", "a")
+    assert done.code == 2
+    assert "needs a start" in done.err
+    assert not Path("a").exists()
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [
@@ -388,6 +413,12 @@ def test_settings_of_sensing_are_given_as_pairs(trundle, tmp_path):
         (("--latency", "scan_age_s"), "give KEY=VALUE, for example --latency scan_age_s=0.1"),
         (("--latency", "scan_age_s=9"), "scan_age_s"),
         (("--odometry", "slip=1"), "slip"),
+        (("--odometry", "slips=-1"), "odometry.slips: -1 is out of range"),
+        (("--lidar-errors", "dropouts"), "give KEY=VALUE, for example --lidar-errors dropouts=0.01"),
+        (("--lidar-errors", "droputs=0.1"), "dropouts"),
+        (("--map-errors", "missing=2"), "map_errors.missing"),
+        (("--start-error", "distance=1"), "give a localizer"),
+        (("--localizer", "odometry", "--start-error", "distance=1", "--start-error", "unknown=true"), "give either"),
         (("--monitor", "min_points=4", "--no-collision-monitor"), "not both"),
     ],
 )

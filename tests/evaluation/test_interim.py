@@ -41,6 +41,16 @@ class SlowWriter:
         self.status = -9
 
 
+class StarvedWriter(SlowWriter):
+    """Gets no processor, so that even its end is late."""
+
+    def terminate(self):
+        pass
+
+    def kill(self):
+        self.was_killed = True
+
+
 @pytest.fixture
 def clock():
     return Clock()
@@ -73,6 +83,15 @@ def test_a_report_that_is_being_written_ends_with_the_evaluation(clock, listens)
     reports.close()
     assert writer.status == (1 if listens else -9)
     reports.close()
+
+
+def test_a_report_that_ends_late_on_a_busy_machine_is_left_to_its_end(clock):
+    writer = StarvedWriter("out")
+    reports = InterimReports("out", start=lambda _: writer, clock=clock)
+    clock.now = FIRST_S
+    reports.look()
+    reports.close()
+    assert writer.was_killed
 
 
 def test_a_process_that_cannot_be_started_is_tried_again_later(clock):

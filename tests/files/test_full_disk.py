@@ -28,7 +28,7 @@ sys.exit(main())
 def limited(*arguments):
     """A command in a process whose files may not be larger than `ROOM`."""
     code = LIMITED.format(room=ROOM, arguments=list(arguments))
-    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False)
+    return subprocess.run([sys.executable, "-B", "-c", code], capture_output=True, text=True, timeout=120, check=False)
 
 
 @pytest.mark.parametrize(

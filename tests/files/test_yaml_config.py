@@ -57,7 +57,7 @@ def test_all_mistakes_are_reported_at_once_and_unknown_keys_first(tmp_path):
 
 
 def test_files_that_cannot_be_read_are_named(tmp_path):
-    with pytest.raises(InputError, match=r"cannot read .*missing.yaml: No such file"):
+    with pytest.raises(InputError, match=r"cannot read .*missing.yaml: no such file"):
         compose(tmp_path / "missing.yaml")
     (tmp_path / "binary.yaml").write_bytes(b"\xff\xfe\x00\x80")
     with pytest.raises(InputError, match="not a text file in UTF-8"):

@@ -16,6 +16,7 @@ from fuzz import (
     fuzz_inflation,
     fuzz_layers,
     fuzz_least_cost,
+    fuzz_localization,
     fuzz_map_reader,
     fuzz_mppi,
     fuzz_png_filter,
@@ -67,6 +68,14 @@ TARGETS = {
         fuzz_components.one_round, ("label_components", "mark_gaps", "flood_free", "flood_largest"), 500
     ),
     "rays": Target(fuzz_rays.one_round, ("cast_grid_rays", "cast_outline_rays", "find_moved"), 1000),
+    "localization": Target(
+        fuzz_localization.one_round,
+        (
+            *("distance_field", "field_at", "move_particles", "weigh_particles", "resample_particles"),
+            *("match_scan", "judge_beams", "search_poses"),
+        ),
+        150,
+    ),
     "tracking": Target(fuzz_tracking.one_round, ("ScanTracker",), 60),
     "layers": Target(fuzz_layers.one_round, ("mark_scan", "paint_marks", "unmark_before", "unmark_within"), 150),
     "raster": Target(

@@ -99,7 +99,7 @@ def test_a_damaged_query_is_refused_with_its_line(tmp_path, line, message):
 
 
 def test_missing_empty_and_binary_files(tmp_path):
-    with pytest.raises(MapError, match=r"cannot read .*: No such file"):
+    with pytest.raises(MapError, match=r"cannot read .*: no such file"):
         load_map(tmp_path / "none.map")
     with pytest.raises(MapError, match="no queries"):
         load_scenarios(write(tmp_path, "version 1\n", "a.scen"))

@@ -218,7 +218,7 @@ def test_an_alias_bomb_is_refused_at_once(tmp_path):
 
 
 def test_missing_unreadable_and_foreign_files(tmp_path):
-    with pytest.raises(MapError, match=r"cannot read .*nowhere.yaml: No such file"):
+    with pytest.raises(MapError, match=r"cannot read .*nowhere.yaml: no such file"):
         OccupancyGrid.load(tmp_path / "nowhere.yaml")
     with pytest.raises(MapError, match=r"cannot read .*: Is a directory"):
         OccupancyGrid.load(tmp_path)

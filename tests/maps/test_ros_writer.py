@@ -16,7 +16,7 @@ from PIL import Image
 from trundle.errors import MapError, OutputError
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
-from trundle.maps.ros_writer import is_as_written
+from trundle.maps.ros_writer import find_map_of, is_as_written
 
 finite = st.floats(-1e6, 1e6, allow_nan=False)
 resolutions = st.floats(1e-3, 1e3)
@@ -143,3 +143,14 @@ def test_what_cannot_be_saved_leaves_nothing(tmp_path, name, options, message):
 def test_a_folder_that_is_not_there_is_an_output_error(tmp_path):
     with pytest.raises(OutputError, match="cannot write"):
         RAMP.save(tmp_path / "nowhere" / "map.yaml")
+
+
+@pytest.mark.parametrize(
+    "line", ["image: map.png", 'image: "map.png"', "image: './map.png'  # drawn", "image:   map.png "]
+)
+def test_the_map_of_an_image_is_found_by_its_yaml(tmp_path, line):
+    (tmp_path / "map.png").touch()
+    (tmp_path / "notes.yaml").write_text("image: my_map.png\n# map.png\n")
+    assert find_map_of(tmp_path / "map.png") is None
+    (tmp_path / "site.yaml").write_text(f"{line}\nresolution: 0.05\n")
+    assert find_map_of(tmp_path / "map.png") == tmp_path / "site.yaml"

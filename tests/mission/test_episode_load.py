@@ -127,7 +127,8 @@ def test_a_run_whose_pictures_are_not_done_comes_back(folder):
 def test_a_run_from_before_estimates_and_monitors_comes_back(folder):
     """Its record has no figures of sensing, and its trajectory no estimates: the true poses stand for them."""
     record = json.loads((folder / "episode.json").read_text())
-    new = ("standing_contacts", "unseen_contacts", "position_error_m", "monitor_stops")
+    located = ("position_error_m", "localization_error_m", "localization_error_p95_m", "lost_s")
+    new = ("standing_contacts", "unseen_contacts", *located, "monitor_stops")
     assert set(new) <= set(record)
     older = {name: value for name, value in record.items() if name not in new}
     (folder / "episode.json").write_text(json.dumps(older))
@@ -140,6 +141,7 @@ def test_a_run_from_before_estimates_and_monitors_comes_back(folder):
     metrics = again.metrics
     assert (metrics.standing_contacts, metrics.unseen_contacts) == ((), ())
     assert (metrics.position_error_m, metrics.monitor_stops) == (0.0, None)
+    assert (metrics.localization_error_m, metrics.localization_error_p95_m, metrics.lost_s) == (0.0, 0.0, 0.0)
 
 
 def test_paths_of_every_kind_come_back(tmp_path):

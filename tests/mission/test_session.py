@@ -1,6 +1,7 @@
 """Sessions: their steps, agents, localizers and latency, and the physics steps between."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -193,6 +194,46 @@ def test_a_goal_that_is_reached_only_by_the_estimate_is_not_reached(make_sim, na
     assert episode.metrics.spl == 0.0
     assert "0.50 m from where the robot is" in episode.message
     np.testing.assert_allclose(episode.trajectory.estimate_x, episode.trajectory.x - 0.5)
+
+
+class Wandering(Drifting):
+    """Is off by more and more, and says so for a while."""
+
+    def update(self, observation):
+        step = round(observation.time / 0.05)
+        self.ahead_m = 0.001 * min(step, 100)
+        state = "lost" if 20 <= step < 30 else "ambiguous" if 30 <= step < 40 else "localized"
+        return replace(super().update(observation), state=state)
+
+
+def test_the_error_of_the_estimate_is_measured_over_the_run_and_time_not_localized_is_counted(
+    make_sim, navigator, start
+):
+    sim = make_sim()
+    metrics = run(sim, navigator, start, GOAL, localizer=Wandering(0.0, sim)).metrics
+    periods = round(metrics.time_s / 0.05)
+    errors = np.minimum(np.arange(periods + 1), 100) * 0.001
+    assert metrics.localization_error_m == pytest.approx(errors.mean())
+    assert metrics.localization_error_p95_m == pytest.approx(np.percentile(errors, 95.0))
+    assert metrics.position_error_m == pytest.approx(errors[-1])
+    assert metrics.lost_s == pytest.approx(20 * 0.05)
+
+
+def test_without_a_localizer_there_is_no_error_and_nothing_is_lost(make_sim, navigator, start):
+    metrics = run(make_sim(), navigator, start, GOAL).metrics
+    assert (metrics.localization_error_m, metrics.localization_error_p95_m, metrics.lost_s) == (0.0, 0.0, 0.0)
+
+
+def test_arrival_is_judged_by_the_estimate_for_the_robot_and_by_the_truth_for_the_metrics(make_sim, navigator, start):
+    """It stops where its estimate is at the goal. Where the truth is not, the run is no success."""
+    for offset, outcome in ((-0.2, Outcome.ARRIVED), (-0.4, Outcome.ARRIVED_BY_ESTIMATE)):
+        sim = make_sim()
+        episode = run(sim, navigator, start, GOAL, localizer=Drifting(offset, sim))
+        believed, true = episode.trajectory.estimates[-1], episode.trajectory.poses[-1]
+        assert np.hypot(*(believed[:2] - GOAL[:2])) <= 0.25
+        assert (np.hypot(*(true[:2] - GOAL[:2])) <= 0.25) == (outcome is Outcome.ARRIVED)
+        assert episode.outcome is outcome
+        assert (episode.metrics.spl > 0.0) == (outcome is Outcome.ARRIVED)
 
 
 def test_a_goal_within_the_error_is_reached(make_sim, navigator, start):

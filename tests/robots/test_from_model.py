@@ -117,7 +117,7 @@ def test_a_yaml_can_name_a_model_and_add_to_it(tmp_path):
         ("modle: mini.urdf\n", "r.yaml:1:1: modle: unknown key. Did you mean 'model'? There are: name, "),
         (YAML.replace("models/", "") + "path: [here]\n", "path: unknown key. Did you mean 'paths'?"),
         ("model: mini.step\n", "model must be the path of a .urdf, .xacro, .xml, .mjcf file, got 'mini.step'"),
-        ("model: gone.urdf\n", "gone.urdf: there is no such file"),
+        ("model: gone.urdf\n", "gone.urdf: no such file"),
         (YAML.replace("models/", "") + "colour: red\n", "colour: unknown key"),
         (YAML.replace("models/", "") + "paths: here\n", "paths must be a list"),
         (

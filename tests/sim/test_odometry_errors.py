@@ -7,7 +7,7 @@ import pytest
 from trundle.errors import InputError
 from trundle.geometry import Pose2D, Twist2D, wrap_angle
 from trundle.robots import Robot
-from trundle.sim import Simulator
+from trundle.sim import Simulator, simulate
 from trundle.sim.actuation import Actuation
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.sim.odometry_errors import OdometryErrors
@@ -188,3 +188,84 @@ def test_errors_out_of_range_are_refused(settings, words):
 def test_the_yaw_stays_within_a_turn():
     last = drive(OdometryErrors(heading=1.0), Twist2D(0.5, 0.0), periods=400)[-1]
     assert last.odometry.yaw == wrap_angle(last.odometry.yaw)
+
+
+# Slips ----------------------------------------------------------------------------------------------------------------
+
+SLIPS = {"count": 3, "every": 2.0, "distance": 0.3, "heading": "10deg"}
+
+
+def off(states):
+    """How far the odometry has moved beside the truth, in the frame of the truth: forward [m] and yaw [rad]."""
+    moved = (states[0].odometry.inverse() @ states[-1].odometry, states[0].pose.inverse() @ states[-1].pose)
+    return moved[0].x - moved[1].x, wrap_angle(moved[0].yaw - moved[1].yaw)
+
+
+def test_each_slip_counts_its_distance_and_its_heading_and_moves_nothing():
+    wrong = drive(OdometryErrors(slips={**SLIPS, "heading": 0.0}), Twist2D(0.5, 0.0), periods=600, seed=3)
+    exact = drive(OdometryErrors(), Twist2D(0.5, 0.0), periods=600, seed=3)
+    assert [state.pose for state in wrong] == [state.pose for state in exact]
+    assert off(wrong) == pytest.approx((0.9, 0.0))
+    turning = drive(OdometryErrors(slips={**SLIPS, "count": 1}), Twist2D(0.5, 0.0), periods=600, seed=3)
+    assert abs(off(turning)[1]) == pytest.approx(math.radians(10.0))
+
+
+def test_slips_go_in_the_direction_of_travel():
+    errors = OdometryErrors(slips={**SLIPS, "count": 1, "heading": 0.0})
+    assert off(drive(errors, Twist2D(-0.4, 0.0), periods=600))[0] == pytest.approx(-0.3)
+
+
+def test_slips_turn_to_either_side_and_come_at_other_places_by_seed():
+    turns, begins = set(), set()
+    for seed in range(8):
+        states = drive(OdometryErrors(slips={**SLIPS, "count": 1}), Twist2D(0.5, 0.0), seed=seed)
+        turns.add(round(math.degrees(off(states)[1])))
+        begins.add(next(state.time for state in states if state.odometry != state.pose))
+        assert states == drive(OdometryErrors(slips={**SLIPS, "count": 1}), Twist2D(0.5, 0.0), seed=seed)
+    assert turns == {-10, 10}
+    assert len(begins) > 2
+
+
+def test_the_twist_tells_that_the_wheels_turn_faster_during_a_slip():
+    states = drive(OdometryErrors(slips={**SLIPS, "count": 1}), Twist2D(0.5, 0.0), periods=400)
+    faster = [state.odometry_twist.v for state in states[1:] if abs(state.odometry_twist.v - state.twist.v) > 1e-9]
+    assert len(faster) == round(1.0 / DT)
+    assert max(faster) == pytest.approx(0.8)
+
+
+def test_a_robot_that_stands_does_not_slip():
+    assert off(drive(OdometryErrors(slips={"every": 0.1}), Twist2D(0.0, 0.0), periods=400)) == (0.0, 0.0)
+
+
+def test_without_a_count_slips_go_on():
+    states = drive(OdometryErrors(slips={"every": 1.0, "heading": 0.0}), Twist2D(1.0, 0.0), periods=600)
+    assert off(states)[0] > 12 * 0.3
+
+
+def test_a_number_alone_is_the_count():
+    assert OdometryErrors(slips=6) == OdometryErrors(slips={"count": 6})
+    assert OdometryErrors(slips=6).slips.heading == pytest.approx(math.radians(10.0), abs=1e-4)
+
+
+def test_slips_leave_the_other_errors_as_they_are():
+    errors = {"scale": 0.02, "heading": 0.01, "slip": 0.01, "walk": 0.01}
+    without = drive(OdometryErrors(**errors), Twist2D(0.5, 0.0), periods=15, seed=2)
+    with_slips = drive(OdometryErrors(**errors, slips={"every": 50.0}), Twist2D(0.5, 0.0), periods=15, seed=2)
+    assert without == with_slips
+
+
+@pytest.mark.parametrize(
+    ("slips", "message"),
+    [({"count": -1}, "count"), ({"every": 0.0}, "every"), ({"distance": -0.1}, "distance"), ({"cuont": 3}, "count")],
+)
+def test_slips_that_cannot_be_are_refused(slips, message):
+    with pytest.raises((InputError, ValueError), match=message):
+        OdometryErrors(slips=slips)
+
+
+def test_mujoco_slips_as_the_kinematic_simulator_does():
+    with OdometryErrors(slips={**SLIPS, "count": 1, "heading": 0.0}).simulate(
+        simulate(EMPTY, CARTER, backend="mujoco")
+    ) as sim:
+        states = [sim.reset(Pose2D(0.0, 0.0), seed=1)] + [sim.step(Twist2D(0.5, 0.0), DT) for _ in range(200)]
+    assert off(states)[0] == pytest.approx(0.3, abs=0.02)

@@ -88,6 +88,12 @@ MPPI = _core.Mppi(128, 10, 3)
 MPPI.step(*MPPI_STEP)
 
 
+CLOUD = np.column_stack([RNG.uniform(0.2, 2.2, (300, 2)), RNG.uniform(-3.0, 3.0, 300)])
+FIELD = _core.distance_field(BLOCKED, 0.1, 0.0, 0.8)
+ENDS_SEEN = RNG.uniform(-1.0, 1.0, (40, 2))
+FIT = np.clip(255.0 - 400.0 * np.abs(FIELD), 0, 255).astype(np.uint8)
+
+
 def marked(kernel: Callable[..., Any], cells: Any, *arguments: Any) -> Any:
     """What a kernel returns, and what it made of its first argument."""
     cells = cells.copy()
@@ -173,6 +179,35 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
         *(RIM + 0.3, np.zeros(3), np.linspace(-3.0, 3.0, 60), np.full(60, 9.0)),
         *(RIM, np.zeros(3), np.linspace(-3.0, 3.0, 60), np.full(60, 9.0)),
         0.25,
+    ),
+    "distance_field": lambda: _core.distance_field(BLOCKED, 0.1, 0.05, 0.8),
+    "field_at": lambda: _core.field_at(FIELD, 0.1, 0.8, POSES[:, :2].copy()),
+    "move_particles": lambda: _core.move_particles(CLOUD, np.array([0.1, 0.2, 0.1]), np.ones(4), np.ones(2), 7),
+    "weigh_particles": lambda: _core.weigh_particles(FIELD, 0.1, -1.0, CLOUD, ENDS_SEEN),
+    "resample_particles": lambda: _core.resample_particles(
+        CLOUD, np.linspace(0.0, 1.0, 300), np.array([0.5, 0.2]), np.array([50.0, 500.0, 0.05, 2.3]), 7
+    ),
+    "match_scan": lambda: _core.match_scan(
+        FIELD,
+        0.1,
+        0.8,
+        ENDS_SEEN,
+        np.zeros((20, 40)),
+        POSES,
+        POSES,
+        np.tile(np.eye(3), (20, 1, 1)),
+        np.array([0.3, 0.1, 0.05, 30.0, 8.0]),
+    ),
+    "judge_beams": lambda: _core.judge_beams(FIELD, 0.1, np.zeros((40, 2)), ENDS_SEEN, POSES, 0.1, 0.2),
+    "search_poses": lambda: _core.search_poses(
+        FIT,
+        OPEN + 1,
+        0.1,
+        ENDS_SEEN,
+        np.array([0.0, 2.4, 0.0, 2.4, -3.0, 3.0]),
+        np.array([0.1, 20.0, 0.7, 0.5, 0.3]),
+        5,
+        100_000,
     ),
     "mark_scan": lambda: marked(_core.mark_scan, EVIDENCE, HIT_POINTS.copy(), HIT_TIMES.copy(), *SCAN),
     "unmark_before": lambda: marked(_core.unmark_before, MARKS, HIT_TIMES, 1.0, 5, 2),

@@ -18,13 +18,13 @@ def test_an_unknown_suffix_is_refused_with_the_known_ones(tmp_path, suffix):
 
 @pytest.mark.parametrize("suffix", LOADERS)
 def test_a_missing_file_is_named(tmp_path, suffix):
-    with pytest.raises(WorldError, match=r"hall.*: there is no such file"):
+    with pytest.raises(WorldError, match=r"hall.*: no such file"):
         World.load(tmp_path / f"hall{suffix}")
 
 
 def test_a_folder_is_no_world(tmp_path):
     (tmp_path / "hall.yaml").mkdir()
-    with pytest.raises(WorldError, match="this is a folder"):
+    with pytest.raises(WorldError, match="Is a directory; give the file of a world"):
         World.load(tmp_path / "hall.yaml")
 
 

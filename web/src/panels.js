@@ -36,6 +36,7 @@ export class Status {
     if (app.state === "idle") return t("idle");
     if (end && (app.mode === "live" || state.t >= app.run.duration)) return toldEnd(end);
     const said = told(doing ?? state.row?.[C.status].replaceAll("_", " ") ?? "");
+    if (app.state === "paused") return said ? `${t("paused")} · ${said}` : t("paused");
     return app.state === "waiting" ? `${said} · ${t("waitsGoal")}` : said;
   }
 

@@ -276,6 +276,125 @@ class MppiCritics:
         free_heading: float,
     ) -> None: ...
 
+class MppiState:
+    """Where the robot is now [m, rad], its speeds [m/s, rad/s], and their rates of change during the last period."""
+
+    def __init__(self, *, x: float, y: float, yaw: float, v: float, w: float, v_rate: float, w_rate: float) -> None: ...
+
+class MppiLimits:
+    """The length `dt` of a step [s], and what the robot can do in it.
+
+    `v_min` is at most 0. Speed above `speed_limit` [m/s] costs something; the other limits always hold.
+    """
+
+    def __init__(
+        self,
+        *,
+        dt: float,
+        v_min: float,
+        v_max: float,
+        w_max: float,
+        acceleration: float,
+        deceleration: float,
+        angular_acceleration: float,
+        speed_limit: float,
+    ) -> None: ...
+
+class MppiNoise:
+    """How samples differ from the controls.
+
+    Args:
+        v_std: Standard deviation of the speed [m/s].
+        w_std: Standard deviation of the turning speed [rad/s].
+        share: Share of the samples that is to take effect (0 to 1), by which the temperature is chosen.
+        seed: Seed of the draws, a whole number, the same every tick or not.
+        shift: Steps by which the controls are shifted first (the period / dt), their end held.
+    """
+
+    def __init__(self, *, v_std: float, w_std: float, share: float, seed: float, shift: float) -> None: ...
+
+class MppiWindow:
+    """The square of the map around the robot.
+
+    Args:
+        nearness: As `inflate` makes it: 254 occupied, 255 unknown (taken as occupied), otherwise 254 − distance / unit,
+            at least 0. A disc touches where 254 − radius / unit is reached.
+        to_go: Cost from each cell's centre to the goal [m]; infinity and no number are unreachable.
+        resolution: Edge of a cell [m].
+        unit: What a step of `nearness` stands for [m].
+    """
+
+    def __init__(
+        self, *, nearness: npt.NDArray[np.uint8], to_go: npt.NDArray[np.float32], resolution: float, unit: float
+    ) -> None: ...
+
+class MppiAim:
+    """The pose that the samples are to reach.
+
+    Args:
+        x: Of the goal [m].
+        y: Of the goal [m].
+        yaw: Of the goal [rad].
+        has_yaw: Whether the yaw counts.
+        reach: Within this distance [m] the straight distance to the goal is the cost to go; 0 if the goal is not in
+            sight.
+        fade: Within this distance [m] the cost of the heading gives way to that of the goal's yaw.
+        direction: Direction in which to drive: 1, -1, or 0 for both.
+    """
+
+    def __init__(
+        self, *, x: float, y: float, yaw: float, has_yaw: bool, reach: float, fade: float, direction: float
+    ) -> None: ...
+
+class MppiCritics:
+    """What costs how much: the weights of the critics, and from where on they count.
+
+    Args:
+        collision: For touching something that stands.
+        contact: For touching a mover.
+        to_go: For the cost to go, its mean over the horizon.
+        to_go_end: For the cost to go at the end of the horizon.
+        heading: For the heading (0 to 1: off the direction in which the cost to go falls).
+        yaw: For the goal's yaw (0 to 1).
+        overshoot: For the metres by which the robot cannot stop before the goal.
+        obstacle: Per metre right beside an obstacle, falling with the square of the distance.
+        obstacle_speed: The same per m/s.
+        mover: Per second in touch with a mover.
+        direction: Per metre driven the other way.
+        twirl: Per radian of turning.
+        acceleration: For accelerations, the mean of their squares as shares of the limits.
+        jerk: For the changes of accelerations, likewise.
+        speed: Per second and (m/s)² above the speed limit.
+        obstacle_reach: Distance from the discs up to which obstacles have a cost [m].
+        mover_margin: Distance from movers up to which they have a cost [m].
+        mover_sigmas: Standard deviations of a mover's place by which that distance grows.
+        free_heading: Heading error that is free [rad].
+    """
+
+    def __init__(
+        self,
+        *,
+        collision: float,
+        contact: float,
+        to_go: float,
+        to_go_end: float,
+        heading: float,
+        yaw: float,
+        overshoot: float,
+        obstacle: float,
+        obstacle_speed: float,
+        mover: float,
+        direction: float,
+        twirl: float,
+        acceleration: float,
+        jerk: float,
+        speed: float,
+        obstacle_reach: float,
+        mover_margin: float,
+        mover_sigmas: float,
+        free_heading: float,
+    ) -> None: ...
+
 class Mppi:
     """Model predictive path integral control; keeps its memory, and the last step for `costs` and `rollouts`.
 
@@ -670,3 +789,61 @@ def label_components(
 
 def mark_gaps(blocked: npt.NDArray[np.uint8], limit: float) -> npt.NDArray[np.uint8]:
     """1 in runs of open cells, in rows, columns and diagonals, shorter than `limit` cells and blocked at both ends."""
+
+def distance_field(
+    occupied: npt.NDArray[np.uint8], resolution: float, shift: float, limit: float
+) -> npt.NDArray[np.float32]: ...
+def field_at(
+    field: npt.NDArray[np.float32], resolution: float, limit: float, points: npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]: ...
+def move_particles(
+    particles: npt.NDArray[np.float64],
+    motion: npt.NDArray[np.float64],
+    alphas: npt.NDArray[np.float64],
+    least: npt.NDArray[np.float64],
+    seed: int,
+) -> npt.NDArray[np.float64]: ...
+def weigh_particles(
+    table: npt.NDArray[np.float32],
+    resolution: float,
+    outside: float,
+    particles: npt.NDArray[np.float64],
+    points: npt.NDArray[np.float64],
+) -> npt.NDArray[np.float64]: ...
+def resample_particles(
+    particles: npt.NDArray[np.float64],
+    weights: npt.NDArray[np.float64],
+    bins: npt.NDArray[np.float64],
+    bound: npt.NDArray[np.float64],
+    seed: int,
+) -> npt.NDArray[np.float64]: ...
+def match_scan(
+    field: npt.NDArray[np.float32],
+    resolution: float,
+    limit: float,
+    points: npt.NDArray[np.float64],
+    targets: npt.NDArray[np.float64],
+    starts: npt.NDArray[np.float64],
+    priors: npt.NDArray[np.float64],
+    information: npt.NDArray[np.float64],
+    settings: npt.NDArray[np.float64],
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
+def judge_beams(
+    field: npt.NDArray[np.float32],
+    resolution: float,
+    sensors: npt.NDArray[np.float64],
+    points: npt.NDArray[np.float64],
+    poses: npt.NDArray[np.float64],
+    tolerance: float,
+    depth: float,
+) -> npt.NDArray[np.uint8]: ...
+def search_poses(
+    table: npt.NDArray[np.uint8],
+    allowed: npt.NDArray[np.uint8],
+    resolution: float,
+    points: npt.NDArray[np.float64],
+    window: npt.NDArray[np.float64],
+    settings: npt.NDArray[np.float64],
+    most: int,
+    most_nodes: int,
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], bool]: ...

@@ -85,7 +85,8 @@ def make_rows(content: BagContent, source: Path) -> Rows:
     moving = [tree.times(frame) for frame in chain if len(tree.times(frame))]
     if not moving:
         raise InputError(
-            f"{source}: the transforms from {map_frame!r} to {base!r} are all static: the robot never moved"
+            f"{source}: the transforms from {map_frame!r} to {base!r} are all static: the robot never moved; "
+            "give a recording of a drive"
         )
     stamps = stamps[(stamps >= max(times[0] for times in moving) - 1e-9)]
     stamps = _thin(stamps, PERIOD_S)

@@ -117,7 +117,7 @@ class _Maker:
         remarks: list[str],
     ) -> None:
         if content.grid is None:
-            raise InputError(f"{source}: the bag's map topic has no message")
+            raise InputError(f"{source}: the bag's map topic has no message; give the YAML file of its map with --map")
         self._source, self._content, self._rows = source, content, rows
         self._robot, self._record, self._remarks = robot, record, remarks
         self._grid = content.grid

@@ -100,7 +100,9 @@ def _scan(source: Path) -> BagInfo:
         elif isinstance(record, Metadata):
             metadata[record.name] = record.metadata
     if not times:
-        raise InputError(f"{source}: no message of it can be read ({records.damage or 'it is empty'})")
+        raise InputError(
+            f"{source}: no message of it can be read ({records.damage or 'it is empty'}); give another recording"
+        )
     topics = tuple(BagTopic(name, kind, count) for (name, kind), count in sorted(counts.items()))
     begin, end = times[0] / 1e9, times[1] / 1e9
     return BagInfo(source, _size(source), begin, end, topics, records.damage, parse_records(source, metadata))

@@ -14,7 +14,7 @@ from mcap.records import Chunk, Footer, McapRecord
 from mcap.stream_reader import MAGIC_SIZE, StreamReader, breakup_chunk
 
 from trundle.errors import InputError
-from trundle.files.opening import open_file
+from trundle.files.opening import describe_unreadable, open_file
 
 _MOST_CHUNK_BYTES = 2**30
 _MAGIC = b"\x89MCAP0\r\n"
@@ -95,7 +95,7 @@ def open_bag_file(path: Path) -> BinaryIO:
     try:
         stream = _BagFile(open_file(path).detach())
     except OSError as error:
-        raise InputError(f"cannot read {path}: {error.strerror or error}") from error
+        raise InputError(describe_unreadable(path, error, "the .mcap file of a recording")) from error
     if stream.read(MAGIC_SIZE) != _MAGIC:
         stream.close()
         raise InputError(f"{path}: not an MCAP file: it does not begin like one; give the .mcap file of a recording")

@@ -76,7 +76,9 @@ def recover(
             for record in records:
                 copy.add(record)
             if not copy.messages:
-                raise InputError(f"{source}: no message of it can be read ({records.damage or 'it is empty'})")
+                raise InputError(
+                    f"{source}: no message of it can be read ({records.damage or 'it is empty'}); give another"
+                )
             copy.close()
         finally:
             copy.bag.abandon()

@@ -12,7 +12,7 @@ from trundle.cli.shared import isaac, options, output, sources
 from trundle.errors import InputError
 
 if TYPE_CHECKING:
-    from trundle.doctor import DriveCheck, LidarView
+    from trundle.doctor import DriveCheck, LidarView, OdometryNeed
     from trundle.robots import DifferentialDrive, Robot
 
 app = App(
@@ -72,7 +72,8 @@ def robot(
 ) -> int:
     """Drive a straight, a spin and a circle, and derive the wheels' parameters from the robot's motion.
 
-    Also says what each of its planar lidars cannot see. Exit code 1: a parameter differs from the configuration.
+    Also says what each of its planar lidars cannot see, and how far wrong its odometry may be. Exit code 1: a parameter
+    differs from the configuration.
 
     Args:
         name: A robot by name, or the path of its YAML, URDF or MJCF.
@@ -103,8 +104,10 @@ def robot(
 
 def _report(check: DriveCheck, robot: Robot, backend: str, configured: DifferentialDrive, *, json: bool) -> None:
     from trundle.doctor.lidar_view import view_of_lidars
+    from trundle.doctor.odometry_need import AMCL_BEARS, needed_odometry
 
-    views = view_of_lidars(robot)
+    views, needs = view_of_lidars(robot), needed_odometry()
+    localizer = "amcl" if views else None
     if json:
         output.print_json(
             {
@@ -113,6 +116,8 @@ def _report(check: DriveCheck, robot: Robot, backend: str, configured: Different
                 "configured": configured.model_dump(),
                 **_plain(check),
                 "lidars": [{**_plain(view), "message": view.message} for view in views],
+                "odometry_needed": [{**_plain(need), "message": need.message} for need in needs],
+                "localizer": localizer,
             }
         )
         return
@@ -120,10 +125,21 @@ def _report(check: DriveCheck, robot: Robot, backend: str, configured: Different
     for view in views:
         print(f"lidar {view.message}")
     if not views:
-        print("no lidar: it does not sense obstacles that are not on its map")
+        print(
+            "no lidar: it does not sense obstacles that are not on its map, and no localizer can correct its odometry"
+        )
+    print("without a localizer:")
+    for need in needs:
+        print(f"  {need.message}")
+    if localizer is not None:
+        scale, heading = AMCL_BEARS
+        print(
+            f"with its lidars on a map, --localizer {localizer} bears odometry that is wrong by {100.0 * scale:g} % of "
+            f"the distance and {math.degrees(heading):g}° per metre"
+        )
 
 
-def _plain(check: DriveCheck | LidarView) -> dict[str, object]:
+def _plain(check: DriveCheck | LidarView | OdometryNeed) -> dict[str, object]:
     plain = output.plain(check)
     return plain if isinstance(plain, dict) else {}
 

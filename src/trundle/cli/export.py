@@ -75,6 +75,7 @@ def export(
     exclude: options.Exclude = None,
     floor_z: options.FloorZ = None,
     paths: options.Paths = None,
+    overwrite: options.OverwriteMap = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
@@ -120,11 +121,13 @@ def export(
             paths=paths,
             nav2_params=nav2_params,
         )
-        return _export_nav2(source, chosen, out, distro, json=json, quiet=quiet)
+        return _export_nav2(source, chosen, out, distro, overwrite=overwrite, json=json, quiet=quiet)
     if distro is not None or nav2_params is not None:
         raise InputError("--distro and --nav2-params are for --to nav2")
     check_given(source, WORLD, ROBOT, SCENARIO, MAP)
     target, form = choose_file(source, to, out)
+    if form == "map" and not overwrite:
+        options.check_map_replaceable(target)
     if robot is not None:
         given["robot"] = robot
     kept = sources.read_settings(source, settings, exclude, paths)
@@ -163,13 +166,14 @@ def _export_nav2(
     out: Path | None,
     distro: Distro | None,
     *,
+    overwrite: bool,
     json: bool,
     quiet: bool,
 ) -> int:
     """Write a scenario, a map or a world with a robot as a folder for Nav2; see `export_nav2` for the errors."""
     from trundle.messages.codec import DEFAULT
     from trundle.nav2 import describe_remarks, export_nav2
-    from trundle.nav2.export import LAUNCH, REMARKS
+    from trundle.nav2.export import KEEPOUT, LAUNCH, MAP, REMARKS, SPEED
 
     told = nav2.Nav2Report()
     scenario = given.make(source, told)
@@ -177,6 +181,10 @@ def _export_nav2(
     folder = Path(f"{Path(source).stem}_nav2") if out is None else out
     if folder.suffix and not folder.is_dir():
         raise InputError(f"--out {folder}: give a folder for Nav2's files")
+    if not overwrite:
+        written = {MAP: scenario.known_map, KEEPOUT: scenario.keepout, SPEED: scenario.speed_mask}
+        for name in (name for name, made in written.items() if made):
+            options.check_map_replaceable(folder / name)
     done = export_nav2(scenario, folder, distro=distro or DEFAULT)
     facts: dict[str, object] = {"robot": scenario.robot, "format": NAV2, "folder": done.folder, "files": done.files}
     if quiet:

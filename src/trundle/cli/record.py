@@ -67,7 +67,7 @@ def recover(
     /,
     *,
     out: options.Out = None,
-    overwrite: options.Overwrite = False,
+    overwrite: options.OverwriteFile = False,
     json: options.Json = False,
 ) -> int:
     """Complete a recording whose writer was killed, as a new file; the source is kept.

@@ -12,7 +12,7 @@ from trundle.evaluation.row import Row
 from trundle.evaluation.suite import Suite
 from trundle.evaluation.suite.expand import Expansion
 from trundle.evaluation.suite.parts import SuiteWorld
-from trundle.files.opening import exists
+from trundle.files.opening import advise_missing, exists
 
 
 def find_beside(suite: Suite, folder: Path) -> Suite:
@@ -41,22 +41,25 @@ def use_map(suite: Suite, row: Row, place: str | os.PathLike[str], versions: tup
     at = _world_of(suite, row)
     world = suite.worlds[at]
     if not world.is_file:
-        raise InputError(f"--map {os.fspath(place)}: episode {row.id} was driven in a generated world, {row.world}")
+        raise InputError(
+            f"--map {os.fspath(place)}: episode {row.id} was driven in a generated world, {row.world}; leave --map out"
+        )
     given = Path(place)
     found = {"name": str(given)}
     if given.is_dir():
         files = {field: str(given / Path(path).name) for field, path in world.files().items()}
         found = {field: path for field, path in files.items() if exists(path)}
         if "name" not in found:
-            raise InputError(f"--map {given}: there is no {Path(world.name).name} in it")
+            raise InputError(f"--map {given}: there is no {Path(world.name).name} in it; give the folder that has it")
     elif not exists(given):
-        raise InputError(f"--map {given}: there is no such file")
+        raise InputError(f"--map {given}: no such file{advise_missing(given)}")
     worlds = [*suite.worlds]
     worlds[at] = SuiteWorld.model_validate({**world.model_dump(), **found, "label": row.world})
     changed = Suite.make(**{**{name: getattr(suite, name) for name in suite.model_fields_set}, "worlds": worlds})
     if versions[0] == versions[1] and facts_of(changed.spec(row.index))["place"] != row.place:
         raise InputError(
-            f"--map {found['name']}: this is not the map of episode {row.id}, {row.world}: its content is different"
+            f"--map {found['name']}: this is not the map of episode {row.id}, {row.world}: its content is different; "
+            "give the map as it was"
         )
     return changed
 

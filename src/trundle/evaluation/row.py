@@ -65,6 +65,10 @@ class Row:
         behaviors: Names of the behaviors that ran, each with how often, separated by commas: `replan 2, back_up 1`.
         standing_periods: Number of control periods in which the controller made no progress; None in older evaluations.
         standing_reason: Why it made none most often: `blocked by a mover`.
+        localization_error_m: Distance from the true position to the estimated one [m], mean of the run; None in older
+            evaluations, as for the next two.
+        localization_error_p95_m: The same, which 95 % of the run does not exceed.
+        lost_s: Simulated time in which the localizer did not say that it is localized [s].
         planning_ms: Wall time of all planning [ms].
         cpu_s: CPU time of the episode in its worker [s].
         wall_s: Wall time of the episode in its worker [s].
@@ -120,6 +124,9 @@ class Row:
     behaviors: str = ""
     standing_periods: int | None = None
     standing_reason: str = ""
+    localization_error_m: float | None = None
+    localization_error_p95_m: float | None = None
+    lost_s: float | None = None
     planning_ms: float | None = None
     cpu_s: float | None = None
     wall_s: float | None = None

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from trundle.errors import InputError, WorldError
 from trundle.extras import missing_extra
-from trundle.files.opening import check_regular, exists, open_file, read_up_to
+from trundle.files.opening import check_regular, describe_unreadable, exists, open_file, read_up_to
 from trundle.files.parser_errors import parser_errors, parser_reason
 from trundle.files.xml_elements import parse_xml, read_limited
 from trundle.geometry import FloatArray
@@ -86,7 +86,7 @@ def read_mesh(path: Path, *, up: str | None = None, unit: str | float | None = N
     turn = (_Y_UP if (up or file_up) == "y" else np.eye(3)) * (file_unit if factor is None else factor)
     parts = [_flatten(f"{path}: mesh {node.name!r}", node, turn) for node in _read_nodes(path)]
     if not parts:
-        raise WorldError(f"{path}: contains no mesh with faces")
+        raise WorldError(f"{path}: contains no mesh with faces; export it as triangles, not as points or lines")
     return parts
 
 
@@ -163,9 +163,11 @@ def _load_scene(path: Path) -> Any:
     try:
         size = check_regular(path)
     except OSError as error:
-        raise WorldError(f"cannot read {path}: {error.strerror or error}") from error
+        raise WorldError(describe_unreadable(path, error)) from error
     if size > MAX_BYTES:
-        raise WorldError(f"{path}: {size} bytes exceeds the limit of {MAX_BYTES} bytes for a mesh file")
+        raise WorldError(
+            f"{path}: {size} bytes exceeds the limit of {MAX_BYTES} bytes for a mesh file; simplify the mesh"
+        )
     if path.suffix.lower() in _GLTF:
         _check_gltf(path)
     if path.suffix.lower() == ".dae":
@@ -222,7 +224,10 @@ def _check_gltf(path: Path) -> None:
         if head[:4] == b"glTF" and len(head) == 20:
             _, _, whole, length = struct.unpack_from("<4sIII", head)
             if whole > size or length > size - len(head):
-                raise WorldError(f"{path}: truncated: its header declares more bytes than the file has ({size})")
+                raise WorldError(
+                    f"{path}: truncated: its header declares more bytes than the file has ({size}); "
+                    "copy or export it again"
+                )
         else:
             file.seek(0)
             length = size

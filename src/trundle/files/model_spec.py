@@ -18,7 +18,7 @@ import numpy as np
 
 from trundle.errors import InputError
 from trundle.files.mesh import read_mesh
-from trundle.files.opening import check_regular, exists, is_file
+from trundle.files.opening import check_regular, describe_unreadable, exists, is_file
 from trundle.files.parser_errors import parser_errors
 from trundle.files.uris import describe_search, find_uri
 from trundle.files.xacro import expand_xacro
@@ -290,7 +290,7 @@ class _MjcfCheck:
             try:
                 check_regular(found)
             except OSError as problem:
-                raise self.error(f"{where}: cannot read {found}: {problem.strerror or problem}") from problem
+                raise self.error(f"{where}: {describe_unreadable(found, problem)}") from problem
             if element.tag in ("include", "model"):
                 self._enter(where, found, above)
 
@@ -308,7 +308,7 @@ class _MjcfCheck:
 
     def _enter(self, where: str, file: Path, above: tuple[Path, ...]) -> None:
         if file.resolve() in above:
-            raise self.error(f"{where}: {file.name} includes itself")
+            raise self.error(f"{where}: {file.name} includes itself; take one of its includes out")
         self.files += 1
         if self.files > MAX_FILES or len(above) > MAX_INCLUDES:
             raise self.error(

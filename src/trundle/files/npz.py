@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError
-from trundle.files.opening import open_file
+from trundle.files.opening import describe_unreadable, open_file
 from trundle.files.parser_errors import parser_reason
 from trundle.values import as_path
 
@@ -56,7 +56,7 @@ def read_arrays(
                 raise error(f"{name}: not a .npz file of numbers: {key} is no array")
         return found, there
     except OSError as problem:
-        raise error(f"cannot read {name}: {problem.strerror or problem}") from problem
+        raise error(describe_unreadable(name, problem)) from problem
     except InputError:
         raise
     except Exception as problem:  # zipfile and numpy raise any exception on a damaged file

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import difflib
 import errno
 import io
+import itertools
 import os
 import pathlib
 import stat
 from typing import BinaryIO
 
 Path = str | os.PathLike[str]
+
+_MOST_NAMES = 10_000
+"""Files of a folder that are compared with a misspelt name."""
 
 
 def open_file(path: Path) -> io.BufferedReader:
@@ -63,3 +68,35 @@ def exists(path: Path) -> bool:
     except (OSError, ValueError):
         return False
     return True
+
+
+def describe_unreadable(path: Path, error: OSError, wanted: str = "") -> str:
+    """Say why a file cannot be read, and what to do about it.
+
+    Args:
+        path: The file.
+        error: What opening it raised.
+        wanted: What to give, where no file in its folder has a similar name: `the file of a map`.
+    """
+    if isinstance(error, FileNotFoundError):
+        return f"cannot read {path}: no such file{advise_missing(path, wanted)}"
+    reason = error.strerror or error
+    if isinstance(error, IsADirectoryError):
+        return f"cannot read {path}: {reason}; give {wanted or 'a file in it'}"
+    if isinstance(error, PermissionError):
+        return f"cannot read {path}: {reason}; make it readable for you, or give another file"
+    return f"cannot read {path}: {reason}"
+
+
+def advise_missing(path: Path, wanted: str = "") -> str:
+    """Return the end of a message about a file that does not exist: the nearest one in its folder, or what to give."""
+    file = pathlib.Path(path)
+    folder = file.parent
+    if not folder.is_dir():
+        return f": there is no folder {folder}"
+    files = [entry for entry in itertools.islice(folder.iterdir(), _MOST_NAMES) if entry.is_file()]
+    stems = difflib.get_close_matches(file.stem, [entry.stem for entry in files], n=_MOST_NAMES)
+    nearest = difflib.get_close_matches(file.name, [entry.name for entry in files if entry.stem in stems], n=1)
+    if nearest:
+        return f"; did you mean {folder / nearest[0]}?"
+    return f"; give {wanted}" if wanted else "; correct the name, or put the file there"

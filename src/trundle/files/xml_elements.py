@@ -8,7 +8,7 @@ from typing import cast
 from xml.parsers import expat
 
 from trundle.errors import InputError
-from trundle.files.opening import open_file, read_up_to
+from trundle.files.opening import describe_unreadable, open_file, read_up_to
 
 MAX_BYTES = 64 * 1024 * 1024
 """Size limit of a file: 160 times the largest BARN world."""
@@ -42,7 +42,7 @@ def read_limited(path: str | os.PathLike[str], *, error: type[InputError]) -> by
         with open_file(path) as file:
             content = read_up_to(file, MAX_BYTES + 1)
     except OSError as problem:
-        raise error(f"cannot read {path}: {problem.strerror or problem}") from problem
+        raise error(describe_unreadable(path, problem)) from problem
     if len(content) > MAX_BYTES:
         raise error(f"{path}: larger than the limit of {MAX_BYTES // 1024**2} MiB")
     return content

@@ -9,7 +9,7 @@ from pathlib import Path
 import yaml
 
 from trundle.errors import InputError
-from trundle.files.opening import open_file, read_up_to
+from trundle.files.opening import describe_unreadable, open_file, read_up_to
 from trundle.values import as_path
 
 MAX_BYTES = 250_000
@@ -42,7 +42,11 @@ class _LimitedLoader(yaml.SafeLoader):
 
 
 def compose(
-    path: str | os.PathLike[str], *, max_bytes: int = MAX_BYTES, allow_duplicate_keys: bool = False
+    path: str | os.PathLike[str],
+    *,
+    max_bytes: int = MAX_BYTES,
+    allow_duplicate_keys: bool = False,
+    wanted: str = "",
 ) -> yaml.Node:
     """Read one YAML document as nodes that know their line and column.
 
@@ -50,13 +54,14 @@ def compose(
         path: The file.
         max_bytes: The largest file to accept.
         allow_duplicate_keys: Accept repeated keys, and keys that are not plain names, for formats that allow them.
+        wanted: What to give where there is no such file, for the message.
 
     Raises:
         InputError: If the file is missing, too large, not UTF-8, empty, not YAML, more than one document, uses
             anchors or aliases, or repeats a key.
     """
     source = Path(as_path(path, "a YAML file"))
-    return compose_text(read_text(source, max_bytes), str(source), allow_duplicate_keys=allow_duplicate_keys)
+    return compose_text(read_text(source, max_bytes, wanted), str(source), allow_duplicate_keys=allow_duplicate_keys)
 
 
 def compose_text(text: str, name: str, *, allow_duplicate_keys: bool = False) -> yaml.Node:
@@ -75,7 +80,7 @@ def compose_text(text: str, name: str, *, allow_duplicate_keys: bool = False) ->
             raise
         raise InputError(f"{name}: not valid YAML: {error}") from error
     if node is None:
-        raise InputError(f"{name}: the file is empty")
+        raise InputError(f"{name}: the file is empty; write `key: value` lines into it, or give another file")
     if not allow_duplicate_keys:
         _refuse_duplicate_keys(node, name)
     return node
@@ -93,8 +98,8 @@ def keys_of(node: yaml.Node) -> list[str]:
     return [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
 
 
-def read_text(path: Path, max_bytes: int = MAX_BYTES) -> str:
-    """Read a text file.
+def read_text(path: Path, max_bytes: int = MAX_BYTES, wanted: str = "") -> str:
+    """Read a text file; `wanted` is what to give where there is none, for the message.
 
     Raises:
         InputError: If it cannot be read, is too large, or is not UTF-8.
@@ -103,13 +108,13 @@ def read_text(path: Path, max_bytes: int = MAX_BYTES) -> str:
         with open_file(path) as stream:
             content = read_up_to(stream, max_bytes + 1)
     except OSError as error:
-        raise InputError(f"cannot read {path}: {error.strerror or error}") from error
+        raise InputError(describe_unreadable(path, error, wanted)) from error
     if len(content) > max_bytes:
         raise InputError(f"{path}: larger than {max_bytes} bytes; this is not a settings file")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a text file in UTF-8 (byte {error.start})") from error
+        raise InputError(f"{path}: not a text file in UTF-8 (byte {error.start}); save it as UTF-8") from error
 
 
 def _place(name: str, mark: yaml.Mark) -> str:
@@ -122,9 +127,9 @@ def _refuse_duplicate_keys(node: yaml.Node, name: str) -> None:
         seen: set[str] = set()
         for key, _ in node.value:
             if not isinstance(key, yaml.ScalarNode):
-                raise InputError(f"{place(key, name)}: a key must be a plain name")
+                raise InputError(f"{place(key, name)}: a key must be a plain name, as in `name: value`")
             if key.value in seen:
-                raise InputError(f"{place(key, name)}: the key {key.value!r} is given twice")
+                raise InputError(f"{place(key, name)}: the key {key.value!r} is given twice; leave one out")
             seen.add(key.value)
         children = [value for _, value in node.value]
     elif isinstance(node, yaml.SequenceNode):

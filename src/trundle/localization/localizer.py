@@ -20,7 +20,10 @@ from trundle.values import as_array, check_kind
 LOCALIZERS: Registry[Localizer] = Registry(
     "localizer",
     "trundle.localizers",
-    {"odometry": "trundle.localization.odometry:OdometryLocalizer"},
+    {
+        "amcl": "trundle.localization.amcl.amcl_localizer:AmclLocalizer",
+        "odometry": "trundle.localization.odometry:OdometryLocalizer",
+    },
     contract=Contract({"reset": "pose", "update": "observation"}, function=("observation",)),
 )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import Literal, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -61,6 +61,12 @@ def cell_limit(given: int | None) -> int:
     return MAX_LOADED_CELLS if given is None else check_count("max_cells", given, 1, MOST_CELLS)
 
 
+Surface = Literal["border", "overlap", "centre"]
+"""Where the surface of what a map shows lies in the occupied cells at the rim; see `OccupancyGrid`."""
+
+SURFACES: tuple[Surface, ...] = ("border", "overlap", "centre")
+
+
 class PlacedCells(NamedTuple):
     """Cells with their resolution and origin: the contents of an `OccupancyGrid`, as read from files and worlds.
 
@@ -68,11 +74,13 @@ class PlacedCells(NamedTuple):
         data: Shape (rows, cols), row 0 at the bottom; −1 unknown, 0 free .. 100 occupied.
         resolution: Edge of a cell [m].
         origin: Pose of the lower-left corner of cell (0, 0) in the map frame.
+        surface: Where surfaces lie in the occupied cells at the rim.
     """
 
     data: Cells
     resolution: float
     origin: Pose2D
+    surface: Surface = "border"
 
 
 class CellGrid(Protocol):
@@ -86,6 +94,11 @@ class CellGrid(Protocol):
     @property
     def resolution(self) -> float:
         """Edge of a cell [m]."""
+        ...
+
+    @property
+    def surface(self) -> Surface:
+        """Where surfaces lie in the occupied cells at the rim."""
         ...
 
     @property

@@ -173,7 +173,7 @@ def convert_grid(
     row, col = 0, 0
     if crop == "content":
         cells, row, col = _crop_to_content(cells)
-    return Conversion(OccupancyGrid(cells, edge, _place(frame, layout, row, col)), tuple(losses))
+    return Conversion(OccupancyGrid(cells, edge, _place(frame, layout, row, col), grid.surface), tuple(losses))
 
 
 def _express(grid: OccupancyGrid, frame: Pose2D) -> OccupancyGrid:

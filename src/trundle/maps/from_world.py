@@ -19,6 +19,7 @@ from trundle.maps.cells import MAX_CELLS, OCCUPIED, UNKNOWN, PlacedCells
 from trundle.maps.height_field import HeightField
 from trundle.maps.over_floor import mark_over_floor
 from trundle.maps.rasterise import DEPTH, TOUCH, HeightBand, SolidRaster
+from trundle.maps.surface import find_surface
 from trundle.values import as_array, first_names, is_finite_number, show_value
 
 Bounds: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
@@ -123,7 +124,10 @@ def rasterise_world(
     for remark in remarks:
         warnings.warn(remark, MapWarning, stacklevel=3)
     shift = resolution / 2.0 if half_cell_origin else 0.0
-    return PlacedCells(cells, resolution, Pose2D(layout.corner[0] + shift, layout.corner[1] + shift))
+    # Cells are marked by their centres: surfaces are inside of their borders as often as outside.
+    centred = coverage == "centre"
+    surface = "border" if centred else find_surface(tuple(world.solids), resolution, layout.corner, band)
+    return PlacedCells(cells, resolution, Pose2D(layout.corner[0] + shift, layout.corner[1] + shift), surface)
 
 
 def _check_floor(floor: HeightField | None, max_slope: float | None, floor_z: float, style: Style) -> float:

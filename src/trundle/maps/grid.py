@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from trundle.errors import MapError
 from trundle.geometry import Pose2D, format_pose
-from trundle.maps.cells import FREE, MAX_CELLS, MAX_EXTENT, MAX_ORIGIN, OCCUPIED, UNKNOWN
+from trundle.maps.cells import FREE, MAX_CELLS, MAX_EXTENT, MAX_ORIGIN, OCCUPIED, SURFACES, UNKNOWN, Surface
 from trundle.maps.frame import GridFrame
 from trundle.values import as_number
 
@@ -33,15 +33,21 @@ class OccupancyGrid(GridFrame):
         data: int8, shape (rows, cols) = (y, x), row 0 at the bottom, read-only; −1 unknown, 0 free .. 100 occupied.
         resolution: Edge of a cell [m].
         origin: Pose of the lower-left corner of cell (0, 0) in the map frame; its yaw rotates the whole grid.
+        surface: Where the surface of what is drawn lies, which localisation needs to the centimetre: "border", at the
+            border of the occupied cells (walls extruded from cells, or drawn on cell borders); "overlap", somewhere in
+            the occupied cells at the rim, half a cell inside on average (cells that a solid reaches into); "centre",
+            through their middle (maps built by driving).
 
     Raises:
         MapError: If the array has no cells or another shape, a value is outside −1..100, the resolution is not a
-            positive number, or the map is wider than 100 km or its origin farther than a million km away.
+            positive number, the surface is none of these, or the map is wider than 100 km or its origin farther than a
+            million km away.
     """
 
     data: npt.NDArray[np.int8]
     resolution: float
     origin: Pose2D = Pose2D(0.0, 0.0, 0.0)
+    surface: Surface = "border"
 
     def __post_init__(self) -> None:
         try:
@@ -67,6 +73,8 @@ class OccupancyGrid(GridFrame):
                 f"the origin ({origin.x:g}, {origin.y:g}) is more than {MAX_ORIGIN:g} m away, where "
                 "coordinates cannot resolve cells; correct it"
             )
+        if self.surface not in SURFACES:
+            raise MapError(f"surface is {self.surface!r}; it must be one of {', '.join(SURFACES)}")
         data = np.array(source, dtype=np.int8, order="C", copy=True)
         data.flags.writeable = False
         object.__setattr__(self, "data", data)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from trundle.errors import MapError
-from trundle.files.opening import open_file, read_up_to
+from trundle.files.opening import describe_unreadable, open_file, read_up_to
 from trundle.files.writing import write_bytes
 from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN, Cells, cell_limit, round_trinary
 
@@ -79,7 +79,7 @@ def read_content(source: Path, max_bytes: int) -> bytes:
         with open_file(source) as stream:
             content = read_up_to(stream, max_bytes + 1)
     except OSError as error:
-        raise MapError(f"cannot read {source}: {error.strerror or error}") from error
+        raise MapError(describe_unreadable(source, error)) from error
     if len(content) > max_bytes:
         raise MapError(f"{source}: larger than {max_bytes} bytes; this is not a MovingAI file")
     return content

@@ -81,7 +81,7 @@ def resample_axis_aligned(
         count = np.ceil((high - low) / edge - find_slack(grid, edge))
     check_size(count, max_cells)
     layout = CellLayout(edge, Pose2D(float(low[0]), float(low[1])), int(count[1]), int(count[0]))
-    return OccupancyGrid(resample(grid, layout).cells, edge, layout.origin)
+    return OccupancyGrid(resample(grid, layout).cells, edge, layout.origin, grid.surface)
 
 
 def resample(grid: OccupancyGrid, layout: CellLayout) -> Resampled:

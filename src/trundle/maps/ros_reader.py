@@ -46,7 +46,8 @@ def load_map(
     description = load_description(source)
     pixels = read_image(find_image(source, description, allow_outside=allow_outside), max_cells=max_cells)
     _warn_of_unknown_as_free(pixels, description)
-    return PlacedCells(compute_cells(pixels, description.rule, compat), description.resolution, description.origin)
+    cells = compute_cells(pixels, description.rule, compat)
+    return PlacedCells(cells, description.resolution, description.origin, description.surface)
 
 
 def find_image(source: Path, description: RosMapDescription, *, allow_outside: bool) -> Path:

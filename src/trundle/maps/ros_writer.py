@@ -43,8 +43,9 @@ def save_map(
     *,
     mode: Mode = "trinary",
     image_format: Literal["png", "pgm"] = "png",
+    more: str = "",
 ) -> None:
-    """Write a map; see `OccupancyGrid.save`."""
+    """Write a map; see `OccupancyGrid.save`. `more` are lines that its YAML has besides, such as those of a mask."""
     target = output_path(path)
     suffix = target.suffix.lower()
     if suffix == ".map":
@@ -73,7 +74,7 @@ def save_map(
         from trundle.maps.images.png import encode_png
 
         content = encode_png(samples)
-    save_pair(target, f".{image_format}", content, lambda image: _compose_yaml(grid, image, mode))
+    save_pair(target, f".{image_format}", content, lambda image: _compose_yaml(grid, image, mode) + more)
 
 
 def compute_samples(grid: CellGrid, mode: Mode) -> npt.NDArray[np.uint8]:
@@ -128,7 +129,7 @@ def _compose_yaml(grid: CellGrid, image: str, mode: Mode) -> str:
         "negate: 0\n"
         f"occupied_thresh: {OCCUPIED_THRESH}\n"
         f"free_thresh: {FREE_THRESH}\n"
-    )
+    ) + ("" if grid.surface == "border" else f"surface: {grid.surface}\n")
 
 
 def save_pair(yaml_file: Path, suffix: str, content: bytes, compose: Callable[[str], str]) -> None:
@@ -168,6 +169,14 @@ def is_as_written(yaml_file: Path) -> bool:
     if not mark or image is None or not image.is_file():
         return False
     return digest == f"{_digest(text, image.read_bytes())}\n"
+
+
+def find_map_of(image: Path) -> Path | None:
+    """Return a YAML file in an image's folder that names the image as that of a map; None if there is none."""
+    name = re.escape(image.name)
+    line = re.compile(rf"^image:\s*([\"']?)(?:\./)?{name}\1\s*(?:#.*)?$", re.MULTILINE)
+    others = (path for path in image.parent.iterdir() if path.suffix.lower() in (".yaml", ".yml"))
+    return next((path for path in sorted(others) if line.search(_read_text(path))), None)
 
 
 def _digest(text: str, content: bytes) -> str:

@@ -17,7 +17,7 @@ from trundle.files.kinds import MAP, describe_mismatch, kind_of_keys
 from trundle.files.yaml_nodes import compose, keys_of, place
 from trundle.geometry import Pose2D, wrap_angle
 from trundle.geometry.angles import is_in_degrees, parse_angle
-from trundle.maps.cells import MAX_ORIGIN
+from trundle.maps.cells import MAX_ORIGIN, SURFACES, Surface
 from trundle.maps.occupancy import MODES, Mode, PixelRule
 
 # What lies beyond these is no map: the file is an image, or a number has slipped.
@@ -45,6 +45,7 @@ class RosMapDescription:
         origin: Pose of the lower-left corner of the lower-left pixel.
         rule: The conversion from pixels to cells.
         free_thresh_place: `file:line:column` of `free_thresh`.
+        surface: Where surfaces lie in the occupied cells at the rim; a key of trundle's own, which ROS ignores.
     """
 
     image: str
@@ -53,6 +54,7 @@ class RosMapDescription:
     origin: Pose2D
     rule: PixelRule
     free_thresh_place: str
+    surface: Surface = "border"
 
 
 def load_description(path: str | os.PathLike[str]) -> RosMapDescription:
@@ -88,6 +90,7 @@ def load_description(path: str | os.PathLike[str]) -> RosMapDescription:
         origin=origin,
         rule=rule,
         free_thresh_place=fields.place("free_thresh"),
+        surface=parse_surface(fields),
     )
 
 
@@ -247,6 +250,17 @@ def parse_mode(fields: Fields) -> Mode:
         if text.lower() == mode:
             return mode
     raise MapError(f"{where}: mode is {_shorten(text)}; it must be one of {', '.join(MODES)}; correct it")
+
+
+def parse_surface(fields: Fields) -> Surface:
+    """Read `surface`; "border" by default."""
+    if "surface" not in fields.nodes:
+        return "border"
+    text, where = fields.text("surface")
+    for surface in SURFACES:
+        if text == surface:
+            return surface
+    raise MapError(f"{where}: surface is {_shorten(text)}; it must be one of {', '.join(SURFACES)}; correct it")
 
 
 def parse_negate(fields: Fields) -> bool:

@@ -89,6 +89,9 @@ class Metrics:
         unseen_contacts: Those of `contacts` and `standing_contacts` that no lidar could have seen, as the plane of none
             that sent a scan crosses them; empty without scans.
         position_error_m: Distance [m] from the true position to the estimated one at the end; 0 without a localizer.
+        localization_error_m: The same, mean of all control periods; 0 without a localizer.
+        localization_error_p95_m: The same, which 95 % of the control periods do not exceed.
+        lost_s: Simulated time [s] in which the localizer did not say "localized", but "ambiguous" or "lost".
         monitor_stops: How often the collision monitor stopped the robot; None where there was no monitor.
         recoveries: Number of steps of recovery that ran; None where a folder of an older version was loaded.
         standing_reasons: In how many control periods the controller made no progress, by its reason, such as "blocked
@@ -113,6 +116,9 @@ class Metrics:
     standing_contacts: tuple[str, ...] = ()
     unseen_contacts: tuple[str, ...] = ()
     position_error_m: float = 0.0
+    localization_error_m: float = 0.0
+    localization_error_p95_m: float = 0.0
+    lost_s: float = 0.0
     monitor_stops: int | None = None
     recoveries: int | None = None
     standing_reasons: Mapping[str, int] = field(default_factory=dict[str, int])

@@ -16,11 +16,14 @@ from trundle.files.yaml_config import Config
 from trundle.geometry import Footprint
 from trundle.maps.cells import MOST_CELLS
 from trundle.mission.goal_fields import GoalFields
+from trundle.mission.map_errors import MapErrors
 from trundle.mission.obstacles import MoverChoice, Unmapped
+from trundle.mission.start_error import StartError, read_unknown
 from trundle.navigation import NavigatorSettings
 from trundle.robots import Limits, Robot
 from trundle.robots.parts import Acceleration, Coordinate, ReverseSpeed, Speed, TurningAcceleration, TurningSpeed
 from trundle.sim.actuation import Actuation
+from trundle.sim.lidar_errors import LidarErrors
 from trundle.sim.odometry_errors import OdometryErrors
 from trundle.worlds.load import is_world_file
 
@@ -213,9 +216,13 @@ class ScenarioFields(CostmapSettings, RunSettings):
         odometry: How far its odometry is from its motion. If None, not at all.
         lidar: Which of the robot's lidars are simulated: all (true), none (false), or a list of names. With them it
             senses obstacles that are not on its map.
+        lidar_errors: What its lidars measure wrongly. If None, only what their own noise does.
         known_map: Whether the robot starts with the map of its surroundings. Without it, it drives by its lidars alone;
             unknown space can then be driven, at a cost, also where `unknown` is blocked.
+        map_errors: What is missing from its map, and what is on it and not in the world. If None, nothing.
         localizer: What estimates the robot's pose, likewise; none gives it the true pose.
+        start_error: How far the start that the localizer is told is from the true one, or `unknown` if it is told none.
+            If None, it is told the true one.
         layers: How scans are put into the costmap. If None, the defaults.
         collision_monitor: Whether every command passes a collision monitor (true or its settings), or none (false). Not
             given means one where there are scans.
@@ -254,8 +261,13 @@ class ScenarioFields(CostmapSettings, RunSettings):
     latency: Latency | None = None
     odometry: OdometryErrors | None = None
     lidar: LidarNames = False
+    lidar_errors: LidarErrors | None = None
     known_map: bool = True
+    map_errors: MapErrors | None = None
     localizer: Annotated[Choice | None, takes_plugin(Choice)] = None
+    start_error: Annotated[
+        StartError | None, BeforeValidator(read_unknown, json_schema_input_type=Literal["unknown"] | StartError | None)
+    ] = None
     layers: LayersSettings | None = None
     collision_monitor: bool | MonitorSettings | None = None
     rules: Rules | None = None
@@ -297,4 +309,12 @@ class ScenarioFields(CostmapSettings, RunSettings):
             raise ValueError("a robot that does not know the map needs lidars: give lidar: true")
         if not self.known_map and (self.keepout is not None or self.speed_mask is not None):
             raise ValueError("keepout and speed_mask are areas of a map: they need known_map: true")
+        if not self.known_map and self.map_errors is not None:
+            raise ValueError("map_errors are errors of the robot's map: they need known_map: true")
+        if self.lidar_errors is not None and not self.lidar and "lidar" not in self.backend.options:
+            raise ValueError("lidar_errors are errors of simulated lidars: give lidar: true")
+        if self.start_error is not None and self.localizer is None:
+            raise ValueError(
+                "start_error is what a localizer is told of the start: give a localizer, such as localizer: amcl"
+            )
         return self

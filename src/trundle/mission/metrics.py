@@ -236,6 +236,7 @@ def compute_metrics(
     monitor_stops: int | None = None,
     recoveries: int = 0,
     standing_reasons: Mapping[str, int] | None = None,
+    lost_s: float = 0.0,
     truth: Truth | None = None,
 ) -> Metrics:
     """Compute the metrics of a run; see `Metrics` for their definitions.
@@ -255,6 +256,7 @@ def compute_metrics(
         monitor_stops: How often a collision monitor stopped the robot; none without one.
         recoveries: Number of steps of recovery that ran.
         standing_reasons: In how many control periods the controller made no progress, by reason. If None, never.
+        lost_s: Time [s] in which the localizer did not say that it is localized.
         truth: What was measured around the robot. If None, that nothing is known but the costmap and the plans, and
             `path_length_m` stands for the shortest path.
     """
@@ -267,6 +269,7 @@ def compute_metrics(
     distance = path_length(np.column_stack([trajectory.x, trajectory.y]))
     turning = float(np.abs(wrap_angles(np.diff(trajectory.yaw))).sum())
     errors = cross_track_errors(trajectory, paths)
+    misplaced = np.hypot(*(trajectory.estimates[:, :2] - trajectory.poses[:, :2]).T)
     simulated = float(trajectory.time[-1])
     shortest = truth.shortest_path_m or 0.0
     longest = max(distance, shortest)
@@ -287,7 +290,10 @@ def compute_metrics(
         measured_on=truth.measured_on,
         standing_contacts=tuple(standing_contacts),
         unseen_contacts=tuple(unseen_contacts),
-        position_error_m=math.dist(trajectory.poses[-1, :2], trajectory.estimates[-1, :2]),
+        position_error_m=float(misplaced[-1]),
+        localization_error_m=float(misplaced.mean()),
+        localization_error_p95_m=float(np.percentile(misplaced, 95.0)),
+        lost_s=lost_s,
         monitor_stops=monitor_stops,
         recoveries=recoveries,
         standing_reasons=dict(sorted((standing_reasons or {}).items(), key=lambda item: -item[1])),

@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -155,16 +156,19 @@ def _check_ascending(values: tuple[Any, Any]) -> tuple[Any, Any]:
 
 
 _Count = Annotated[int, Field(ge=0, le=1000)]
-_Counts = Annotated[
+Counts = Annotated[
     tuple[_Count, _Count],
     BeforeValidator(_as_range, json_schema_input_type=int | list[int]),
     AfterValidator(_check_ascending),
 ]
-_Lengths = Annotated[
+"""How many: a number, or the least and the most."""
+
+Lengths = Annotated[
     tuple[Positive, Positive],
     BeforeValidator(_as_range, json_schema_input_type=float | list[float]),
     AfterValidator(_check_ascending),
 ]
+"""A length [m]: a number, or the least and the most."""
 
 
 class Unmapped(Config):
@@ -181,9 +185,9 @@ class Unmapped(Config):
         room: Distance that they keep from where the robot turns at its start and its goals [m].
     """
 
-    boxes: _Counts = (5, 30)
-    size: _Lengths = (0.3, 0.8)
-    height: _Lengths = (0.6, 1.2)
+    boxes: Counts = (5, 30)
+    size: Lengths = (0.3, 0.8)
+    height: Lengths = (0.6, 1.2)
     near_path: Annotated[float, Field(ge=0.0, le=1.0)] = 0.5
     room: NotNegative = 0.3
 
@@ -202,7 +206,7 @@ class Unmapped(Config):
         rng = np.random.default_rng([_STREAM, seed])
         count = int(rng.integers(self.boxes[0], self.boxes[1] + 1))
         points = np.array([end[:2] for end in ends], dtype=np.float64)
-        places = _Places(costmap, points, rng)
+        places = FreePlaces(costmap, points, rng, "unmapped", "box")
         solids: list[Solid] = []
         for number in range(count):
             size = rng.uniform(*self.size, 2)
@@ -215,25 +219,36 @@ class Unmapped(Config):
         return replace(world, solids=(*world.solids, *solids))
 
 
-class _Places:
-    """Draws places for boxes: cells where the middle of the robot can be."""
+class FreePlaces:
+    """Draws places for boxes: cells where the middle of the robot can be.
 
-    def __init__(self, costmap: Costmap, points: FloatArray, rng: np.random.Generator) -> None:
+    Args:
+        costmap: The robot's map.
+        points: Its start and goals [m], shape (N, 2).
+        rng: Draws them.
+        key: Of the scenario, for messages.
+        what: What is placed, likewise.
+    """
+
+    def __init__(self, costmap: Costmap, points: FloatArray, rng: np.random.Generator, key: str, what: str) -> None:
         self._costmap, self._points, self._rng = costmap, points, rng
+        self._key, self._what, self._plural = key, what, {"box": "boxes"}.get(what, f"{what}s")
         self._free = np.argwhere(costmap.data < INSCRIBED)
-        self._path = _shortest_path(costmap, points)
-        self._length = path_length(self._path)
 
-    def draw(self, *, beside_path: bool, clear: float) -> tuple[float, float]:
+    @cached_property
+    def _path(self) -> FloatArray:
+        return _shortest_path(self._costmap, self._points)
+
+    def draw(self, *, clear: float, beside_path: bool = False) -> tuple[float, float]:
         """Draw a place that is farther than `clear` [m] from the start and the goals."""
         for _ in range(_TRIES if len(self._free) else 0):
-            x, y = self._beside_path() if beside_path and self._length > 0.0 else self._anywhere()
+            x, y = self._beside_path() if beside_path and path_length(self._path) > 0.0 else self._anywhere()
             far = np.hypot(*(self._points - (x, y)).T).min() > clear
             if far and self._costmap.cost_at(x, y) < INSCRIBED:
                 return x, y
         raise ScenarioError(
-            f"unmapped: the map has no room for a box that is {clear:.2f} m away from the start and the goals; give "
-            "fewer or smaller boxes, or less room"
+            f"{self._key}: the map has no room for a {self._what} that is {clear:.2f} m away from the start and the "
+            f"goals; give fewer or smaller {self._plural}, or less room"
         )
 
     def _anywhere(self) -> tuple[float, float]:

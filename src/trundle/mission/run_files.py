@@ -14,7 +14,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from trundle.errors import InputError
 from trundle.files.npz import read_arrays
-from trundle.files.opening import exists, is_file, open_file, read_up_to
+from trundle.files.opening import describe_unreadable, exists, is_file, open_file, read_up_to
 from trundle.mission.trajectory import write_arrays
 from trundle.path import Path
 from trundle.values import as_array
@@ -47,7 +47,7 @@ def read_json(file: FilePath, what: str, advice: str) -> Mapping[str, Any]:
         with open_file(file) as stream:
             content = read_up_to(stream, _MOST_BYTES)
     except OSError as error:
-        raise InputError(f"cannot read {file}: {error.strerror or error}") from error
+        raise InputError(describe_unreadable(file, error)) from error
     try:
         values = json.loads(content.decode("utf-8"), parse_constant=_refuse)
     except json.JSONDecodeError as error:

@@ -150,10 +150,19 @@ class Scenario(ScenarioFields):
         seen = self.part(CostmapSettings)
         if costmap is None:
             costmap = seen.make_costmap(place.grid, robot, keepout=place.keepout)
+        start, goals = self._pick_ends(costmap)
+        ends = (start.as_tuple(), *goals)
+        world = place.world
+        if self.unmapped is not None:
+            world = self.unmapped.add_to(world, costmap, ends, self.seed)
+        grid = place.grid
+        if self.map_errors is not None:
+            grid = self.map_errors.change(grid, costmap, ends, self.seed)
+            costmap = seen.make_costmap(grid, robot, keepout=place.keepout)
         if not self.known_map and seen.unknown == "blocked":
             seen = seen.model_copy(update={"unknown": "costly"})
         navigator = Navigator(
-            (place.grid, costmap) if self.known_map else None,
+            (grid, costmap) if self.known_map else None,
             robot,
             costmap=None if self.known_map else seen,
             layers=self.layers,
@@ -164,11 +173,6 @@ class Scenario(ScenarioFields):
             speed_mask=place.speed_mask,
         )
         agent = navigator if self.agent is None else create_agent(self.agent, robot, navigator.grid)
-        start, goals = self._pick_ends(costmap)
-        world = place.world
-        if self.unmapped is not None:
-            ends = (start.as_tuple(), *goals)
-            world = self.unmapped.add_to(world, costmap, ends, self.seed)
         exact = self.model_copy(
             update={
                 "floor_z": self.floor_z if place.floor_z == 0.0 else place.floor_z,
@@ -176,7 +180,7 @@ class Scenario(ScenarioFields):
                 **exact_goals(goals, self.goals),
             }
         )
-        return Setting(exact, world, place.robot, place.grid, navigator, agent, start, goals)
+        return Setting(exact, world, place.robot, grid, navigator, agent, start, goals)
 
     def build(self) -> Mission:
         """Prepare it, and start its simulator; see `prepare` for the errors."""
@@ -236,7 +240,7 @@ class Setting:
         scenario: The exact scenario, with the start and the goals that were picked.
         world: The world.
         robot: The robot.
-        grid: The map.
+        grid: The map that the robot has, with its errors.
         navigator: Planner, controller and recovery.
         agent: What drives: the navigator, unless the scenario has another agent.
         start: The start pose.

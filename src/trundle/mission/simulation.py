@@ -11,6 +11,7 @@ from trundle.localization.localizer import LocalizerLike
 from trundle.maps import OccupancyGrid
 from trundle.mission.fields import Rules, ScenarioFields
 from trundle.mission.running.robot_stack import SomeMonitor
+from trundle.mission.start_error import StartError
 from trundle.robots import Robot
 from trundle.sim import Simulator, simulate
 from trundle.sim.wrapper import SimulatorWrapper
@@ -21,6 +22,7 @@ class SessionOptions(TypedDict, total=False):
     """Keywords of `Session` and `run` that say what is between the simulator and the agent."""
 
     localizer: LocalizerLike | None
+    start_error: StartError | None
     latency: Latency | None
     monitor: SomeMonitor | bool | None
     rules: Rules | None
@@ -38,6 +40,7 @@ def session_options(scenario: ScenarioFields, grid: OccupancyGrid, robot: Robot)
     localizer = None if choice is None else create_localizer(choice, grid if scenario.known_map else None, robot)
     return {
         "localizer": localizer,
+        "start_error": scenario.start_error,
         "latency": scenario.latency,
         "rules": scenario.rules,
         "through": scenario.through,
@@ -64,9 +67,10 @@ def start_backend(scenario: ScenarioFields, world: World, robot: Robot) -> Simul
 
 
 def wrap_backend(scenario: ScenarioFields, backend: Simulator) -> Simulator:
-    """The backend with the errors of the robot's motion and odometry; itself where the scenario has none."""
+    """The backend with the errors of the robot's motion, odometry and lidars; itself where the scenario has none."""
     sim = backend if scenario.actuation is None else scenario.actuation.simulate(backend)
-    return sim if scenario.odometry is None else scenario.odometry.simulate(sim)
+    sim = sim if scenario.odometry is None else scenario.odometry.simulate(sim)
+    return sim if scenario.lidar_errors is None else scenario.lidar_errors.simulate(sim)
 
 
 def backend_of(simulator: Simulator) -> Simulator:

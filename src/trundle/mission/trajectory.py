@@ -141,7 +141,9 @@ class Trajectory:
         arrays, _ = read_arrays(path, cls.columns(), error=InputError)
         missing = [name for name in cls.columns() if name not in arrays and name not in _ADDED]
         if missing:
-            raise InputError(f"{os.fspath(path)}: not a trajectory: it has no {', '.join(missing)}")
+            raise InputError(
+                f"{os.fspath(path)}: not a trajectory: it has no {', '.join(missing)}; give the trajectory.npz of a run"
+            )
         try:
             return cls(**arrays)
         except InputError as error:

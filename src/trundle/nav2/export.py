@@ -11,7 +11,7 @@ import yaml
 from trundle.errors import InputError
 from trundle.files.writing import make_folder, write_text
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
-from trundle.maps.ros_writer import choose_mode
+from trundle.maps.ros_writer import choose_mode, save_map
 from trundle.messages.codec import DEFAULT, DISTROS, Distro
 from trundle.mission import Scenario
 from trundle.mission.place import Place, make_place
@@ -25,8 +25,9 @@ from trundle.nav2.planners import write_planners
 from trundle.nav2.remarks import Remark, describe_remarks
 from trundle.nav2.servers import write_servers
 
-PARAMS, MAP, LAUNCH, REMARKS = "nav2_params.yaml", "map.yaml", "nav2.launch.py", "no_counterpart.txt"
-"""Files of an export; masks are `keepout.yaml` and `speed.yaml`, each beside its image."""
+PARAMS, LAUNCH, REMARKS = "nav2_params.yaml", "nav2.launch.py", "no_counterpart.txt"
+MAP, KEEPOUT, SPEED = "map.yaml", "keepout.yaml", "speed.yaml"
+"""Files of an export: the map and the masks each have their image beside them."""
 
 _COSTMAPS = ("local_costmap", "global_costmap")
 
@@ -135,13 +136,12 @@ def _write_maps(
         grid.save(folder / MAP, mode=choose_mode(grid))
     masks: list[str] = []
     if keepout is not None:
-        keepout.grid.save(folder / "keepout.yaml", mode=choose_mode(keepout.grid))
+        keepout.grid.save(folder / KEEPOUT, mode=choose_mode(keepout.grid))
         masks.append("keepout")
     if speeds is not None:
-        path = folder / "speed.yaml"
-        speeds.grid.save(path, mode=choose_mode(speeds.grid))
+        path = folder / SPEED
         kind, base, multiplier = UNIT_NUMBERS[speeds.unit], float(speeds.base), float(speeds.multiplier)
         own = f"type: {kind}\nbase: {base!r}\nmultiplier: {multiplier!r}\n"
-        write_text(path, path.read_text(encoding="utf-8") + own)
+        save_map(speeds.grid, path, mode=choose_mode(speeds.grid), more=own)
         masks.append("speed")
     return masks

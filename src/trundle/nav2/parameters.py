@@ -225,7 +225,7 @@ class ParameterFile:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(as_path(path, "a parameter file"))
         self._name = str(self.path)
-        node = compose(self.path)
+        node = compose(self.path, wanted="Nav2's parameter file, such as nav2_params.yaml")
         self._entries: list[_Entry] = []
         if isinstance(node, yaml.MappingNode):
             self._walk(node, ())

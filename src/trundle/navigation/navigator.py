@@ -27,6 +27,7 @@ from trundle.navigation.navigator_requests import NavigatorRequests
 from trundle.navigation.navigator_settings import NavigatorSettings
 from trundle.navigation.progress import PathProgress, Retries
 from trundle.navigation.recovery import Recovery
+from trundle.navigation.relocalization import CORRECTED_M, Relocalization
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.route_planner import RoutePlanner
 from trundle.navigation.sensing import SensedMap, SensedTracks
@@ -154,6 +155,7 @@ class Navigator(NavigatorRequests):
             Retries(self.dt, settings.recovery_retries),
             PathProgress(self.dt),
         )
+        self._relocalization = Relocalization(self.robot)
         self._goal_queue = GoalQueue(self._runner, self._replanner, self._recovery, through)
         self.reset()
 
@@ -210,10 +212,13 @@ class Navigator(NavigatorRequests):
         Warns:
             SensorWarning: If scans are left out, what was sensed is forgotten since the pose or the time jumped.
         """
-        now = self._sense(read_update(pose, twist, time, scans, observation, estimate))
+        given = read_update(pose, twist, time, scans, observation, estimate)
+        now = self._sense(given)
         soon = self._when_taking_effect(now)
         # The first stage that has a command for this control period ends it.
         command = self._run_tasks(soon)
+        if command is None and given.estimate is not None:
+            command = self._find_itself(given.estimate, given.scans, now)
         if command is None:
             command = self._arrive(now, soon)
         if command is None:
@@ -261,7 +266,8 @@ class Navigator(NavigatorRequests):
         if scans or self._has_scans:  # a robot without scans pays nothing for them
             self._has_scans = True
             estimate = Estimate(now, pose) if given.estimate is None else given.estimate
-            self._sensed.update(scans, estimate, self._state.target)
+            if estimate.state == "localized":  # where it would be marked is not known otherwise
+                self._sensed.update(scans, estimate, self._state.target)
             self.tracks = self._tracked.update(scans, estimate)
         self._replanner.movers.note(self.tracks, now)
         self._controller.set_tracks(self.tracks)
@@ -286,6 +292,23 @@ class Navigator(NavigatorRequests):
         if command is not None:
             self._is_held = False
         return command
+
+    def _find_itself(self, estimate: Estimate, scans: Sequence[Scan], now: Snapshot) -> Twist2D | None:
+        """Look around while the localizer does not know where the robot is; then go on, from where that turns out."""
+        search = self._relocalization
+        if estimate.state != "localized":
+            if not self._state.ahead or self._state.is_final:
+                return None
+            if self._runner.is_recovering:
+                self._runner.interrupt("the robot does not know where it is")
+            return self._apply(search.decide(estimate, scans, now.time))
+        if search.is_active:
+            if search.corrected_m(estimate) > CORRECTED_M:
+                self._sensed.reset()
+                self._replanner.drop_path()
+            self._recovery.reset()
+            search.reset()
+        return None
 
     def _arrive(self, now: Snapshot, soon: Snapshot) -> Twist2D | None:
         """Stand where there is nothing to do; count goals that are passed, and stop at the one that is reached."""

@@ -15,6 +15,7 @@ from trundle.navigation.followed_path import FollowedPath
 from trundle.navigation.inputs import read_goal
 from trundle.navigation.navigator_attributes import NavigatorAttributes
 from trundle.navigation.recovery import Recovery
+from trundle.navigation.relocalization import Relocalization
 from trundle.navigation.sensing import SensedTracks
 from trundle.navigation.state import NOTHING, Decision, DriveState, Snapshot
 from trundle.navigation.status import NavigationStatus
@@ -30,6 +31,7 @@ class NavigatorRequests(NavigatorAttributes):
 
     _delayed: DelayedCommands
     _recovery: Recovery
+    _relocalization: Relocalization
     _tracked: SensedTracks
     _command: Twist2D
     _time: float
@@ -224,6 +226,7 @@ class NavigatorRequests(NavigatorAttributes):
         self._replanner.begin(self.costmap)
         self._runner.interrupt("there is another goal" if route is not None else "cancelled")
         self._recovery.reset()
+        self._relocalization.reset()
         self._goal_queue.begin(route)
 
     def _snapshot(self, time: float, pose: Pose2D, twist: Twist2D) -> Snapshot:

@@ -65,8 +65,12 @@ TRANSITIONS: Mapping[tuple[NavigationStatus, NavigationStatus], str] = {
     (
         _S.DRIVING,
         _S.STUCK,
-    ): "no progress within the time allowance, or after all tries of recovery; or a task has failed at once",
-    (_S.BLOCKED, _S.STUCK): "no progress within the time allowance, or after all tries of recovery",
+    ): "no progress within the time allowance, after all tries of recovery, or not localized for too long; or a task "
+    "has failed at once",
+    (
+        _S.BLOCKED,
+        _S.STUCK,
+    ): "no progress within the time allowance, after all tries of recovery, or not localized for too long",
     (_S.DRIVING, _S.NO_PATH): "no path, and nothing that was sensed may move away",
     (_S.BLOCKED, _S.NO_PATH): "no path, and the robot has waited or tried for long enough",
     (_S.DRIVING, _S.PLANNING_TIMED_OUT): "the third plan in a row missed its deadline",

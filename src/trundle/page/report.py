@@ -50,9 +50,14 @@ _FIGURES = (
     ("recoveries", "steps of recovery", "{:d}"),
     ("monitor_stops", "stops by the collision monitor", "{:d}"),
     ("position_error_m", "error of the estimate", "{:.3f} m"),
+    ("localization_error_m", "mean error of the estimate", "{:.3f} m"),
+    ("localization_error_p95_m", "error of the estimate, 95 % of the run", "{:.3f} m"),
+    ("lost_s", "not localized", "{:.1f} s"),
     ("real_time_factor", "real-time factor", "{:.0f}"),
 )
 
+_LOCATED = ("position_error_m", "localization_error_m", "localization_error_p95_m", "lost_s")
+"""Figures that are 0 in a run without a localizer."""
 _MOST_BYTES = 100_000_000
 _STAND_IN = "nova_carter"
 _BEFORE, _AFTER = '<script type="application/json" id="boot">', "</script>"
@@ -129,7 +134,7 @@ def _figures(record: Mapping[str, Any]) -> list[list[str]]:
     found = [
         [label, form.format(value)]
         for name, label, form in _FIGURES
-        if isinstance(value := record.get(name), int | float) and not (name == "position_error_m" and value == 0.0)
+        if isinstance(value := record.get(name), int | float) and not (name in _LOCATED and value == 0.0)
     ]
     if goals := record.get("goals"):
         found.insert(0, ["goals reached", f"{record.get('goals_reached', 0)} of {len(goals)}"])

@@ -24,7 +24,7 @@ import numpy as np
 
 from trundle.errors import RobotError, RobotWarning
 from trundle.files.model_spec import compile_spec, drop_textures, read_spec
-from trundle.files.opening import check_regular
+from trundle.files.opening import check_regular, describe_unreadable
 from trundle.files.xacro import expand_xacro
 from trundle.files.xml_elements import read_xml
 from trundle.files.yaml_config import Plain
@@ -64,10 +64,8 @@ def read_robot(path: Path, given: dict[str, Plain], folders: tuple[Path, ...]) -
     """
     try:
         check_regular(path)
-    except FileNotFoundError:
-        raise RobotError(f"{path}: there is no such file") from None
     except OSError as error:
-        raise RobotError(f"cannot read {path}: {error.strerror or error}") from error
+        raise RobotError(describe_unreadable(path, error)) from error
     drive = given.get("drive", {})
     if not isinstance(drive, dict):
         raise RobotError(f"{path}: drive must be a mapping, got {drive!r}")

@@ -195,7 +195,9 @@ def _check_axle(path: Path, left: ModelWheel, right: ModelWheel) -> None:
     across = left.center - right.center
     distance = float(np.linalg.norm(across))
     if distance < 1e-3:
-        raise RobotError(f"{path}: the wheels of {left.joint!r} and {right.joint!r} are in one place")
+        raise RobotError(
+            f"{path}: the wheels of {left.joint!r} and {right.joint!r} are in one place; correct their origins"
+        )
     if min(abs(left.axis @ across), abs(right.axis @ across)) < 0.99 * distance:
         raise RobotError(
             f"{path}: {left.joint!r} and {right.joint!r} do not rotate about one axis; a differential drive needs the "

@@ -21,6 +21,7 @@ _OF_A_PLACE = {
     "goal": None,
     "goals": None,
     "unmapped": None,
+    "map_errors": None,
     "movers": (),
 }
 """Fields of a scenario that make no sense in another world, with their defaults."""
@@ -62,7 +63,8 @@ class Choices:
         for kind in ("world", "robot", "planner", "controller"):
             name = getattr(message, kind, None)
             if name is not None and name not in getattr(self, f"{kind}s"):
-                raise InputError(f"{kind} {name!r} is not among the choices of this server")
+                choices = ", ".join(getattr(self, f"{kind}s"))
+                raise InputError(f"{kind} {name!r} is not among the choices of this server: {choices}")
 
 
 def place_of(scenario: Scenario) -> str:

@@ -12,7 +12,7 @@ from typing import Any, cast
 import numpy as np
 
 from trundle.errors import WorldError, WorldWarning
-from trundle.files.opening import check_regular
+from trundle.files.opening import check_regular, describe_unreadable
 from trundle.guard import ReadCall, ReadLimits, read_guarded
 from trundle.maps.from_world import find_outlier
 from trundle.values import as_path
@@ -78,12 +78,8 @@ def load_world(path: str | os.PathLike[str], /, *, limits: ReadLimits, **options
         )
     try:
         check_regular(file)
-    except FileNotFoundError:
-        raise WorldError(f"{file}: there is no such file") from None
-    except IsADirectoryError:
-        raise WorldError(f"{file}: this is a folder") from None
     except OSError as error:
-        raise WorldError(f"{file}: {error.strerror or error}") from error
+        raise WorldError(describe_unreadable(file, error, "the file of a world")) from error
     if target in (_MAPS, _DYNABARN):
         return read_world(str(file), options)
     call = ReadCall(

@@ -88,7 +88,7 @@ def extrude(
         grid = OccupancyGrid.load(grid)
     classes = _classify(grid, unknown)
     if not (classes == _FREE).any():
-        raise WorldError(f"map {name!r} has no free cell, so it has no room for a robot")
+        raise WorldError(f"map {name!r} has no free cell, so it has no room for a robot; trundle map check says why")
     rectangles = merge_cells(classes, most=most_boxes)
     if rectangles is None:
         shape = OccupancyCells(classes != _FREE, grid.resolution, height)

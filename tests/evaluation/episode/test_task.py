@@ -188,3 +188,25 @@ def test_a_row_does_not_depend_on_where_a_map_is(room, tmp_path, monkeypatch):
     there = EpisodeTask(suite(worlds=str(tmp_path / "other" / "room.yaml"), backends="kinematic", seeds=1))(0)
     monkeypatch.chdir(tmp_path)
     assert EpisodeTask(suite(worlds="room.yaml", backends="kinematic", seeds=1))(0).unmeasured() == there.unmeasured()
+
+
+def test_an_episode_with_errors_of_everything_is_run_again_exactly_and_drives_the_same_mission():
+    errors = {
+        "lidar": True,
+        "localizer": "odometry",
+        "odometry": {"scale": 0.01, "slips": {"every": 2.0}},
+        "lidar_errors": {"noise": 0.02, "dropouts": 0.05, "short_returns": 0.02},
+        "start_error": [None, {"distance": 0.2, "heading": "5deg"}],
+        "map_errors": [None, {"missing": 0.5, "ghosts": 3}],
+        "unmapped": {"boxes": 2},
+    }
+    limits = {"time_limit_s": 8.0}
+    task = EpisodeTask(suite(worlds=[SMALL], backends="kinematic", seeds="5:6", limits=limits, **errors))
+    rows = [task(index) for index in range(4)]
+    assert len({row.mission for row in rows}) == 1
+    assert len({row.localization_error_m for row in rows}) == 4
+    assert task(0).unmeasured() == rows[0].unmeasured()
+    with task.scenario_of(3).build() as mission:
+        episode = mission.run()
+    assert episode.metrics.localization_error_m == rows[3].localization_error_m
+    assert episode.trajectory.poses[-1].tolist() == [rows[3].end_x, rows[3].end_y, rows[3].end_yaw]

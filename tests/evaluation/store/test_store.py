@@ -333,7 +333,7 @@ except OutputError as error:
 """
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
     done = subprocess.run(
-        [sys.executable, "-c", code, str(tmp_path)], env=environment, capture_output=True, text=True, check=False
+        [sys.executable, "-B", "-c", code, str(tmp_path)], env=environment, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
     count = int(done.stdout.split()[0])
@@ -390,7 +390,8 @@ def test_a_folder_from_before_the_figures_of_sensing_is_read_and_continued(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Its parts and its journal lack the columns; rows written since have them."""
-    new = ("standing_contacts", "unseen_contacts", "position_error_m", "monitor_stops")
+    located = ("position_error_m", "localization_error_m", "localization_error_p95_m", "lost_s")
+    new = ("standing_contacts", "unseen_contacts", *located, "monitor_stops")
     with monkeypatch.context() as before:
         older = {name: kind for name, kind in row_encoding.SQL_TYPES.items() if name not in new}
         before.setattr(parts, "SQL_TYPES", older)

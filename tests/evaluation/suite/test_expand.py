@@ -5,6 +5,7 @@ import pytest
 
 from trundle.errors import InputError
 from trundle.evaluation.suite import Suite
+from trundle.geometry import Pose2D
 
 
 def make(**settings):
@@ -207,6 +208,47 @@ def test_what_the_robot_senses_and_knows_is_crossed():
 def test_an_unknown_localizer_of_a_suite_is_refused():
     with pytest.raises(InputError, match="unknown localizer 'odometri'"):
         make(seeds=1, localizer="odometri").check()
+
+
+def test_localizers_of_one_name_are_told_apart_by_their_labels_or_refused():
+    first = lambda observation: observation.odometry  # noqa: E731 - both are called <lambda>
+    second = lambda observation: Pose2D(1.0, 2.0)  # noqa: E731
+    with pytest.raises(InputError, match="two localizers are called '<lambda>': leave one out, or give one of them a"):
+        make(seeds=1, localizer=[first, second]).check()
+    suite = make(seeds=1, localizer=[first, {"name": second, "label": "by odometry"}])
+    suite.check()
+    specs = [suite.spec(index) for index in range(2)]
+    assert [spec.settings for spec in specs] == ["localizer=<lambda>", "localizer=by_odometry"]
+    assert [spec.scenario.localizer.given for spec in specs] == [first, second]
+    with pytest.raises(InputError, match="localizer L2 is given twice"):
+        make(seeds=1, localizer=[{"name": first, "label": "L1"}, {"name": first, "label": "L2"}]).check()
+
+
+def test_the_label_of_a_localizer_changes_no_id_and_stays_in_the_file(tmp_path):
+    named = make(seeds=1, localizer={"name": "odometry", "label": "wheels"})
+    assert named.id_of(0) == make(seeds=1, localizer="odometry").id_of(0)
+    named.save(tmp_path / "suite.yaml")
+    assert Suite.load(tmp_path / "suite.yaml").localizer[0].label == "wheels"
+    assert "label" not in named.spec(0).scenario.plain()["localizer"]
+
+
+def test_the_errors_of_a_localizers_world_are_crossed():
+    suite = make(
+        seeds=1,
+        lidar=True,
+        localizer="odometry",
+        odometry=[{"slips": 6}, {"scale": 0.05, "slips": {"count": 6, "distance": 0.2}}],
+        lidar_errors=[None, {"dropouts": 0.01}],
+        map_errors=[None, {"missing": 0.25, "ghosts": 12}],
+        start_error=[None, {"distance": 1.0, "heading": "20deg"}, "unknown"],
+    )
+    suite.check()
+    specs = [suite.spec(index) for index in range(len(suite))]
+    assert len({spec.id for spec in specs}) == len({spec.settings for spec in specs}) == 24
+    assert (
+        "lidar_errors={dropouts:0.01} odometry={scale:0.05,slips:{count:6,distance:0.2}} "
+        "map_errors={missing:0.25,ghosts:12+12} start_error={unknown:True}"
+    ) in {spec.settings for spec in specs}
 
 
 def test_movers_are_crossed_as_lists():

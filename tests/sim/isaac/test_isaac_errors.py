@@ -124,7 +124,7 @@ def test_an_unknown_environment_offers_the_nearest(fake):
 
 
 def test_an_environment_file_that_is_not_there(fake):
-    with pytest.raises(InputError, match=r"environment nowhere.usd: there is no such file"):
+    with pytest.raises(InputError, match=r"environment nowhere.usd: no such file"):
         make(environment="nowhere.usd")
 
 

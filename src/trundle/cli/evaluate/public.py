@@ -82,7 +82,7 @@ class DriveOptions:
     )
     controller_option: Annotated[list[str] | None, PARAMETERS["controller_options"]] = None
     collision_monitor: Annotated[
-        bool | None, _flag("Let every command pass the collision monitor.", "--no-collision-monitor")
+        bool | None, _flag("Check every command against the scans.", "--no-collision-monitor")
     ] = None
     backend: Annotated[str, _crossed("backend", "The simulator: mujoco or kinematic. Commas cross several.")] = "mujoco"
 
@@ -272,7 +272,10 @@ def read_numbers(text: str | None) -> list[int] | None:
             raise InputError(f"--only {text}: give numbers of worlds, as in 0,15,30 or 0:60 or 0:300:15")
         numbers += [int(part)] if len(pieces) == 1 else range(*map(int, pieces))
     if not numbers or len(set(numbers)) < len(numbers):
-        raise InputError(f"--only {text}: {'a world is there twice' if numbers else 'this names no world'}")
+        raise InputError(
+            f"--only {text}: {'a world is there twice' if numbers else 'this names no world'}; "
+            "give numbers of worlds, as in 0,15,30 or 0:60"
+        )
     return numbers
 
 

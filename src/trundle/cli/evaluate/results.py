@@ -20,7 +20,7 @@ _HELP = (
     "What must hold, as 'success>=0.99' or 'success[planner=auto]>=0.99': the end of the 95 % interval is compared. "
     "Repeat it for several. Left out: what the suite requires."
 )
-Require = Annotated[tuple[str, ...], Parameter(name="--require", help=_HELP, negative="")]
+Require = Annotated[tuple[str, ...], Parameter(name="--require", help=_HELP, negative="", show_default=False)]
 
 report_app = App(
     name="report",

@@ -91,7 +91,8 @@ def run(
 
     Args:
         given: What to drive: a suite (a file, or smoke, tight or warehouses, which come with trundle), the word maps
-            and a folder of ROS maps, or maps and worlds, whose missions are picked by seed.
+            and a folder of ROS maps, or maps and worlds, whose missions are picked by seed. A suite with maps or worlds
+            drives in these, too.
         time_limit: Simulated time after which an episode is stopped [s].
         out: Folder to write into, or to continue; left out: a new one under runs.
         workers: Number of processes; left out: one for each CPU.
@@ -146,9 +147,12 @@ def _make_suite(given: tuple[str, ...], changes: dict[str, Any]) -> Suite:
         if unknown:
             raise UnknownNameError("suite or world", unknown[0], [*suite_names(), MAPS, *world_names()])
         return Suite.make(worlds=list(given), **changes)
-    if len(given) > 1:
-        raise InputError(f"give one suite alone, or maps and worlds; got {' '.join(given)}")
+    if len(suites) > 1:
+        raise InputError(f"give one suite, with maps and worlds that it is to drive in besides; got {' '.join(given)}")
     base = Suite.load(suites[0])
+    if others := [text for text in given if text != suites[0]]:
+        both = {**_fields(base), "worlds": [*(_fields(world) for world in base.worlds), *others]}
+        base = Suite.make(**both)
     if "missions" in changes:
         changes["worlds"] = [
             {**_fields(world), "missions": {**_fields(world.missions), **changes["missions"]}}

@@ -83,7 +83,6 @@ def build(
         max_cells: Limit on the number of cells; default: 400 million.
     """
     from trundle.maps import FREE, MAX_CELLS, UNKNOWN, HeightField, OccupancyGrid
-    from trundle.maps.ros_writer import is_as_written
 
     machine = sources.load_robot(robot, paths)
     low, high = machine.z_range
@@ -95,7 +94,7 @@ def build(
     place = sources.load_world(str(scene or world), seed=seed, settings=kept)
     target = options.output_file(out, "map.yaml", (".yaml", ".yml"))
     if not overwrite:
-        options.check_replaceable(target, is_as_written=is_as_written(target))
+        options.check_map_replaceable(target)
     if heights is None:
         level = sources.find_floor_z(place, str(scene or world), machine, seeds[0] if seeds else None, floor_z)
     else:

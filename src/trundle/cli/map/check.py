@@ -44,6 +44,7 @@ def check(
         list[str] | None, Parameter(name="--goal", allow_leading_hyphen=True, negative="", metavar="X,Y[,YAW]")
     ] = None,
     fix: Annotated[Path | None, Parameter(name="--fix")] = None,
+    overwrite: options.OverwriteMap = False,
     out: options.Out = None,
     z_min: options.Height = None,
     z_max: options.Height = None,
@@ -61,6 +62,7 @@ def check(
 
     Exits with 1 if there is an error among the findings, and with 2 if the file is missing or not
     text. A map that is flipped, rotated, shifted or half a cell off shows only against a world.
+    --fix replaces the map that is checked, or one that has changed since trundle wrote it, only with --overwrite.
 
     Args:
         map_file: The YAML of a ROS map.
@@ -89,6 +91,8 @@ def check(
     elif floor_z is not None:
         raise InputError("--floor-z is the height of the floor in a world: give --world as well")
     target = options.output_file(fix, "map.yaml", (".yaml", ".yml")) if fix is not None else None
+    if target is not None and not overwrite:
+        _check_fix(map_file, target)
     picture = options.output_file(out, "check.png", (".png",)) if out is not None else None
     robot_area = _covered(machine.footprint) if machine is not None else None
     low, high = machine.z_range if machine is not None else DEFAULT_Z_RANGE
@@ -128,6 +132,19 @@ def check(
         for line in [*tell_report(str(map_file), report, robot_area, most=most), *written]:
             print(line)
     return 1 if report.has_errors else 0
+
+
+def _check_fix(map_file: Path, target: Path) -> None:
+    """Refuse to write the fixed map in place of the one that is checked, or of one that was edited.
+
+    Raises:
+        InputError: If it would be.
+    """
+    if target.exists() and target.samefile(map_file):
+        raise InputError(
+            f"--fix {target}: this is the map that is checked; give another file, or replace it with --overwrite"
+        )
+    options.check_map_replaceable(target, "--fix")
 
 
 def _written_lines(

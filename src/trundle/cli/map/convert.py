@@ -77,7 +77,7 @@ def convert(
     from trundle.maps import MAX_CELLS
     from trundle.maps.convert import convert_grid, find_file_losses
     from trundle.maps.movingai_cells import encode_cells
-    from trundle.maps.ros_writer import choose_mode, is_as_written
+    from trundle.maps.ros_writer import choose_mode
 
     sources = [map_file] if second is None else [map_file, second]
     for source in sources:
@@ -90,7 +90,7 @@ def convert(
         raise InputError("--mode is for ROS maps: a MovingAI map has only free and blocked cells")
     _refuse_sources(sources, target, None if is_movingai else target.with_suffix(f".{image}"))
     if not overwrite and not is_movingai:
-        options.check_replaceable(target, is_as_written=is_as_written(target))
+        options.check_map_replaceable(target)
     made = convert_grid(
         grids[0],
         other=grids[1] if second is not None else None,

@@ -29,6 +29,9 @@ EXAMPLES = {
     "layers": "rolling_window=true",
     "latency": "scan_age_s=0.1",
     "odometry": "heading=1deg",
+    "lidar_errors": "dropouts=0.01",
+    "map_errors": "missing=0.25",
+    "start_error": "distance=0.5",
     "monitor": "time_before_collision=1.5",
 }
 """A pair for each option that takes KEY=VALUE, or whose plug-in does, for messages and help."""
@@ -109,7 +112,20 @@ def pairs_option(field: str, help: str, *, name: str = "") -> OptionField:
 
 def _group(title: str, help: str) -> Parameter:
     group = Group(title, help=help, sort_key=0)
-    return Parameter(name="*", group=group, name_transform=lambda field: option_name(field)[2:], negative="")
+    return Parameter(
+        name="*",
+        group=group,
+        name_transform=lambda field: option_name(field)[2:],
+        negative="",
+        show_default=_show_default,
+    )
+
+
+def _show_default(default: object) -> object:
+    """Return a field's default as it is written on a command line."""
+    if isinstance(default, tuple) and all(isinstance(item, Choice) for item in default):
+        return ",".join(item.name for item in default)
+    return default
 
 
 CostmapOptions = Annotated[

@@ -286,7 +286,12 @@ def _sensing_facts(metrics: Metrics) -> dict[str, str]:
     if metrics.unseen_contacts:
         facts["touched, but out of the lidars' sight"] = first_names(metrics.unseen_contacts)
     if metrics.position_error_m > 0.0:
-        facts["error of the estimate"] = f"{metrics.position_error_m:.3f} m"
+        facts["error of the estimate"] = (
+            f"{metrics.position_error_m:.3f} m at the end, {metrics.localization_error_m:.3f} m on average, below "
+            f"{metrics.localization_error_p95_m:.3f} m for 95 % of the run"
+        )
+    if metrics.lost_s > 0.0:
+        facts["not localized"] = f"{metrics.lost_s:.1f} s"
     if metrics.monitor_stops is not None:
         facts["collision monitor"] = f"stopped it {metrics.monitor_stops} times"
     if metrics.standing_reasons:

@@ -95,11 +95,9 @@ Overwrite = Annotated[
 ]
 OverwriteMap = Annotated[
     bool,
-    Parameter(
-        name="--overwrite", negative="", help="Replace a map that has changed since trundle wrote it, as by hand."
-    ),
+    Parameter(name="--overwrite", negative="", help="Replace a map even if it was edited since trundle wrote it."),
 ]
-OverwriteFile = Annotated[bool, Parameter(name="--overwrite", negative="", help="Replace the file.")]
+OverwriteFile = Annotated[bool, Parameter(name="--overwrite", negative="", help="Replace the file if it exists.")]
 Record = Annotated[
     bool,
     Parameter(
@@ -283,15 +281,30 @@ def output_file(out: Path, default_name: str, suffixes: tuple[str, ...]) -> Path
 
     Raises:
         OutputError: If the folder cannot be written to.
-        InputError: If `out` has another file suffix.
+        InputError: If `out` has another file suffix, or is the image of a map.
     """
     suffix = out.suffix.lower()
     if suffix in suffixes and not out.is_dir():
         _make_folder(out.parent)
+        _refuse_map_image(out)
         return out
     if out.is_file() or (suffix and not suffix[1:].isdigit() and not out.is_dir()):
         raise InputError(f"--out {out}: give a file that ends in {' or '.join(suffixes)}, or a folder")
     return _make_folder(out) / default_name
+
+
+def _refuse_map_image(out: Path) -> None:
+    """Refuse to replace the image of a map in the folder.
+
+    Raises:
+        InputError: If the YAML of a map names it.
+    """
+    if out.suffix.lower() == ".png" and out.is_file():
+        from trundle.maps.ros_writer import find_map_of
+
+        found = find_map_of(out)
+        if found is not None:
+            raise InputError(f"--out {out}: it is the image of the map {found}; give another name")
 
 
 def new_yaml_file(out: Path, default_name: str, *, overwrite: bool) -> Path:
@@ -307,8 +320,20 @@ def new_yaml_file(out: Path, default_name: str, *, overwrite: bool) -> Path:
     return target
 
 
-def check_replaceable(target: Path, *, is_as_written: bool) -> None:
+def check_map_replaceable(target: Path, option: str = "-o") -> None:
+    """Refuse to replace a ROS map that is not as trundle wrote it; see `check_replaceable`."""
+    from trundle.maps.ros_writer import is_as_written
+
+    check_replaceable(target, is_as_written=is_as_written(target), option=option)
+
+
+def check_replaceable(target: Path, *, is_as_written: bool, option: str = "-o") -> None:
     """Refuse to replace a map that is there, unless it is byte for byte what trundle wrote.
+
+    Args:
+        target: The map's file.
+        is_as_written: Whether it is what trundle wrote.
+        option: The option that gives the file, for the message.
 
     Raises:
         InputError: If there is one and it is not; it may have been edited by hand.
@@ -316,7 +341,7 @@ def check_replaceable(target: Path, *, is_as_written: bool) -> None:
     if target.exists() and not is_as_written:
         raise InputError(
             f"{target} already exists, and is not as trundle wrote it: it may have been edited by hand. Give another "
-            "file with -o, or replace it with --overwrite"
+            f"file with {option}, or replace it with --overwrite"
         )
 
 

@@ -18,6 +18,7 @@ from trundle.cli.shared.field_options import (
     choose,
     given,
     option_for,
+    option_name,
     options_class,
     pairs_option,
 )
@@ -71,13 +72,26 @@ _OPTIONS: tuple[OptionField, ...] = (
     *_plugin("agent", f"What drives instead of planner and controller: {_PLUGIN}."),
     _field("backend", options.BACKEND_HELP),
     _field("lidar", "Simulate the robot's lidars, which sense obstacles."),
+    _field(
+        "lidar_errors",
+        f"An error of the lidars, for example noise=0.02 or {EXAMPLES['lidar_errors']}; repeatable.",
+    ),
     *_plugin("localizer", f"What estimates the robot's pose: odometry or {_PLUGIN}; default: none."),
+    _field(
+        "start_error",
+        f"An error of the start that the localizer is told, for example {EXAMPLES['start_error']} [m], heading=10deg, "
+        "or unknown=true for none; repeatable.",
+    ),
     _field("known_map", "Start without a map, and drive by lidar alone; needs --lidar.", name="--no-map"),
+    _field(
+        "map_errors",
+        f"An error of the robot's map, for example {EXAMPLES['map_errors']} or ghosts=12; repeatable.",
+    ),
     _field("layers", f"How scans go into the costmap, for example {EXAMPLES['layers']}; repeatable."),
     _field("latency", "How late data arrives: scan_age_s=0.1 or command_delay_s=0.1 [s]; repeatable."),
     _field(
         "odometry",
-        f"An error of the robot's odometry, for example scale=0.01 or {EXAMPLES['odometry']}; repeatable.",
+        f"An error of the robot's odometry, for example scale=0.01, {EXAMPLES['odometry']} or slips=6; repeatable.",
     ),
     _field("collision_monitor", "Check every command against the scans; default: where there are scans."),
     pairs_option("monitor", f"A setting of the collision monitor, for example {EXAMPLES['monitor']}; repeatable."),
@@ -199,7 +213,7 @@ class ScenarioOptions(options_class(_OPTIONS)):
                 before = getattr(base, field)
                 kept = before.model_dump(exclude_unset=True) if isinstance(before, BaseModel) else {}
                 found: dict[str, object] = {
-                    **options.parse_pairs(f"--{option}", pairs, EXAMPLES.get(option, "key=value"))
+                    **options.parse_pairs(option_name(option), pairs, EXAMPLES.get(option, "key=value"))
                 }
                 chosen[field] = {**kept, **(_of_obstacles(found, kept) if field == "layers" else found)}
         return chosen

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
-import itertools
 import os
 import warnings
 from collections.abc import Mapping, Sequence
@@ -26,7 +24,7 @@ from trundle.files.kinds import (
     describe_mismatch,
     find_kind,
 )
-from trundle.files.opening import exists, is_file
+from trundle.files.opening import advise_missing, exists, is_file
 
 if TYPE_CHECKING:
     from trundle.costmap import Costmap
@@ -37,9 +35,6 @@ if TYPE_CHECKING:
 
 _FILE_KINDS = frozenset({MAP, ROBOT, SCENARIO, SUITE, WORLD})
 """Kinds that are files, and no folders."""
-
-_MOST_NAMES = 10_000
-"""Files of a folder that are compared with a misspelt name."""
 
 _ADVICE = {
     (WORLD, MAP): "make its map with trundle map build {text} -o map.yaml",
@@ -111,15 +106,8 @@ def check_file_exists(text: str, *wanted: str) -> None:
     looks_like_path = os.sep in text or (suffix != "" and not suffix[0].isdigit() and " " not in suffix)
     if ":" in text or not looks_like_path or not _FILE_KINDS & {*wanted} or exists(path):
         return
-    folder = path.parent
     error = MapError if wanted[0] == MAP else InputError
-    if not folder.is_dir():
-        raise error(f"{text}: no such file: there is no folder {folder}")
-    files = [entry for entry in itertools.islice(folder.iterdir(), _MOST_NAMES) if entry.is_file()]
-    stems = difflib.get_close_matches(path.stem, [file.stem for file in files], n=_MOST_NAMES)
-    nearest = difflib.get_close_matches(path.name, [file.name for file in files if file.stem in stems], n=1)
-    advice = f"did you mean {folder / nearest[0]}?" if nearest else f"give the file of {_list_kinds(wanted)}"
-    raise error(f"{text}: no such file; {advice}")
+    raise error(f"{text}: no such file{advise_missing(path, f'the file of {_list_kinds(wanted)}')}")
 
 
 def _check_suffix(text: str, wanted: tuple[str, ...]) -> None:

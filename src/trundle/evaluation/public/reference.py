@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trundle.errors import InputError
-from trundle.files.opening import open_file
+from trundle.files.opening import describe_unreadable, open_file
 from trundle.files.parser_errors import parser_reason
 from trundle.geometry import FloatArray, Goal, Pose2D, path_length
 from trundle.robots.drive import Limits
@@ -96,7 +96,7 @@ def load_reference(path: str | os.PathLike[str]) -> ReferencePath:
         with open_file(path) as stream:
             cells = np.lib.format.read_array(stream, allow_pickle=False)
     except OSError as error:
-        raise InputError(f"cannot read {path}: {error.strerror or error}") from error
+        raise InputError(describe_unreadable(path, error)) from error
     except Exception as error:  # numpy raises any exception on a damaged file
         raise InputError(f"{path}: no path of BARN's, a .npy file of cells: {parser_reason(error)}") from error
     if cells.ndim != 2 or cells.shape[1] != 2 or not 2 <= len(cells) <= _MOST_CELLS or cells.dtype.kind not in "iuf":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import subprocess
@@ -127,6 +128,9 @@ _REST = 20.0
 
 _END_S = 0.5
 
+_KILLED_S = 10.0
+"""A killed process is gone at once, but where nothing of it gets the processor: a report is not worth a longer wait."""
+
 
 class InterimReports:
     """Writes the reports of an evaluation from time to time, in a separate process: results do not wait for it.
@@ -179,4 +183,5 @@ class InterimReports:
             writer.wait(_END_S)
         except subprocess.TimeoutExpired:
             writer.kill()
-            writer.wait(_END_S)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                writer.wait(_KILLED_S)

@@ -17,7 +17,7 @@ from trundle.evaluation.suite.fields import SuiteFields
 from trundle.evaluation.suite.parts import SuiteWorld
 from trundle.evaluation.suite.plugin import PluginChoice
 from trundle.localization import create_localizer
-from trundle.maps import OccupancyGrid
+from trundle.maps import OCCUPIED, OccupancyGrid
 from trundle.mission.fields import MapOptions
 from trundle.navigation.agents import create_agent
 from trundle.planning import create_planner, create_smoother
@@ -60,8 +60,10 @@ def check_suite(suite: SuiteFields, expansion: Expansion) -> None:
 
 
 def _check_plugins(suite: SuiteFields, robots: list[Robot]) -> None:
-    """Make each of them once for each robot, with a small map that is empty."""
-    grid = OccupancyGrid(np.zeros((20, 20), np.int8), 0.05)
+    """Make each of them once for each robot, with a small map that is empty, for localizers with walls around it."""
+    cells = np.zeros((20, 20), np.int8)
+    grid = OccupancyGrid(cells, 0.05)
+    walled = OccupancyGrid(np.pad(cells, 1, constant_values=OCCUPIED), 0.05)  # a localizer needs something to see
     for robot in robots:
         for planner in suite.planners:
             create_planner(planner, robot, grid)
@@ -71,7 +73,7 @@ def _check_plugins(suite: SuiteFields, robots: list[Robot]) -> None:
             create_agent(agent, robot, grid)
         for localizer in suite.crossed().get("localizer", ()):
             if localizer is not None:
-                create_localizer(localizer, grid, robot)
+                create_localizer(localizer, walled, robot)
     for smoother in suite.smoothers:
         if smoother is not None:
             create_smoother(smoother)

@@ -131,7 +131,10 @@ class Expansion:
         world, missions = suite.worlds[at_world], self._missions[at_world]
         seed, listed = missions.at(mission)
         driver = case.driver
-        settings = {name: values[k] for (name, values), k in zip(self._settings.items(), case.settings, strict=True)}
+        settings = {
+            name: _unlabelled(values[k])
+            for (name, values), k in zip(self._settings.items(), case.settings, strict=True)
+        }
         scenario = Scenario.make(
             **world.settings(seed),
             **settings,
@@ -186,7 +189,9 @@ class Expansion:
         _refuse_twice("backend", self.backends, digests[3])
         _refuse_twice("agent", agents, digests[4])
         for name, values in self._settings.items():
-            _refuse_twice(name, [_text(value) for value in values], [digest(_content(value)) for value in values])
+            texts = [_text(value) for value in values]
+            _refuse_twice(name, texts, [digest(_content(value)) for value in values])
+            _labels(f"{name}s" if name == "localizer" else f"values of {name}", [(text, text) for text in texts])
 
     def check_settings(self) -> None:
         """Refuse settings that do not go together, and what a backend cannot vary.
@@ -304,11 +309,19 @@ class Expansion:
 
 def _content(value: object) -> object:
     """Return what decides how a setting's value acts."""
+    value = _unlabelled(value)
     return identity_of(value) if isinstance(value, Choice) and value.is_python else value
+
+
+def _unlabelled(value: Any) -> Any:
+    """Return a setting's value as a scenario has it."""
+    return value.plain() if isinstance(value, PluginChoice) else value
 
 
 def _text(value: object) -> str:
     """Return a value as it stands in tables, without spaces."""
+    if isinstance(value, PluginChoice) and value.label is not None:
+        return value.label.replace(" ", "_")
     if isinstance(value, float):
         return f"{value:g}"
     if isinstance(value, Choice):

@@ -20,7 +20,7 @@ from trundle.evaluation.suite.parts import (
     read_items,
     read_lists,
 )
-from trundle.evaluation.suite.plugin import Agent, Backend, Controller, Planner, PluginChoice, Smoother
+from trundle.evaluation.suite.plugin import Agent, Backend, Controller, Localizer, Planner, PluginChoice, Smoother
 from trundle.evaluation.suite.vary import Vary
 from trundle.files.field_docs import describe_fields
 from trundle.files.yaml_config import Config
@@ -30,11 +30,14 @@ from trundle.navigation import NavigatorSettings
 _ROBOT_AND_SENSORS = (
     "assumed",
     "lidar",
+    "lidar_errors",
     "odometry",
     "unmapped",
     "movers",
     "known_map",
+    "map_errors",
     "localizer",
+    "start_error",
     "layers",
     "latency",
     "collision_monitor",
@@ -52,8 +55,8 @@ CROSSED = tuple(
 def _field(name: str) -> tuple[Any, Any]:
     """Return the type and the default of a setting; the type takes one value of the scenario's field, or a list."""
     field = Scenario.model_fields[name]
-    item: Any = field.annotation
-    for constraint in field.metadata:
+    item: Any = Localizer if name == "localizer" else field.annotation  # one of a suite may have a label
+    for constraint in () if name == "localizer" else field.metadata:
         item = Annotated[item, constraint]
     several = tuple[item, ...]
     read = read_lists if name == "movers" else read_items

@@ -11,7 +11,7 @@ from typing import Any
 
 from trundle.errors import InputError
 from trundle.evaluation.suite.parts import ListedMission, Missions, SuiteWorld
-from trundle.files.opening import open_file
+from trundle.files.opening import describe_unreadable, open_file
 from trundle.files.yaml_config import plain_value
 from trundle.files.yaml_nodes import compose
 from trundle.geometry import Goal, Pose2D
@@ -91,7 +91,7 @@ def _hash(path: Path) -> bytes:
             while block := stream.read(_BLOCK):
                 found.update(block)
     except OSError as error:
-        raise InputError(f"cannot read {path}: {error.strerror or error}") from error
+        raise InputError(describe_unreadable(path, error)) from error
     return found.digest()
 
 

@@ -1,4 +1,4 @@
-"""`PluginChoice`: a planner, controller, smoother, agent or simulator of a suite, by name or as a Python object."""
+"""`PluginChoice`: a planner, controller, smoother, agent, localizer or simulator of a suite, or a Python object."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from trundle.sim.simulator import SIMULATORS
 
 
 class PluginChoice(Choice):
-    """A planner, a controller, a smoother, an agent or a simulator: `astar`, or `{name: astar, label: fast}`.
+    """A planner, a controller, a smoother, an agent, a localizer or a simulator: `astar`, or `{name: astar, label: a}`.
 
     Attributes:
         name: Its name, or `module:name` of a class, a function or an object that no installed package has registered.
@@ -109,6 +109,7 @@ Planner: TypeAlias = Annotated[PluginChoice, _TAKES, _known(PLANNERS)]
 Controller: TypeAlias = Annotated[PluginChoice, _TAKES, _known(CONTROLLERS)]
 Smoother: TypeAlias = Annotated[PluginChoice | None, takes_plugin(PluginChoice), _known(SMOOTHERS)]
 Agent: TypeAlias = Annotated[PluginChoice, _TAKES, _known(AGENTS)]
+Localizer: TypeAlias = Annotated[PluginChoice | None, takes_plugin(PluginChoice)]
 Backend: TypeAlias = Annotated[
     PluginChoice, takes_plugin(PluginChoice, objects=False, optional=False), _known(SIMULATORS)
 ]

@@ -171,7 +171,7 @@ def _check(
 def _exchange(grid: OccupancyGrid) -> OccupancyGrid:
     """Return a grid with free and occupied cells exchanged."""
     cells = np.where(grid.data == UNKNOWN, UNKNOWN, OCCUPIED - grid.data).astype(np.int8)
-    return OccupancyGrid(cells, grid.resolution, grid.origin)
+    return OccupancyGrid(cells, grid.resolution, grid.origin, grid.surface)
 
 
 def _check_obstacles(
@@ -219,7 +219,7 @@ def _check_yaw(grid: OccupancyGrid) -> list[Finding]:
 def _correct(chart: Chart, placed: PlacementCheck) -> tuple[OccupancyGrid | None, tuple[Kind, ...]]:
     grid = chart.grid
     kinds: set[Kind] = set(chart.corrected)
-    made = OccupancyGrid(chart.cells, grid.resolution, grid.origin) if kinds else grid
+    made = dataclasses.replace(grid, data=chart.cells) if kinds else grid
     if placed.match is not None and placed.grid is not None:
         made = apply_match(placed.grid, made.data, placed.match)
         kinds |= {finding.kind for finding in placed.findings}
@@ -234,4 +234,4 @@ def _free_of_specks(grid: OccupancyGrid) -> OccupancyGrid:
     """Return a rotated map without the specks of free cells that remain between thickened obstacles."""
     chart = Chart(grid)
     check_islands(chart)
-    return OccupancyGrid(chart.cells, grid.resolution, grid.origin) if chart.corrected else grid
+    return dataclasses.replace(grid, data=chart.cells) if chart.corrected else grid

@@ -150,14 +150,14 @@ class Lattice:
         self._world = _express(world, grid.origin)
         low, high = (corner[:2] / grid.resolution for corner in self._world.bounds)
         if not self._world.solids:
-            raise MapError("the world has no solids")
+            raise MapError("the world has no solids to compare the map with; give another world")
         # Two cells around the world, so that it can be moved by one.
         self._first = np.floor(low).astype(int) - 2
         self._shape = np.ceil(high).astype(int) + 2 - self._first
         if self._shape[0] * self._shape[1] > MOST_CELLS:
             raise MapError(
                 f"the world has {self._shape[0]} x {self._shape[1]} of the map's cells of {grid.resolution:g} m, more "
-                f"than {MOST_CELLS}"
+                f"than {MOST_CELLS}: check the map's resolution and the world's unit"
             )
         random = np.random.default_rng(0)
         occupied, known = grid.data == OCCUPIED, grid.data != UNKNOWN

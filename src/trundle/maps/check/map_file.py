@@ -15,7 +15,7 @@ import yaml
 
 from trundle.errors import MapError
 from trundle.files.yaml_nodes import place
-from trundle.maps.cells import FREE
+from trundle.maps.cells import FREE, Surface
 from trundle.maps.check.finding import Finding, Kind
 from trundle.maps.grid import OccupancyGrid
 from trundle.maps.images.image import read_image
@@ -33,6 +33,7 @@ from trundle.maps.ros_yaml import (
     parse_mode,
     parse_negate,
     parse_origin,
+    parse_surface,
     read_fields,
 )
 
@@ -44,6 +45,7 @@ _USUAL: dict[str, str] = {
     "negate": "negate: 0",
     "occupied_thresh": f"occupied_thresh: {OCCUPIED_THRESH}",
     "free_thresh": f"free_thresh: {FREE_THRESH}",
+    "surface": "surface: border",
 }
 """Usual lines of a map's YAML."""
 
@@ -82,6 +84,7 @@ def check_description(path: str | os.PathLike[str]) -> DescriptionCheck:
             findings.append(_yaml_error(error, f"write `{_USUAL[key]}`, or what is true of this map"))
             return None
 
+    surface: Surface | None = read("surface", lambda: parse_surface(fields))
     image = read("image", lambda: fields.text("image"))
     mode: Mode | None = read("mode", lambda: parse_mode(fields))
     origin = read("origin", lambda: parse_origin(fields))
@@ -100,7 +103,9 @@ def check_description(path: str | os.PathLike[str]) -> DescriptionCheck:
     if image and mode and origin and negate is not None and occupied is not None and free is not None and resolution:
         rule = PixelRule(mode, negate, occupied, free)
         where = fields.place("free_thresh")
-        return DescriptionCheck(findings, RosMapDescription(*image, resolution, origin, rule, where), corrected)
+        return DescriptionCheck(
+            findings, RosMapDescription(*image, resolution, origin, rule, where, surface or "border"), corrected
+        )
     return DescriptionCheck(findings, None)
 
 
@@ -215,12 +220,15 @@ def read_map(
     if trapped is None:
         cells = compute_cells(pixels, rule, compat)
         try:
-            return Reading(OccupancyGrid(cells, description.resolution, description.origin), [], ())
+            return Reading(
+                OccupancyGrid(cells, description.resolution, description.origin, description.surface), [], ()
+            )
         except MapError as error:
             advice = "write the edge of a cell in metres, most often 0.05"
             return Reading(None, [Finding("resolution", "error", f"{source}: {error}", None, advice)], ())
     meant = dataclasses.replace(rule, free_thresh=FREE_THRESH)
-    grid = OccupancyGrid(compute_cells(pixels, meant, compat), description.resolution, description.origin)
+    cells = compute_cells(pixels, meant, compat)
+    grid = OccupancyGrid(cells, description.resolution, description.origin, description.surface)
     rows, cols = np.nonzero(trapped)
     middle = len(rows) // 2
     x, y = grid.cell_to_world(rows[middle], cols[middle])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from trundle.geometry import Pose2D
 from trundle.maps.check.areas import Cells
@@ -51,7 +51,7 @@ def apply_match(grid: OccupancyGrid, cells: Cells, match: Match) -> OccupancyGri
     """Put cells of a map where they belong."""
     dx, dy = match.offset
     corner = grid.origin @ Pose2D(dx * grid.resolution, dy * grid.resolution)
-    return OccupancyGrid(match.orientation.apply(cells), grid.resolution, _tidy(corner))
+    return replace(grid, data=match.orientation.apply(cells), origin=_tidy(corner))
 
 
 def describe_findings(found: Explanation, *, certain: bool) -> tuple[Finding, ...]:
@@ -63,7 +63,7 @@ def describe_findings(found: Explanation, *, certain: bool) -> tuple[Finding, ..
             f"; nothing is corrected automatically: the world looks the same in {found.placements} ways; find out "
             "which one is meant"
         )
-    stated = OccupancyGrid(found.grid.data, found.grid.resolution, found.stated)
+    stated = replace(found.grid, origin=found.stated)
     rows, cols = stated.shape
     x, y = stated.cell_to_world((rows - 1) / 2.0, (cols - 1) / 2.0)
     where = (float(x), float(y))

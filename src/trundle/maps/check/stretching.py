@@ -126,7 +126,7 @@ def _rescale(grid: OccupancyGrid, size: _Size, extent: FloatArray) -> _Rescaled:
     width, height = _round(width, float(extent[0])), _round(height, float(extent[1]))
     cols = max(1, round(grid.shape[1] * width / height))
     taken = np.minimum(((np.arange(cols) + 0.5) * height / width).astype(np.int64), grid.shape[1] - 1)
-    return _Rescaled(OccupancyGrid(grid.data[:, taken], height, grid.origin), width, height)
+    return _Rescaled(OccupancyGrid(grid.data[:, taken], height, grid.origin, grid.surface), width, height)
 
 
 def _round(length: float, cells: float) -> float:

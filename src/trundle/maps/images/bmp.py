@@ -97,7 +97,8 @@ def decode_bmp(content: bytes, name: str) -> Pixels:
     header = parse_header(content, name)
     if not header.is_packed and len(content) < header.offset + header.raster_bytes:
         raise MapError(
-            f"{name}: the BMP file is truncated after {len(content)} of {header.offset + header.raster_bytes} bytes"
+            f"{name}: the BMP file is truncated after {len(content)} of {header.offset + header.raster_bytes} bytes; "
+            "copy or write it again"
         )
     try:
         # Not Image.open: it warns about large images, and the size has been checked already.

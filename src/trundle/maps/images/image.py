@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from trundle.errors import MapError
-from trundle.files.opening import open_file, read_up_to
+from trundle.files.opening import describe_unreadable, open_file, read_up_to
 from trundle.maps.cells import cell_limit
 from trundle.maps.images import bmp, png, pnm
 from trundle.maps.images.pixels import Pixels
@@ -38,7 +38,7 @@ def read_image(path: Path, *, max_cells: int | None = None) -> Pixels:
     except FileNotFoundError:
         raise MapError(f"{path}: there is no such image file; correct `image` or put the file there") from None
     except OSError as error:
-        raise MapError(f"cannot read {path}: {error.strerror or error}") from error
+        raise MapError(describe_unreadable(path, error)) from error
     if head[:2] in pnm.MAGIC:
         return pnm.decode_pnm(content, str(path))
     if head.startswith(bmp.SIGNATURE):
@@ -60,7 +60,7 @@ def _check_size(head: bytes, name: str, max_cells: int) -> int:
         limit = header.offset + max(packed if header.is_packed else 0, header.raster_bytes) + _TRAILING_BYTES
     else:
         if not head:
-            raise MapError(f"{name}: the image file is empty")
+            raise MapError(f"{name}: the image file is empty; write the image again")
         if not head.startswith(png.SIGNATURE):
             raise MapError(f"{name}: not a PNG, PNM (PGM) or BMP image; convert it to PNG")
         header = png.parse_header(head, name)

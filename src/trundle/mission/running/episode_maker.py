@@ -135,6 +135,7 @@ def make_episode(
         monitor_stops=log.monitor_stops,
         recoveries=sum(ran.recovery for ran in behaviors),
         standing_reasons=totals.standing_reasons,
+        lost_s=log.lost_s,
         truth=truth,
     )
     return Episode(

@@ -17,6 +17,7 @@ from trundle.localization import Localizer
 from trundle.localization.localizer import check_covariance
 from trundle.mission.observers import MonitorReport
 from trundle.mission.running.run_log import RunLog
+from trundle.mission.start_error import StartError
 from trundle.navigation import Agent, AgentReport, AssistedCommand
 from trundle.observation import Estimate, Observation, Scan
 from trundle.robots import Robot
@@ -83,6 +84,7 @@ class RobotStack:
             the first scan on, and False for none.
         latency: How late scans and commands arrive.
         log: The rows and the contacts of the run.
+        start_error: How far the start that the localizer is told is from the true one; None means not at all.
 
     Attributes:
         agent: The agent.
@@ -106,6 +108,7 @@ class RobotStack:
         monitor: SomeMonitor | bool | None,
         latency: Latency,
         log: RunLog,
+        start_error: StartError | None = None,
     ) -> None:
         self.agent, self.robot, self.log = agent, robot, log
         self.observation: Observation
@@ -115,6 +118,9 @@ class RobotStack:
         self.wants_rollouts = True
         self.tick_s = self.planning_s = 0.0
         self._localizer, self._latency, self._seed = localizer, latency, 0
+        if start_error is not None and localizer is None:
+            raise InputError("start_error is what a localizer is told of the start: give a localizer")
+        self._start_error = StartError() if start_error is None else start_error
         self._delay = ScanDelay(latency.scan_age_s) if latency.scan_age_s > 0.0 else None
         self._monitor: Monitor | None = None
         self._monitors_scans = monitor is None
@@ -135,7 +141,8 @@ class RobotStack:
         if self._monitor is not None:
             self._monitor.reset()
         if self._localizer is not None:
-            self._localizer.reset(start, seed=seed)
+            told, covariance = self._start_error.draw(start, seed)
+            self._localizer.reset(told, covariance=covariance, seed=seed)
 
     def observe(self, state: RobotState) -> None:
         """Take what arrives of what the robot observes now, and estimate where it is."""

@@ -47,6 +47,7 @@ class RunLog:
         standing_contacts: Names of moving obstacles that ran into the robot while it stood, and of what they pushed it
             against while its commands were to stand.
         monitor_stops: How often the collision monitor stopped the robot; None if it never reported.
+        lost_s: Time [s] of the control periods after which the localizer did not say that it is localized.
     """
 
     def __init__(self, *, every_contact: bool = False, most_rows: int | None = None) -> None:
@@ -56,6 +57,7 @@ class RunLog:
         self.contacts: dict[str, None] = {}
         self.standing_contacts: dict[str, None] = {}
         self.monitor_stops: int | None = None
+        self.lost_s = 0.0
         self._rows: deque[tuple[float, ...]] = deque(maxlen=most_rows)
         self._most_rows = most_rows
         self._count = 0
@@ -68,6 +70,7 @@ class RunLog:
         self._twist = _STAND
         self._lidars: set[str] = set()
         self._stopped = False
+        self._time = 0.0
 
     def __len__(self) -> int:
         """How many rows were added."""
@@ -78,6 +81,9 @@ class RunLog:
         if path is not None and (not self.paths or path is not self.paths[-1]):
             self.paths.append(path)
         self._count += 1
+        if estimate.state != "localized":
+            self.lost_s += state.time - self._time
+        self._time = state.time
         if self._most_rows is not None and self._count % self._most_rows == 0:
             self._forget_paths()
         pose = state.pose.as_tuple()

@@ -33,6 +33,7 @@ from trundle.mission.running.preparation import (
 )
 from trundle.mission.running.robot_stack import RobotStack, SomeMonitor
 from trundle.mission.running.run_log import RunLog
+from trundle.mission.start_error import StartError
 from trundle.mission.steering.directive_executor import DirectiveExecutor
 from trundle.mission.steering.directives import GivenDirective, Restart
 from trundle.mission.steering.queue import Steering
@@ -68,6 +69,7 @@ class Session:
             goal, not a navigator, which drives until it is FINISHED.
         localizer: Estimates the robot's pose: a localizer, a class, a function or a name; see `LocalizerLike`. None
             means that the agent gets the true pose.
+        start_error: How far the start that the localizer is told is from the true one. None means not at all.
         latency: How late scans and commands arrive; reported to the agent by `set_latency`.
         monitor: The collision monitor that every command passes. None means a `CollisionMonitor` from the first scan
             on, True one from the start, and False none.
@@ -102,6 +104,7 @@ class Session:
         goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]] | None = None,
         *,
         localizer: LocalizerLike | None = None,
+        start_error: StartError | None = None,
         latency: Latency | None = None,
         monitor: SomeMonitor | bool | None = None,
         time_limit_s: float | None = None,
@@ -154,6 +157,7 @@ class Session:
                 monitor=monitor,
                 latency=latency,
                 log=self._log,
+                start_error=start_error,
             )
             driver.reset(seed=seed)
             driver.set_latency(latency)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from trundle.errors import InputError, RobotError, RobotWarning, UnknownNameError, WorldError
+from trundle.files.opening import advise_missing
 from trundle.robots import Robot
 
 ASSETS_VARIABLE = "TRUNDLE_ISAAC_ASSETS"
@@ -137,7 +138,7 @@ def local_environment(name: str, option: str | None = None) -> Path:
 
 def _check_file(what: str, text: str) -> None:
     if not text.startswith(_SCHEMES) and not Path(text).is_file():
-        raise InputError(f"{what} {text}: there is no such file")
+        raise InputError(f"{what} {text}: no such file{advise_missing(text)}")
 
 
 _UNITS = {0.01: "centimetres", 0.001: "millimetres"}

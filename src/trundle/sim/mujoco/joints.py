@@ -190,14 +190,14 @@ def urdf_joints(path: Path, robot: XmlElement, *, wheels: Set[str] = frozenset()
     names = [joint.name for joint in joints]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise RobotError(f"{path}: two joints have the name {twice!r}")
+        raise RobotError(f"{path}: two joints have the name {twice!r}; rename one of them")
     return joints
 
 
 def _joint(path: Path, element: ElementTree.Element, driven: set[str]) -> Joint:
     name, kind = element.get("name"), element.get("type")
     if not name:
-        raise RobotError(f"{path}: a joint has no name")
+        raise RobotError(f"{path}: a joint has no name; give each <joint> a name")
     where = f"{path}: joint {name!r}"
     if kind not in TYPES or kind == "ball":
         choices = ", ".join(choice for choice in TYPES if choice != "ball")

@@ -168,7 +168,7 @@ def _cheapest_path(costs: FloatArray) -> list[tuple[int, int]]:
                     best[to] = total
                     before[to] = (row, col)
                     heapq.heappush(queue, (total, *to))
-    raise WorldError("cylinders: the lane is too narrow for the passable radius")
+    raise WorldError("cylinders: the lane is too narrow for passable_radius; make it smaller")
 
 
 def _walls(length: float, width: float, height: float) -> list[Solid]:

@@ -142,7 +142,10 @@ def _divide(
     count = max(1, min(round(inner / ((least + most) / 2.0 + _WALL)), int(inner / (least + _WALL))))
     spare = inner - count * (least + _WALL)
     if spare < 0.0:
-        raise WorldError(f"office: a door of {door:g} m does not fit into a room of {inner - _WALL:.2f} m")
+        raise WorldError(
+            f"office: a door of {door:g} m does not fit into a room of {inner - _WALL:.2f} m; make door_width "
+            "smaller or the office longer"
+        )
     shares = rng.dirichlet(np.full(count, 4.0)) * spare
     rooms: list[_Room] = []
     x = -half + _WALL

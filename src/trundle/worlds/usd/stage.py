@@ -14,7 +14,7 @@ import numpy as np
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 from trundle.errors import WorldError, WorldWarning
-from trundle.files.opening import check_regular
+from trundle.files.opening import check_regular, describe_unreadable
 from trundle.files.parser_errors import parser_reason
 from trundle.geometry import FloatArray
 
@@ -37,10 +37,8 @@ def opened(path: str) -> Iterator[Any]:
     """
     try:
         check_regular(path)
-    except FileNotFoundError:
-        raise WorldError(f"cannot read {path}: there is no such file") from None
     except OSError as error:
-        raise WorldError(f"cannot read {path}: {error.strerror or error}") from error
+        raise WorldError(describe_unreadable(path, error)) from error
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
     try:
         yield Usd.Stage.Open(path)

@@ -201,12 +201,23 @@ def test_what_lidars_movers_and_localizers_add_is_shown_where_there_is_some():
     rows = list(make_rows(60))
     assert "error of the estimate" not in page(rows).shown
     sensed = [
-        replace(row, standing_contacts=int(row.index == 3), unseen_contacts=0, position_error_m=0.25, monitor_stops=2)
+        replace(
+            row,
+            standing_contacts=int(row.index == 3),
+            unseen_contacts=0,
+            position_error_m=0.25,
+            localization_error_m=0.125,
+            localization_error_p95_m=0.5,
+            lost_s=1.5 if row.index < 2 else 0.0,
+            monitor_stops=2,
+        )
         for row in rows
     ]
     shown = page(sensed).shown
     assert "run into while standing 1 episodes" in shown
     assert "error of the estimate 0.25 m" in shown
+    assert "error while driving 0.125 m mean of the run, median; 95 % of it below 0.5 m" in shown
+    assert "not localized 3 s time in which a robot said so; in 2 episodes" in shown
     assert "monitor stops 2 of the collision monitor" in shown
     assert "out of sight" not in shown
 

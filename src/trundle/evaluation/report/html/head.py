@@ -109,6 +109,15 @@ def _sensing_tiles(table: Table) -> list[tuple[str, str, str]]:
         median, most = float(np.nanmedian(errors)), float(np.nanmax(errors))
         note = f"from the true position at the end, median; {write_number(most)} m at most"
         entries.append(("error of the estimate", f"{write_number(median)} m", note))
+    means, ends, lost = (
+        BY_NAME[name].values(table) for name in ("localization_error_m", "localization_error_p95_m", "lost_s")
+    )
+    if BY_NAME["localization_error_m"].is_used(means):
+        note = f"mean of the run, median; 95 % of it below {write_number(float(np.nanmedian(ends)))} m"
+        entries.append(("error while driving", f"{write_number(float(np.nanmedian(means)))} m", note))
+    if BY_NAME["lost_s"].is_used(lost):
+        note = f"time in which a robot said so; in {int((np.nan_to_num(lost) > 0).sum()):,} episodes"
+        entries.append(("not localized", f"{write_number(float(np.nansum(lost)))} s", note))
     if BY_NAME["monitor_stops"].is_used(stops):
         entries.append(
             ("monitor stops", write_number(float(np.nanmean(stops))), "of the collision monitor, per episode")

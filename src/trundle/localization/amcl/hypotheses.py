@@ -1,0 +1,197 @@
+"""`Hypotheses`: the main track and its rivals, and which of them is believed.
+
+One scan never decides. A rival near the main track takes over when it has fitted better over several scans: wheels
+slipped, or the start was off. One that the search of the whole map found has to stay clearly better over some distance
+driven or turned, without a rival of its own. Until then the state is `lost` or `ambiguous`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from trundle.geometry import FloatArray, Pose2D
+from trundle.localization.amcl.beams import Beams
+from trundle.localization.amcl.map_field import MapField
+from trundle.localization.amcl.motion import Motion
+from trundle.localization.amcl.settings import AmclSettings
+from trundle.localization.amcl.tracks import Match, Track, match, update_score
+from trundle.observation import LocalizationState
+
+_SAME_M, _SAME_RAD = 0.08, 0.05  # tracks this near are one
+_LOCAL_SCANS, _LOCAL_LEAD = 3, 0.04
+_LEAD_GAIN = 0.35
+_START_SCANS = 30
+_DROP, _CLEAR_LEAD = 0.08, 0.25
+_FAR_TRAVEL_M = 0.6  # the robot sees other things by then; turning by 1.2 rad counts as much
+_FAR_LEAD = 0.15
+_FAR_SCORE = 0.6
+_RIVAL, _RIVAL_LATER, _LATER_M = 0.12, 0.05, 3.0
+"""A rival whose score is this near leaves the state ambiguous: less, the farther both have been followed."""
+
+_RIVAL_M, _RIVAL_RAD = 0.5, 0.35
+_HOPELESS = 0.4
+_DOUBT = 0.8  # of the usual agreement, below which the whole map is searched
+_BETTER = 0.1  # by which a place elsewhere agrees better, so that the state is ambiguous
+_MOST = 12
+_NEW = np.diag((0.1**2, 0.1**2, 0.06**2))
+
+
+class Hypotheses:
+    """The tracks of a robot.
+
+    Args:
+        field: The map.
+        settings: Of the localizer.
+
+    Attributes:
+        main: The track that is believed, or the best of those that are not confirmed.
+        others: Its rivals.
+        confirmed: Whether `main` has been told apart from all others, or was given.
+    """
+
+    def __init__(self, field: MapField, settings: AmclSettings) -> None:
+        self._field, self._settings = field, settings
+        self.main = Track(Pose2D(0.0, 0.0), np.eye(3))
+        self.others: list[Track] = []
+        self.confirmed = True
+
+    def start(self, pose: Pose2D, covariance: FloatArray, *, confirmed: bool) -> None:
+        """Start over with one track."""
+        self.main, self.others, self.confirmed = Track(pose, covariance), [], confirmed
+
+    @property
+    def tracks(self) -> list[Track]:
+        """All tracks, the main one first."""
+        return [self.main, *self.others]
+
+    def follow(self, motion: Motion) -> None:
+        """Move all tracks by the odometry."""
+        for track in self.tracks:
+            track.follow(motion, self._settings)
+
+    def compare(
+        self, beams: Beams, seconds: float, idea: Pose2D | None, targets: FloatArray | None, *, wide: bool
+    ) -> None:
+        """Match a scan from all tracks, and from one more pose, which becomes a track where it fits better."""
+        tracks = self.tracks
+        if idea is not None and self.main.is_near(idea, _SAME_M, _SAME_RAD):
+            idea = None
+        starts, covariances = [track.pose for track in tracks], [track.covariance for track in tracks]
+        if idea is not None:
+            starts, covariances = [*starts, idea], [*covariances, _NEW]
+        found = match(self._field, beams, starts, covariances, self._settings, wide=wide, targets=targets)
+        for track, one in zip(tracks, found, strict=False):
+            update_score(track, one, seconds)
+        for track in self.others:
+            track.lead += _LEAD_GAIN * (track.fit - self.main.fit - track.lead)
+        if idea is not None:
+            self._consider(found[-1], is_far=False)
+
+    def propose(self, beams: Beams, poses: Sequence[Pose2D], *, is_far: bool) -> None:
+        """Make tracks of poses that a search has found, where the scan agrees with the map."""
+        if poses:
+            covariances = [_NEW] * len(poses)
+            for one in match(self._field, beams, poses, covariances, self._settings, wide=True):
+                self._consider(one, is_far=is_far)
+
+    def _consider(self, found: Match, *, is_far: bool) -> None:
+        if any(track.is_near(found.pose, _SAME_M, _SAME_RAD) for track in self.tracks):
+            return
+        if not is_far and found.fit < self.main.fit + 0.5 * _LOCAL_LEAD:
+            return
+        if is_far and found.agreement < _HOPELESS:
+            return
+        track = Track(found.pose, found.covariance, is_far=is_far)
+        update_score(track, found, 0.0)
+        self.others.append(track)
+        if len(self.others) > _MOST:
+            self.others.remove(min(self.others, key=lambda one: one.score))
+
+    def decide(self) -> bool:
+        """Drop tracks that are beaten, and let the best one take over where it may; return whether one has."""
+        self._merge()
+        main = self.main
+        self.others = [track for track in self.others if not self._is_beaten(track)]
+        for track in sorted(self.others, key=lambda one: -one.score):
+            if self._may_take_over(track):
+                was_far = track.is_far
+                if not was_far:
+                    track.usual_score = max(track.usual_score, self.main.usual_score)
+                self._take_over(track)
+                if was_far:
+                    self.confirmed = not self._rivals(track)
+                return True
+        if not self.confirmed:
+            best = max(self.tracks, key=lambda one: one.score)
+            if best is not main and best.score > main.score + 0.03:
+                self._take_over(best)
+                return True
+            rivals = self._rivals(main)
+            if main.scans > 3 and main.travel >= _FAR_TRAVEL_M and main.score >= _FAR_SCORE and not rivals:
+                self.confirmed, self.others = True, []
+        return False
+
+    def _is_beaten(self, track: Track) -> bool:
+        if track.is_far:
+            return track.score < _HOPELESS or (track.scans > 5 and track.score < self.main.score - 0.25)
+        return track.scans > 5 and track.lead < 0.02
+
+    def _may_take_over(self, track: Track) -> bool:
+        if not track.is_far:
+            # Where the main track fits as ever, another place only looks alike: its wheels have not slipped.
+            dropped = self.main.scans < _START_SCANS or self.main.fit < self.main.usual - _DROP
+            return track.scans >= _LOCAL_SCANS and track.lead > (_LOCAL_LEAD if dropped else _CLEAR_LEAD)
+        return (
+            self.confirmed
+            and self.is_doubtful
+            and track.travel >= _FAR_TRAVEL_M
+            and track.scans >= 5
+            and track.score >= _FAR_SCORE
+            and track.score > self.main.score + _FAR_LEAD
+            and not [one for one in self._rivals(track) if one is not self.main]
+        )
+
+    def _take_over(self, track: Track) -> None:
+        self.others = [one for one in self.others if one is not track]
+        if track.is_far and not self.confirmed:
+            self.main.lead = self.main.fit - track.fit
+            self.others.append(self.main)
+        self.main = track
+        for one in self.others:
+            one.lead = one.fit - track.fit
+
+    def _rivals(self, track: Track) -> list[Track]:
+        """Tracks elsewhere that agree with the map nearly as well."""
+        shares = [min(1.0, one.travel / _LATER_M) for one in self.tracks]
+        margins = [_RIVAL + min(share, track.travel / _LATER_M) * (_RIVAL_LATER - _RIVAL) for share in shares]
+        return [
+            one
+            for one, margin in zip(self.tracks, margins, strict=True)
+            if one is not track
+            and one.score > track.score - margin
+            and not one.is_near(track.pose, _RIVAL_M, _RIVAL_RAD)
+        ]
+
+    def _merge(self) -> None:
+        kept: list[Track] = []
+        for track in self.others:
+            if not any(one.is_near(track.pose, _SAME_M, _SAME_RAD) for one in (self.main, *kept)):
+                kept.append(track)
+        self.others = kept
+
+    @property
+    def is_doubtful(self) -> bool:
+        """Whether the main track agrees with the map so badly that it may be elsewhere."""
+        return self.main.score < max(self._settings.lost_below, _DOUBT * self.main.usual_score)
+
+    @property
+    def state(self) -> LocalizationState:
+        """What the tracks say about the robot's place."""
+        if self.confirmed:
+            better = max(self.main.score + _BETTER, _FAR_SCORE)
+            if any(one.is_far and one.scans > 2 and one.score > better for one in self.others):
+                return "ambiguous"
+            return "localized" if self.main.scans == 0 or self.main.score >= self._settings.lost_below else "lost"
+        return "ambiguous" if self.main.score >= self._settings.lost_below else "lost"
