@@ -18,7 +18,7 @@ export function layerSwitches(app) {
   const show = () => {
     for (const name of OF_LOCALIZER) boxes[LAYERS.indexOf(name)].hidden = !app.run.isLocalized;
   };
-  app.on("run", show);
+  for (const name of ["run", "frame"]) app.on(name, show);
   show();
   return h("details", { class: "layers" }, h("summary", {}, icon("layers"), say("layers")), h("div", { class: "layer-list" }, ...boxes));
 }

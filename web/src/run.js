@@ -78,7 +78,7 @@ export class Run {
 }
 
 /** Whether an estimate is so far from the true pose that both can be seen. */
-export const isApart = (pose, estimate) => Boolean(pose && estimate) && (Math.hypot(pose[0] - estimate[0], pose[1] - estimate[1]) > 0.01 || Math.abs(wrap(pose[2] - estimate[2])) > 0.01);
+export const isApart = (pose, estimate) => Boolean(pose && estimate) && (Math.hypot(pose[0] - estimate[0], pose[1] - estimate[1]) > 0.04 || Math.abs(wrap(pose[2] - estimate[2])) > 0.04);
 
 /** The time shown while a run is watched: it follows the newest row a little behind, at an even pace. */
 export class Clock {
