@@ -344,6 +344,9 @@ def test_another_language_changes_all_texts_and_neither_the_camera_nor_the_run(o
 def test_what_the_run_says_is_said_in_korean(driving: Any, played: Any) -> None:
     driving.click("#language")
     said = [
+        "ambiguous: 3 places",
+        "the robot is at one of 2 places: looking around",
+        "the robot does not know where it is: looking around",
         "goal 1 of 2 reached",
         "path of 6.00 m",
         "another path of 5.20 m",

@@ -4,6 +4,8 @@ import { otherPlaces, particleDashes } from "../belief.js";
 import { C, isApart } from "../run.js";
 import { palette, speedColor } from "../theme.js";
 
+const JUMP = 0.5; // An estimate that moves by more [m] in a row was corrected: a line there would look like a path.
+
 function polyline(context, points, stride = 2) {
   context.beginPath();
   for (let i = 0; i + 1 < points.length; i += stride) context.lineTo(points[i], points[i + 1]);
@@ -143,7 +145,14 @@ function belief(context, app, state, look, pixel) {
       context.lineWidth = 1.4 * pixel;
       context.setLineDash([5 * pixel, 3 * pixel]);
       context.beginPath();
-      for (let i = 0; i <= state.index; i++) context.lineTo(run.rows[i][C.ex] ?? run.rows[i][C.x], run.rows[i][C.ey] ?? run.rows[i][C.y]);
+      let before = null;
+      for (let i = 0; i <= state.index; i++) {
+        const at = [run.rows[i][C.ex] ?? run.rows[i][C.x], run.rows[i][C.ey] ?? run.rows[i][C.y]];
+        const jumps = !before || Math.hypot(at[0] - before[0], at[1] - before[1]) > JUMP;
+        if (jumps) context.moveTo(...at);
+        else context.lineTo(...at);
+        before = at;
+      }
       context.stroke();
       context.setLineDash([]);
     }
