@@ -14,7 +14,7 @@ from trundle.page.encoding import pack_array, rounded
 MOST_PARTICLES = 500
 """Particles that are drawn: more would overlap, and cost time in every frame."""
 
-_MOST_PLACES = 10
+_MOST_PLACES = 40
 _MOST_CM = 32_000
 """Particles are sent as 16-bit centimetres, relative to the estimate."""
 
