@@ -9,7 +9,7 @@ from __future__ import annotations
 import bisect
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal, TypeAlias, cast, get_args
 
 import numpy as np
@@ -230,17 +230,20 @@ class Track:
         if frame == _SAME_FRAME:
             return self
         cos, sin = math.cos(frame.yaw), math.sin(frame.yaw)
-        turn = np.zeros((4, 4))
-        turn[:2, :2] = turn[2:, 2:] = ((cos, -sin), (sin, cos))
+        turn = np.array(((cos, -sin, 0.0, 0.0), (sin, cos, 0.0, 0.0), (0.0, 0.0, cos, -sin), (0.0, 0.0, sin, cos)))
         covariance = turn @ self.covariance @ turn.T
         covariance.flags.writeable = False
-        return replace(
-            self,
-            x=frame.x + cos * self.x - sin * self.y,
-            y=frame.y + sin * self.x + cos * self.y,
-            vx=cos * self.vx - sin * self.vy,
-            vy=sin * self.vx + cos * self.vy,
-            covariance=covariance,
+        return Track(
+            self.id,
+            self.time,
+            frame.x + cos * self.x - sin * self.y,
+            frame.y + sin * self.x + cos * self.y,
+            cos * self.vx - sin * self.vy,
+            sin * self.vx + cos * self.vy,
+            covariance,
+            self.radius,
+            self.confirmed,
+            self.moving,
         )
 
 

@@ -1,6 +1,7 @@
 """What a navigator does with scans, observations and tracks, and with times and poses that jump."""
 
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -177,6 +178,33 @@ def test_a_pose_that_jumps_is_planned_from_again():
     assert navigator.path is not before
     assert navigator.path.start.distance_to(Pose2D(6.5, 0.5)) < 0.3
     assert navigator.status is not NavigationStatus.STUCK
+
+
+@pytest.mark.parametrize(("correction_m", "plans_again"), [(0.1, False), (0.3, False), (0.7, True)])
+def test_a_localizer_that_corrects_the_pose_by_half_a_metre_is_planned_from_again(correction_m, plans_again):
+    navigator = open_floor()
+    shift = Pose2D(0.0, 0.0)
+    for tick in range(8):
+        if tick == 5:
+            before, shift = navigator.path, Pose2D(0.0, correction_m)
+        observation = Observation(tick * 0.05, Twist2D(), START, (scan_ahead(3.0, tick * 0.05),))
+        navigator.update(observation, Estimate(tick * 0.05, shift @ START, None, shift))
+    assert (navigator.path is not before) == plans_again
+    if plans_again:
+        assert navigator.path.start.distance_to(shift @ START) < 0.3
+
+
+def test_an_odometry_that_starts_over_is_no_jump_of_the_pose():
+    navigator = open_floor()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SensorWarning)  # the layer and the tracker say that the odometry jumped
+        for tick in range(8):
+            odometry = START if tick < 5 else Pose2D(0.0, 0.0)
+            if tick == 5:
+                before = navigator.path
+            observation = Observation(tick * 0.05, Twist2D(), odometry, (scan_ahead(3.0, tick * 0.05),))
+            navigator.update(observation, Estimate(tick * 0.05, START, None, START @ odometry.inverse()))
+    assert navigator.path is before
 
 
 def test_scans_of_one_time_wait_for_the_next():

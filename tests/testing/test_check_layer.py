@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from trundle.costmap import LayeredCostmap, ObstacleLayer, ObstacleLayerSettings, OdomWindow
+from trundle.costmap import LayeredCostmap, MapWindow, ObstacleLayer, ObstacleLayerSettings
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.observation import Estimate
@@ -114,7 +114,7 @@ class Fence:
 
     def update(self, scans, estimate):
         changed, self._new = self._new, False
-        return OdomWindow(1.0, -1.0, 1.0, 1.0) if changed else None
+        return MapWindow(1.0, -1.0, 1.0, 1.0) if changed else None
 
     def paint(self, part):
         points = part.pose.inverse().transform_points(self.obstacles()) / part.resolution

@@ -217,4 +217,6 @@ def _saw_through(scan: Scan) -> tuple[FloatArray, FloatArray]:
     if count < _BEAMS_ASIDE:
         return angles, np.full_like(ranges, ranges.min(initial=np.inf))
     around = np.concatenate([ranges[-_BEAMS_ASIDE:], ranges, ranges[:_BEAMS_ASIDE]])
-    return angles, np.minimum.reduce([around[shift : shift + count] for shift in range(2 * _BEAMS_ASIDE + 1)])
+    of_two = np.minimum(around[:-1], around[1:])
+    of_four = np.minimum(of_two[:-2], of_two[2:])
+    return angles, np.minimum(of_four[:-3], of_four[3:])  # of 2 * _BEAMS_ASIDE + 1, from each on

@@ -20,9 +20,9 @@ from trundle.costmap.layers import (
     LayeredCostmap,
     LayersSettings,
     MapPart,
+    MapWindow,
     ObstacleLayer,
     ObstacleLayerSettings,
-    OdomWindow,
 )
 
 __all__ = [
@@ -39,8 +39,8 @@ __all__ = [
     "LayeredCostmap",
     "LayersSettings",
     "MapPart",
+    "MapWindow",
     "ObstacleLayer",
     "ObstacleLayerSettings",
-    "OdomWindow",
     "UnknownPolicy",
 ]

@@ -7,13 +7,12 @@ from typing import Any, cast
 
 import numpy as np
 
-from trundle.errors import WorldError
 from trundle.export.plain import plain_solids
 from trundle.extras import missing_extra
 from trundle.files.writing import write_bytes
-from trundle.geometry.solids import Box, Cylinder, Mesh, Shape, Sphere
+from trundle.geometry.solids import Box, Cylinder, Mesh, Sphere
 from trundle.worlds import World
-from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
+from trundle.worlds.tessellate import as_mesh
 
 _Y_UP = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 """From trundle's axes, z up, to glTF's, y up."""
@@ -38,7 +37,7 @@ def export_world(world: World, path: Path) -> None:
     # trimesh's functions are untyped.
     scene = cast("Any", trimesh.Scene())
     for solid in plain_solids(world):
-        mesh = _mesh(solid.shape)
+        mesh = as_mesh(cast("Box | Cylinder | Sphere | Mesh", solid.shape))
         material = cast("Any", PBRMaterial)(
             baseColorFactor=np.round(np.asarray(solid.color) * 255.0).astype(np.uint8),
             alphaMode="OPAQUE" if solid.color[3] >= 1.0 else "BLEND",
@@ -51,17 +50,3 @@ def export_world(world: World, path: Path) -> None:
         place[:3, :3], place[:3, 3] = solid.pose.rotation(), solid.pose.position
         scene.add_geometry(shape, node_name=solid.name, geom_name=solid.name, transform=_Y_UP @ place)
     write_bytes(path, cast("bytes", scene.export(file_type="glb")))
-
-
-def _mesh(shape: Shape) -> Mesh:
-    match shape:
-        case Box(size):
-            return box_mesh(size)
-        case Cylinder(radius, length):
-            return cylinder_mesh(radius, length)
-        case Sphere(radius):
-            return sphere_mesh(radius)
-        case Mesh():
-            return shape
-        case _:
-            raise WorldError("a GLB file cannot hold blocked cells")

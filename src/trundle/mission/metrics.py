@@ -292,12 +292,17 @@ def compute_metrics(
         unseen_contacts=tuple(unseen_contacts),
         position_error_m=float(misplaced[-1]),
         localization_error_m=float(misplaced.mean()),
-        localization_error_p95_m=float(np.percentile(misplaced, 95.0)),
+        localization_error_p95_m=_percentile_95(misplaced),
         lost_s=lost_s,
         monitor_stops=monitor_stops,
         recoveries=recoveries,
         standing_reasons=dict(sorted((standing_reasons or {}).items(), key=lambda item: -item[1])),
     )
+
+
+def _percentile_95(values: FloatArray) -> float:
+    """What 95 % of some values do not exceed. `np.percentile` is the same, and imports more of NumPy in each worker."""
+    return float(np.interp(0.95 * (len(values) - 1), np.arange(len(values)), np.sort(values)))
 
 
 def cross_track_errors(trajectory: Trajectory, paths: Sequence[Path]) -> FloatArray:

@@ -272,7 +272,7 @@ class Navigator(NavigatorRequests):
         self._replanner.movers.note(self.tracks, now)
         self._controller.set_tracks(self.tracks)
         fastest = max(self.robot.limits.linear_speed, abs(self._command.v))
-        jump_m = self._sensed.jump(pose, fastest * max(0.0, now - self._time))
+        jump_m = self._sensed.jump(pose, fastest * max(0.0, now - self._time), given.estimate)
         if jump_m is not None and self._replanner.followed is not None:
             self._replanner.drop_path()
             if self._runner.is_recovering:

@@ -22,6 +22,7 @@ from trundle.tracking import Tracker, TrackerSettings
 RESOLUTION_M = 0.05
 _AROUND_M = 6.0
 _JUMP_M = 1.0
+_CORRECTED_M = 0.5  # a robot that is so far from its path has left it: see FollowedPath
 
 
 class SensedMap:
@@ -61,6 +62,7 @@ class SensedMap:
         self._waiting: tuple[Scan, ...] = ()
         self._time: float | None = None
         self._last_pose: Pose2D | None = None
+        self._T_map_odom: Pose2D | None = None
 
     def replace_static(self, costmap: Costmap) -> None:
         """Take another costmap of the map; what was sensed stays, unless the cells are of another size."""
@@ -78,7 +80,7 @@ class SensedMap:
     def begin(self) -> None:
         """Expect that the time may start over, and the robot be elsewhere: there is a new goal."""
         self._reset_time = True
-        self._last_pose = None
+        self._last_pose = self._T_map_odom = None
 
     @property
     def is_active(self) -> bool:
@@ -131,13 +133,22 @@ class SensedMap:
                 self._layered.require((goal.x, goal.y))
         self.costmap = self._layered.update(scans, estimate)
 
-    def jump(self, pose: Pose2D, driven_m: float) -> float | None:
-        """How far the robot's pose has moved since the last call [m], if that is 1 m more than it may have driven."""
+    def jump(self, pose: Pose2D, driven_m: float, estimate: Estimate | None) -> float | None:
+        """How far the robot's pose has moved since the last call [m], if it jumps.
+
+        It does if it moves by 1 m more than the robot may have driven, or if a localizer corrects it by 0.5 m.
+        """
         last, self._last_pose = self._last_pose, pose
+        before, self._T_map_odom = self._T_map_odom, None if estimate is None else estimate.T_map_odom
         if last is None or not self.is_active:
             return None
         moved = pose.distance_to(last)
-        return moved if moved > driven_m + _JUMP_M else None
+        if moved > driven_m + _JUMP_M:
+            return moved
+        if estimate is None or before is None or before == estimate.T_map_odom:
+            return None
+        corrected = min(moved, pose.distance_to(before @ estimate.odom_pose))
+        return corrected if corrected > _CORRECTED_M else None
 
     def obstacle_near(self, x: float, y: float, within: float) -> tuple[float, float]:
         """The obstacle nearest to a point [m], map frame; the point itself where there is none so near."""

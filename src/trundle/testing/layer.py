@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from trundle.costmap.layers import Layer, MapPart, OdomWindow
+from trundle.costmap.layers import Layer, MapPart, MapWindow
 from trundle.errors import InputError, SensorWarning
 from trundle.geometry import Pose2D
 from trundle.observation import Estimate, Scan
@@ -78,7 +78,7 @@ def _drive(layer: Layer, robot: Robot) -> npt.NDArray[np.int8]:
     return painted
 
 
-def _check_window(window: OdomWindow | None, changed: npt.NDArray[np.bool_]) -> None:
+def _check_window(window: MapWindow | None, changed: npt.NDArray[np.bool_]) -> None:
     rows, cols = np.nonzero(changed)
     if window is None:
         expect(not len(rows), f"an update that returns None must change nothing; found: {len(rows)} other cells")

@@ -22,14 +22,16 @@ struct Lookup {
   std::int64_t u, v, u_per_col, v_per_col, u_per_row, v_per_row;
 };
 
-// Cells of a row of the map, each under one cell of the evidence.
+// Cells of a row of the map, each under one cell of the evidence. Masks of whole bytes, as compilers vectorise these.
 void free_row(const std::uint8_t *__restrict evidence, std::int8_t *__restrict out, std::int64_t count,
               bool clear_occupied) {
+  static_assert(kFree == 0);
   const std::int8_t clearable = clear_occupied ? kOccupied : kUnknown;
   for (std::int64_t c = 0; c < count; ++c) {
     const std::uint8_t level = evidence[c] & kLevel;
-    const bool frees = ((out[c] == kUnknown) & (level != 0)) | ((out[c] == clearable) & (level == 1));
-    out[c] = frees ? kFree : out[c];
+    const std::int8_t unseen = level == 0 ? -1 : 0, unsure = level == 1 ? 0 : -1;
+    const std::int8_t known = out[c] == kUnknown ? 0 : -1, fixed = out[c] == clearable ? 0 : -1;
+    out[c] = static_cast<std::int8_t>(out[c] & (unseen | known) & (unsure | fixed));
   }
 }
 

@@ -25,6 +25,7 @@ constexpr double kNear = 5.0;             // from the sensor: farther away, noth
 constexpr std::size_t kAtOnce = 200;      // points, which bounds the work
 constexpr double kFastest = 4.0;
 constexpr double kSure = 1e-9;  // share by which two squares differ, whatever their rounding
+constexpr int kMostSteps = 8;  // from where a beam is expected; unevenly spaced ones are searched
 constexpr double kLeastLimit = 1e-3;  // below, a limit itself is rounded by more
 
 struct Points {
@@ -83,6 +84,28 @@ struct Seen {
   std::size_t beams;
 };
 
+// `std::fmod` of a turn; it is exact, and so is the difference of numbers that are this close.
+double remainder_of(double angle) {
+  if (std::abs(angle) < kTurn) return angle;
+  return std::abs(angle) <= 2.0 * kTurn ? angle - std::copysign(kTurn, angle) : std::fmod(angle, kTurn);
+}
+
+// The first beam of ascending angles that is not before a bearing; `guess` is where it is if they are evenly spaced.
+std::size_t first_from(const Seen &by, double bearing, double guess) {
+  // Not a number where the spacing is 0.
+  auto index = guess > 0.0 ? static_cast<std::size_t>(std::min(guess, static_cast<double>(by.beams))) : 0;
+  for (int steps = 0; steps < kMostSteps; ++steps) {
+    if (index > 0 && !(by.angles[index - 1] < bearing)) {
+      --index;
+    } else if (index < by.beams && by.angles[index] < bearing) {
+      ++index;
+    } else {
+      return index;
+    }
+  }
+  return static_cast<std::size_t>(std::lower_bound(by.angles, by.angles + by.beams, bearing) - by.angles);
+}
+
 // Which points are where another scan saw through.
 std::vector<char> seen_through(const Points &points, const Seen &by) {
   std::vector<char> found(points.count, 0);
@@ -93,13 +116,13 @@ std::vector<char> seen_through(const Points &points, const Seen &by) {
   const double spacing = (last - first) / static_cast<double>(std::max<std::size_t>(by.beams - 1, 1));
   for (std::size_t i = 0; i < points.count; ++i) {
     const double dx = points.x(i) - by.sensor[0], dy = points.y(i) - by.sensor[1];
-    double rest = std::fmod(std::atan2(dy, dx) - by.sensor[2] - first, kTurn);
+    double rest = remainder_of(std::atan2(dy, dx) - by.sensor[2] - first);
     rest = rest < 0.0 ? rest + kTurn : rest;
     const double bearing = rest + first;
     if (bearing - last > 2.0 * spacing) {
       continue;
     }
-    const auto after = static_cast<std::size_t>(std::lower_bound(by.angles, by.angles + by.beams, bearing) - by.angles);
+    const std::size_t after = first_from(by, bearing, std::ceil((bearing - first) / spacing));
     const double least = by.through[std::min(after, by.beams - 1)], limit = least - kSame;
     const int side = limit > kLeastLimit ? side_of(dx, dy, limit) : 0;
     found[i] = side != 0 ? side < 0 : std::hypot(dx, dy) + kSame < least;

@@ -12,12 +12,24 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTurn = 6.283185307179586476925286766559;
+constexpr double kSure = 1e-9;   // share by which two squares differ, whatever their rounding
 constexpr double kSlack = 1e-9;  // [rad]: a ray through a corner must not slip between the two edges that meet there
+
+// `std::fmod` and `std::remainder` of a turn, which are exact, and so is the difference of numbers that are this close.
+double fmod_of_turn(double angle) {
+  if (std::abs(angle) < kTurn) return angle;
+  return std::abs(angle) <= 2.0 * kTurn ? angle - std::copysign(kTurn, angle) : std::fmod(angle, kTurn);
+}
+
+double remainder_of_turn(double angle) {
+  if (std::abs(angle) <= 0.5 * kTurn) return angle;
+  return std::abs(angle) <= kTurn ? angle - std::copysign(kTurn, angle) : std::remainder(angle, kTurn);
+}
 
 // Call `visit(i)` for the rays i whose angle lies in [low, low + width], modulo a full turn.
 template <typename Visit>
 void each_ray_within(double first, double step, std::ptrdiff_t count, double low, double width, Visit visit) {
-  double offset = std::fmod(low - kSlack - first, kTurn);
+  double offset = fmod_of_turn(low - kSlack - first);
   if (offset < 0.0) offset += kTurn;
   const double span = width + 2.0 * kSlack;
   // The rays cover one turn at most: the interval as it is, and where it began before the first ray.
@@ -48,10 +60,12 @@ void cast(const In<double, 2> &segments, const In<double, 2> &discs, double x, d
     const double ux = bx - ax, uy = by - ay, square = ux * ux + uy * uy;
     if (!(square > 0.0)) continue;
     const double along = std::min(1.0, std::max(0.0, -(ax * ux + ay * uy) / square));
-    const double near = std::hypot(ax + along * ux, ay + along * uy);
+    const double nx = ax + along * ux, ny = ay + along * uy;
+    if (nx * nx + ny * ny > reach * reach * (1.0 + kSure)) continue;  // quicker than the next line, which is exact
+    const double near = std::hypot(nx, ny);
     if (!(near <= reach)) continue;
     const double start = std::atan2(ay, ax);
-    double width = std::remainder(std::atan2(by, bx) - start, kTurn);
+    double width = remainder_of_turn(std::atan2(by, bx) - start);
     double low = width < 0.0 ? start + width : start;
     width = std::abs(width);
     if (near < 1e-9) low = first, width = kTurn;  // on the segment: no angles to go by

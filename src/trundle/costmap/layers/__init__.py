@@ -1,11 +1,11 @@
 """Layers: what lidars see of obstacles that are not on the map, and the costmap with them.
 
 A `LayeredCostmap` owns the static map, if there is one, the keep-out mask and the layers. Each call of `update` gives
-the layers new scans and returns an immutable `Costmap`. Layers gather evidence in the odom frame, so that a correction
-of the estimated pose moves what was sensed as a whole instead of smearing it.
+the layers new scans and returns an immutable `Costmap`. Layers gather evidence in the map frame: what was sensed stays
+where the estimate of its time put it. Only an estimate that jumps makes them forget what lies near the robot.
 """
 
-from trundle.costmap.layers.layer import EVERYWHERE, Layer, MapPart, OdomWindow
+from trundle.costmap.layers.layer import EVERYWHERE, Layer, MapPart, MapWindow
 from trundle.costmap.layers.layered_costmap import LayeredCostmap, LayersSettings
 from trundle.costmap.layers.obstacle_layer import ObstacleLayer, ObstacleLayerSettings
 
@@ -15,7 +15,7 @@ __all__ = [
     "LayeredCostmap",
     "LayersSettings",
     "MapPart",
+    "MapWindow",
     "ObstacleLayer",
     "ObstacleLayerSettings",
-    "OdomWindow",
 ]

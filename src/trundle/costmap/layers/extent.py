@@ -14,7 +14,7 @@ from trundle import _core
 from trundle.costmap.costmap import Costmap, CostmapStyle
 from trundle.costmap.costmap_settings import CostmapSettings
 from trundle.costmap.costs import LETHAL
-from trundle.costmap.layers.layer import OdomWindow
+from trundle.costmap.layers.layer import MapWindow
 from trundle.errors import InputError, MapError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
@@ -151,15 +151,15 @@ class Extent:
         except MapError:  # the mask lies elsewhere
             return None
 
-    def cells_under(self, windows: Sequence[OdomWindow], T_map_odom: Pose2D) -> tuple[slice, slice] | None:
-        """Return the rows and columns that one or more windows in odom reach into; None where they lie elsewhere."""
+    def cells_under(self, windows: Sequence[MapWindow]) -> tuple[slice, slice] | None:
+        """Return the rows and columns that one or more windows reach into; None where they lie elsewhere."""
         window = self._now()
         rows, cols = window.rows, window.cols
         low_x, low_y, high_x, high_y = zip(*windows, strict=True)
         x0, y0, x1, y1 = min(low_x), min(low_y), max(high_x), max(high_y)
         if not math.isfinite(x0 + y0 + x1 + y1):
             return slice(0, rows), slice(0, cols)
-        place = self.origin.inverse() @ T_map_odom
+        place = self.origin.inverse()
         edge, cos, sin = self.resolution, math.cos(place.yaw), math.sin(place.yaw)
         corners = (x0, y0), (x1, y0), (x0, y1), (x1, y1)
         across = [(place.x + cos * x - sin * y) / edge for x, y in corners]

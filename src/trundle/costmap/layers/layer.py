@@ -14,8 +14,8 @@ from trundle.geometry import FloatArray, Pose2D
 from trundle.observation import Estimate, Scan
 
 
-class OdomWindow(NamedTuple):
-    """A rectangle in the odom frame [m] that holds everything that changed."""
+class MapWindow(NamedTuple):
+    """A rectangle in the map frame [m] that holds everything that changed."""
 
     x_min: float
     y_min: float
@@ -23,7 +23,7 @@ class OdomWindow(NamedTuple):
     y_max: float
 
 
-EVERYWHERE = OdomWindow(-math.inf, -math.inf, math.inf, math.inf)
+EVERYWHERE = MapWindow(-math.inf, -math.inf, math.inf, math.inf)
 """The window of a layer that changed everywhere, for example because it was cleared."""
 
 
@@ -35,7 +35,7 @@ class MapPart:
         cells: int8, shape (rows, cols), writable: −1 unknown, 0 free, 100 occupied. It starts as the static map.
         kept: uint8, shape (rows, cols): not 0 where nothing may be marked, near obstacles of the static map.
         resolution: Edge of a cell [m].
-        pose: Pose of the lower left corner of cell (0, 0) in the odom frame.
+        pose: Pose of the lower left corner of cell (0, 0) in the map frame.
     """
 
     cells: npt.NDArray[np.int8]
@@ -46,19 +46,23 @@ class MapPart:
 
 @runtime_checkable
 class Layer(Protocol):
-    """Gathers in the odom frame what sensors report, and writes it into parts of a map."""
+    """Gathers in the map frame what sensors report, and writes it into parts of a map.
+
+    What was seen stays where the estimate of its time put it. The odometry between two times, and `T_map_odom` of the
+    newest estimate, place a scan; how a layer deals with an estimate that jumps is its own choice.
+    """
 
     def reset(self) -> None:
         """Forget everything, for a new run."""
         ...
 
-    def update(self, scans: Sequence[Scan], estimate: Estimate) -> OdomWindow | None:
+    def update(self, scans: Sequence[Scan], estimate: Estimate) -> MapWindow | None:
         """Take the scans that arrived since the last call, and where the robot is now.
 
         Scans that cannot be used are left out with a `SensorWarning`.
 
         Returns:
-            What changed, in the odom frame, or None if nothing changed.
+            What changed, in the map frame, or None if nothing changed.
 
         Raises:
             InputError: If the estimate's time is not after the last one.
@@ -70,5 +74,5 @@ class Layer(Protocol):
         ...
 
     def obstacles(self) -> FloatArray:
-        """Return points at which the layer holds something occupied [m], odom frame, shape (N, 2)."""
+        """Return points at which the layer holds something occupied [m], map frame, shape (N, 2)."""
         ...

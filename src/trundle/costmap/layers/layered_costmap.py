@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 import threading
-import warnings
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Annotated, Literal
@@ -17,11 +15,11 @@ from pydantic import Field
 from trundle.costmap.costmap import Costmap
 from trundle.costmap.costmap_settings import CostmapSettings
 from trundle.costmap.layers.extent import Extent, read_static
-from trundle.costmap.layers.layer import EVERYWHERE, Layer, MapPart, OdomWindow
+from trundle.costmap.layers.layer import EVERYWHERE, Layer, MapPart, MapWindow
 from trundle.costmap.layers.obstacle_layer import ObstacleLayer, ObstacleLayerSettings
-from trundle.errors import InputError, SensorWarning
+from trundle.errors import InputError
 from trundle.files.yaml_config import Config
-from trundle.geometry import FloatArray, Pose2D, wrap_angle
+from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.cells import OCCUPIED
 from trundle.maps.grid import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
@@ -31,9 +29,6 @@ from trundle.values import as_array, check_kind, check_number
 
 _Slices = tuple[slice, slice]
 
-_SHIFT_CELLS = 0.2  # a correction that moves nothing near the robot farther than this is not put into the map yet
-_NEAR_M = 12.0  # how far "near" is: as far as beams clear by default, where a turn moves what was sensed the most
-_JUMP_M = 1.0  # a correction of more moves obstacles by more than a robot's width: worth a warning
 _MARGIN_M = 1.0  # room around what must be contained, so that its inflation ends within the costmap
 
 
@@ -65,8 +60,8 @@ class LayeredCostmap:
     a map everything is unknown at first, and costs more than what was seen unless `costmap` says otherwise; the extent
     grows with the robot and contains what was asked for by `require`.
 
-    What is sensed is gathered in odom. When `Estimate.T_map_odom` changes, it is put into the map at its new place. An
-    odometry pose that jumps clears it.
+    What is sensed stays in the map where the estimate of its time put it. Where the estimate jumps, what was sensed
+    around the robot is forgotten; an odometry pose that jumps clears everything: see `ObstacleLayer`.
 
     All methods may be called from several threads.
 
@@ -148,9 +143,7 @@ class LayeredCostmap:
     def warnings(self) -> Mapping[str, int]:
         """How often scans were left out, by reason, and how often the pose or its correction jumped, since a reset."""
         with self._lock:
-            counts = self._counts.copy()
-            counts.update(self._obstacle.warnings if self._obstacle is not None else {})
-            return MappingProxyType(dict(counts))
+            return MappingProxyType({}) if self._obstacle is None else self._obstacle.warnings
 
     @property
     def sensed(self) -> npt.NDArray[np.bool_]:
@@ -161,10 +154,9 @@ class LayeredCostmap:
     def obstacles(self) -> FloatArray:
         """Return where obstacles were sensed that are not on the static map [m], map frame, shape (N, 2)."""
         with self._lock:
-            if self._T_map_odom is None or self._costmap is None:
+            if self._pose is None or self._costmap is None:
                 return np.zeros((0, 2))
-            found = [layer.obstacles() for layer in self._layers]
-            points = self._T_map_odom.transform_points(np.concatenate([np.zeros((0, 2)), *found]))
+            points = np.concatenate([np.zeros((0, 2)), *(layer.obstacles() for layer in self._layers)])
             row, col = self._costmap.world_to_cell(points[:, 0], points[:, 1])
             inside = self._costmap.contains(row, col)
             points, row, col = points[inside], row[inside], col[inside]
@@ -197,10 +189,10 @@ class LayeredCostmap:
                     f"{static.resolution:g} m: make another LayeredCostmap"
                 )
             self._take_static(static, None, None, static.resolution)
-            if self._T_map_odom is None or self._odom_pose is None:
+            if self._pose is None:
                 self._forget()
                 return static
-            self._extent.follow(self._T_map_odom @ self._odom_pose)
+            self._extent.follow(self._pose)
             self._rebuild()
             return self.costmap
 
@@ -211,7 +203,7 @@ class LayeredCostmap:
 
         Args:
             region: "around" for the square, "except" for all but the square.
-            size: Its edge [m]; it is aligned with the odom frame.
+            size: Its edge [m]; it is aligned with the map frame.
 
         Returns:
             The costmap then.
@@ -223,10 +215,10 @@ class LayeredCostmap:
             raise InputError(f"the region to clear is 'around' or 'except', got {region!r}")
         size = check_number("size", size, 1e-3, 1e4, "m")
         with self._lock:
-            if self._odom_pose is None:
+            if self._pose is None:
                 raise InputError("there is nothing to clear before the first update")
             if self._obstacle is not None:
-                self._obstacle.forget(self._odom_pose, size, outside=region == "except")
+                self._obstacle.forget(self._pose, size, outside=region == "except")
             self._repaint([EVERYWHERE])
             return self.costmap
 
@@ -278,9 +270,9 @@ class LayeredCostmap:
                     f"times must increase: an estimate of {estimate.time:g} s came after one of {self._time:g} s"
                 )
             windows = [window for layer in self._layers if (window := layer.update(taken, estimate)) is not None]
-            self._time, self._odom_pose = estimate.time, estimate.odom_pose
-            if self._correct(estimate):
+            if self._pose is None:
                 windows = [EVERYWHERE]
+            self._time, self._pose = estimate.time, estimate.pose
             if self._extent.follow(estimate.pose) or self._costmap is None:
                 self._rebuild()
             else:
@@ -294,10 +286,8 @@ class LayeredCostmap:
         return ObstacleLayer(robot, settings.obstacle, resolution=self._extent.resolution, keep_within=keep)
 
     def _forget(self) -> None:
-        self._counts: Counter[str] = Counter()
         self._time: float | None = None
-        self._odom_pose: Pose2D | None = None
-        self._T_map_odom: Pose2D | None = None
+        self._pose: Pose2D | None = None
         self._costmap = self._fixed
         self._changed: _Slices | None = None
         if not self._extent.is_fixed:
@@ -313,31 +303,6 @@ class LayeredCostmap:
         obstacle = self.settings.obstacle
         return np.zeros_like(near) if obstacle is not None and obstacle.clear_static else near
 
-    def _correct(self, estimate: Estimate) -> bool:
-        """Take T_map_odom; return whether what was sensed has to move in the map."""
-        old, new = self._T_map_odom, estimate.T_map_odom
-        if old is None:
-            self._T_map_odom = new
-            return True
-        if old == new:
-            return False
-        here = estimate.odom_pose
-        moved = (old @ here).distance_to(new @ here)
-        turned = abs(wrap_angle(new.yaw - old.yaw))
-        if moved + turned * _NEAR_M < _SHIFT_CELLS * self._extent.resolution:
-            return False
-        self._T_map_odom = new
-        if moved > _JUMP_M:
-            self._counts["correction"] += 1
-            if self._counts["correction"] == 1:
-                warnings.warn(
-                    f"the estimate was corrected by {moved:.1f} m at {estimate.time:g} s: the obstacles sensed before "
-                    "move with it (more of this kind are counted only)",
-                    SensorWarning,
-                    stacklevel=3,
-                )
-        return True
-
     def _rebuild(self) -> None:
         """Make the costmap of a new extent."""
         self._base, self._kept = self._extent.cells(), self._kept_cells()
@@ -348,12 +313,12 @@ class LayeredCostmap:
         self._costmap = self._style.make(self._cells, self._extent.resolution, origin, self._extent.floor())
         self._changed = everything
 
-    def _repaint(self, windows: Sequence[OdomWindow]) -> None:
+    def _repaint(self, windows: Sequence[MapWindow]) -> None:
         """Paint what changed, and update the costmap where that makes a difference."""
         self._changed = None
-        if not windows or self._T_map_odom is None:
+        if not windows:
             return
-        part = self._extent.cells_under(windows, self._T_map_odom)
+        part = self._extent.cells_under(windows)
         if part is None:
             return
         painted = self._painted(part)
@@ -371,11 +336,11 @@ class LayeredCostmap:
     def _painted(self, part: _Slices) -> npt.NDArray[np.int8]:
         """Return a part of the static map with the layers painted on it."""
         cells = np.array(self._base[part])
-        if self._T_map_odom is None or not self._layers:
+        if self._pose is None or not self._layers:
             return cells
         rows, cols = part
         corner = Pose2D(cols.start * self._extent.resolution, rows.start * self._extent.resolution)
-        pose = self._T_map_odom.inverse() @ self._extent.origin @ corner
+        pose = self._extent.origin @ corner
         kept = np.ascontiguousarray(self._kept[part])
         for layer in self._layers:
             layer.paint(MapPart(cells, kept, self._extent.resolution, pose))

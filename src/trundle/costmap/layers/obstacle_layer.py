@@ -12,11 +12,11 @@ import numpy.typing as npt
 from pydantic import Field, model_validator
 
 from trundle import _core
-from trundle.costmap.layers.layer import EVERYWHERE, MapPart, OdomWindow
+from trundle.costmap.layers.layer import EVERYWHERE, MapPart, MapWindow
 from trundle.costmap.layers.scan_filter import ScanFilter
 from trundle.files.config_fields import NotNegative, Positive
 from trundle.files.yaml_config import Config
-from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry import FloatArray, Pose2D, wrap_angle
 from trundle.observation import Estimate, Scan
 from trundle.robots import Robot
 from trundle.values import check_kind, check_number
@@ -26,6 +26,11 @@ _MOST_SENSORS = 32  # whose place is remembered: some robots move theirs
 _BESIDE_M = 2.0  # room for the mount, and for what the robot drives while a scan is on its way
 _SPARE_M = 4.0  # by how much more than needed the grid grows, as each growth copies it
 _MOST_CELLS = 25_000_000  # 250 x 250 m at 5 cm
+
+_JUMP_M, _JUMP_RAD = 0.25, math.radians(5.0)
+"""A correction by more than this is a jump: one of a localizer that tracks is some centimetres, and tenths of a degree.
+What is off by less lies beside its place by less than a robot leaves for clearance, and scans clear it."""
+_WORTH_A_WARNING_M = 1.0
 
 MARKED = 128
 """Bit of a cell that is marked."""
@@ -48,7 +53,8 @@ class ObstacleLayerSettings(Config):
         source_timeout: Scans that are older than this are ignored [s].
         hits_to_mark: Number of scans in which a cell must be hit before it is marked, 1 to 5.
         misses_to_clear: How many scans must pass through a marked cell before it is cleared, 1 to 10.
-        clear_static: Whether beams also clear obstacles of the static map.
+        clear_static: Whether beams also clear obstacles of the static map, also those that lie below or above the
+            lidars' planes: a map does not say how high things are.
         static_tolerance: Nothing is marked within this distance of an obstacle of the static map [m], between centres
             of cells, as a robot that is not quite where it believes to be sees walls a little beside their place. If
             None, this holds for the eight cells around it; 0 marks everything. Without effect with `clear_static`.
@@ -104,19 +110,17 @@ class EvidenceGrid:
         self._allocate(0, 0, (0, 0))
 
     def forget(self, x: float, y: float, half: float, *, outside: bool) -> None:
-        """Forget a square of ±`half` [m] around a point in odom, or all outside of it."""
+        """Forget a square of ±`half` [m] around a point, or all outside of it."""
         low, high = self._cells_of(x - half, y - half), self._cells_of(x + half, y + half)
         rows = slice(max(0, low[0] - self.row), max(0, high[0] + 1 - self.row))
         cols = slice(max(0, low[1] - self.col), max(0, high[1] + 1 - self.col))
-        chosen = np.full(self.cells.shape, outside)
-        chosen[rows, cols] = not outside
-        self.cells[chosen] = 0
-        self.points[chosen] = 0
-        if self._timed:
-            self.times[chosen] = 0.0
+        kept = self.cells[rows, cols].copy() if outside else 0
+        if outside:
+            self.cells[:] = 0
+        self.cells[rows, cols] = kept  # points and times are not looked at where it is 0
 
     def hold(self, x: float, y: float, half: float) -> bool:
-        """Make room for a square of ±`half` [m] around a point in odom; return whether something was forgotten."""
+        """Make room for a square of ±`half` [m] around a point; return whether something was forgotten."""
         low, high = self._cells_of(x - half, y - half), self._cells_of(x + half, y + half)
         rows, cols = self.cells.shape
         if self.row <= low[0] and self.col <= low[1] and high[0] < self.row + rows and high[1] < self.col + cols:
@@ -137,18 +141,18 @@ class EvidenceGrid:
         self._take(*old)
         return bool(rows) and too_large
 
-    def window(self, box: tuple[int, int, int, int]) -> OdomWindow | None:
-        """Return where a rectangle of cells (row, row end, col, col end) lies in odom; None if it is empty."""
+    def window(self, box: tuple[int, int, int, int]) -> MapWindow | None:
+        """Return where a rectangle of cells (row, row end, col, col end) lies in the map; None if it is empty."""
         row, row_end, col, col_end = box
         if row == row_end:
             return None
         edge = self.resolution
-        return OdomWindow(
+        return MapWindow(
             (self.col + col) * edge, (self.row + row) * edge, (self.col + col_end) * edge, (self.row + row_end) * edge
         )
 
     def marks(self) -> FloatArray:
-        """Return where marked cells were hit [m], odom frame, shape (N, 2)."""
+        """Return where marked cells were hit [m], map frame, shape (N, 2)."""
         row, col = np.nonzero(self.cells & MARKED)
         inside = (self.points[row, col].astype(np.float64) + 0.5) / 256.0
         return (inside + np.column_stack([col + self.col, row + self.row])) * self.resolution
@@ -189,10 +193,16 @@ class EvidenceGrid:
 class ObstacleLayer:
     """Marks where beams end and clears what they pass, with evidence per cell; see `ObstacleLayerSettings`.
 
-    Each cell keeps where it was hit. So the layer can be put into a map at any angle, and once more after a correction
-    of the pose. A cell counts at most once per scan, and one that a scan hits is not cleared by that scan. Infinity
-    clears where the lidar's `inf_is_valid` says so; NaN, minus infinity and ranges outside the lidar's are ignored, and
-    so are beams that end within the robot's own footprint.
+    Each cell keeps where it was hit, so the layer can be put into a map at any angle. A cell counts at most once per
+    scan, and one that a scan hits is not cleared by that scan. Infinity clears where the lidar's `inf_is_valid` says
+    so; NaN, minus infinity and ranges outside the lidar's are ignored, and so are beams that end within the robot's own
+    footprint.
+
+    A scan is placed by the odometry at its own time and the newest estimate's `T_map_odom`, which a localizer may have
+    found by this very scan; what it marks stays there. If the estimate jumps, by more than 0.25 m or 5 degrees beyond
+    what the robot moved, what was sensed within the lidars' reach of where the robot believed to be is forgotten, and
+    seen again. It cannot be moved: what was seen before a slip or a kidnapping lies right, and what was seen after it
+    does not.
 
     Args:
         robot: The robot, with its lidars, footprint and limits.
@@ -225,39 +235,45 @@ class ObstacleLayer:
         self._grid = EvidenceGrid(edge, timed=timed, rolling=keep_within is not None)
         self._rule = self.settings.misses_to_clear, self.settings.hits_to_mark
         self._sensors: dict[tuple[Pose2D, float, float], tuple[FloatArray, FloatArray]] = {}
+        self._last: Estimate | None = None
 
     @property
     def warnings(self) -> Mapping[str, int]:
-        """How often a scan was left out, by reason, and how often the pose jumped."""
+        """How often a scan was left out, by reason, and how often the pose or its correction jumped."""
         return MappingProxyType(dict(self._filter.counts))
 
     def reset(self) -> None:
         """Forget everything, for a new run."""
         self._filter.reset()
         self._grid.clear()
+        self._last = None
 
     def forget(self, pose: Pose2D, size: float, *, outside: bool) -> None:
-        """Forget what was seen in a square of edge `size` [m] around a pose, or outside of it; odom frame."""
+        """Forget what was seen in a square of edge `size` [m] around a pose, or outside of it; map frame."""
         self._grid.forget(pose.x, pose.y, 0.5 * size, outside=outside)
 
-    def update(self, scans: Sequence[Scan], estimate: Estimate) -> OdomWindow | None:
+    def update(self, scans: Sequence[Scan], estimate: Estimate) -> MapWindow | None:
         """Mark and clear by new scans; see `Layer`.
 
         Returns:
-            What changed, in the odom frame, or None if nothing changed.
+            What changed, in the map frame, or None if nothing changed.
 
         Raises:
             InputError: If the estimate's time is not after the last one, or these are no scans.
 
         Warns:
-            SensorWarning: Once for each kind of scan that is left out; and if the pose jumps, which clears the layer.
+            SensorWarning: Once for each kind of scan that is left out; if the odometry jumps, which clears the layer;
+                and if the estimate is corrected by more than 1 m.
         """
         jumped = self._filter.follow(estimate)
         if jumped:
             self._grid.clear()
-        pose = estimate.odom_pose
+        elif self._last is not None:
+            jumped = self._correct(self._last, estimate)
+        self._last = estimate
+        pose, T_map_odom = estimate.pose, estimate.T_map_odom
         forgot = self._grid.hold(pose.x, pose.y, self._half)
-        boxes = [self._mark(scan, poses) for scan, poses in self._filter.admit(scans)]
+        boxes = [self._mark(scan, _in_map(T_map_odom, poses)) for scan, poses in self._filter.admit(scans)]
         grid, persistence = self._grid, self.settings.observation_persistence
         if persistence is not None:
             boxes.append(_core.unmark_before(grid.cells, grid.times, estimate.time - persistence, *self._rule))
@@ -285,12 +301,32 @@ class ObstacleLayer:
         )
 
     def obstacles(self) -> FloatArray:
-        """Return where marked cells were hit [m], odom frame, shape (N, 2)."""
+        """Return where marked cells were hit [m], map frame, shape (N, 2)."""
         return self._grid.marks()
+
+    def _correct(self, before: Estimate, estimate: Estimate) -> bool:
+        """Forget what lies around the robot if the estimate jumps from the one before; return whether it does."""
+        after, T_map_odom = estimate.pose, before.T_map_odom
+        if estimate.T_map_odom is T_map_odom or estimate.T_map_odom == T_map_odom:
+            return False
+        # Where wheels slip and the same update puts that right, the pose goes on evenly: all marks are where they were.
+        believed, last = T_map_odom @ self._filter.odom_pose, before.pose
+        moved = min(after.distance_to(believed), after.distance_to(last))
+        turned = min(abs(wrap_angle(after.yaw - believed.yaw)), abs(wrap_angle(after.yaw - last.yaw)))
+        if moved <= _JUMP_M and turned <= _JUMP_RAD:
+            return False
+        self._grid.forget(believed.x, believed.y, self._half, outside=False)
+        if moved > _WORTH_A_WARNING_M:
+            self._filter.warn(
+                "correction",
+                f"the estimate was corrected by {moved:.1f} m at {estimate.time:g} s: the obstacles sensed around the "
+                "robot are forgotten",
+            )
+        return True
 
     def _mark(self, scan: Scan, poses: FloatArray) -> tuple[int, int, int, int]:
         grid = self._grid
-        outline, limits = self._seen_from(scan)
+        outline, limits = self._sensor_of(scan)
         return _core.mark_scan(
             grid.cells,
             grid.points,
@@ -308,7 +344,7 @@ class ObstacleLayer:
             scan.time,
         )
 
-    def _seen_from(self, scan: Scan) -> tuple[FloatArray, FloatArray]:
+    def _sensor_of(self, scan: Scan) -> tuple[FloatArray, FloatArray]:
         """Return the robot's outline in the frame of a scan's sensor, and the ranges that mark and clear."""
         sensor = scan.mount, scan.range_min, scan.range_max
         if sensor not in self._sensors:
@@ -323,6 +359,22 @@ class ObstacleLayer:
             outline = scan.mount.inverse().transform_points(self._robot.planar.outline)
             self._sensors[sensor] = outline, np.array(limits)
         return self._sensors[sensor]
+
+
+def _in_map(T_map_odom: Pose2D, poses: FloatArray) -> FloatArray:
+    """Return poses x, y, yaw in the map frame, given those in odom, shape (N, 3)."""
+    x, y, turn = T_map_odom.as_tuple()
+    if x == y == turn == 0.0:
+        return poses
+    cos, sin = math.cos(turn), math.sin(turn)
+    if len(poses) == 1:
+        ((at_x, at_y, yaw),) = poses.tolist()
+        return np.array([(x + cos * at_x - sin * at_y, y + sin * at_x + cos * at_y, yaw + turn)])
+    seen = np.empty_like(poses)
+    seen[:, 0] = x + cos * poses[:, 0] - sin * poses[:, 1]
+    seen[:, 1] = y + sin * poses[:, 0] + cos * poses[:, 1]
+    seen[:, 2] = poses[:, 2] + turn
+    return seen
 
 
 def _union(boxes: Sequence[tuple[int, int, int, int]]) -> tuple[int, int, int, int]:

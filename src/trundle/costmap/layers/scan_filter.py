@@ -39,11 +39,16 @@ class ScanFilter:
         self._poses = PoseBuffer()
         self.reset()
 
+    @property
+    def odom_pose(self) -> Pose2D:
+        """The latest pose of base_link in the odom frame."""
+        return self._pose
+
     def reset(self) -> None:
         """Forget poses and counts."""
         self.counts: Counter[str] = Counter()
         self._poses.clear()
-        self._last: Estimate | None = None
+        self._time, self._pose = -math.inf, Pose2D(0.0, 0.0)
         self._newest: dict[str, float] = {}
 
     def follow(self, estimate: Estimate) -> bool:
@@ -53,12 +58,11 @@ class ScanFilter:
             InputError: If its time is not after the last one.
         """
         check_kind(estimate, Estimate, "an estimate", "a localizer's update returns one")
-        pose, last = estimate.odom_pose, self._last
+        pose, before, seconds = estimate.odom_pose, self._pose, estimate.time - self._time
         self._poses.add(estimate.time, pose)
-        self._last = estimate
-        if last is None:
+        self._time, self._pose = estimate.time, pose
+        if seconds == math.inf:
             return False
-        before, seconds = last.odom_pose, estimate.time - last.time
         limits = self._robot.limits
         moved, turned = pose.distance_to(before), abs(wrap_angle(pose.yaw - before.yaw))
         if moved <= _JUMP_M + limits.linear_speed * seconds and turned <= _JUMP_RAD + limits.angular_speed * seconds:
@@ -92,7 +96,7 @@ class ScanFilter:
             warnings.warn(f"{message} (more of this kind are counted only)", SensorWarning, stacklevel=stacklevel)
 
     def _place(self, scan: Scan) -> FloatArray | None:
-        now = -math.inf if self._last is None else self._last.time
+        now = self._time
         end = self._end(scan)
         if scan.lidar not in self._robot.lidars:
             known = ", ".join(self._robot.lidars) or "none"
