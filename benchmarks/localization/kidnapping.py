@@ -3,7 +3,7 @@
 python -m benchmarks.localization.kidnapping --runs 12
 
 A recorded drive is cut: after twenty seconds the robot is where it was at another time of the drive, and goes on from
-there. Odometry is 1 % and 1°/m off. "Recovered" is within 0.5 m for good, with the state `localized`, within ten seconds.
+there. Odometry is 1 % and 1°/m off. "Recovered" is within 0.5 m for good, with the state `localized`.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def cut_drive(drive: Drive, rng: np.random.Generator) -> Drive:
 
 
 def run(drive: Drive, seed: int, *, changed: bool) -> tuple[float | None, float, int, float]:
-    """Seconds until recovery (None: not), share of bad time that is said after 2 s, false takeovers, far-off end [m]."""
+    """Seconds until recovery (None: not), share of bad time that is said after 2 s, wrong moments, last error [m]."""
     rng = np.random.default_rng(seed)
     cut = cut_drive(drive, rng)
     grid = change_map(cut.grid, cut.moments, rng) if changed else cut.grid

@@ -9,6 +9,7 @@ from trundle.errors import MapError
 from trundle.geometry import Pose2D, Pose3D
 from trundle.geometry.solids import Box, Cylinder, Solid
 from trundle.maps import OccupancyGrid, convert_grid, resample_axis_aligned
+from trundle.mission import Scenario
 from trundle.worlds import World
 
 CELLS = np.zeros((20, 30), np.int8)
@@ -78,3 +79,12 @@ def test_derived_maps_keep_the_surface():
     assert convert_grid(grid, resolution=0.1).grid.surface == "overlap"
     assert convert_grid(grid, crop="content").grid.surface == "overlap"
     assert resample_axis_aligned(grid).surface == "overlap"
+
+
+def test_a_world_that_is_made_from_a_map_has_its_walls_on_cell_borders(tmp_path):
+    cells = np.zeros((80, 80), np.int8)
+    cells[[0, -1]] = cells[:, [0, -1]] = 100
+    OccupancyGrid(cells, 0.05, surface="overlap").save(tmp_path / "map.yaml")
+    scenario = Scenario(map=str(tmp_path / "map.yaml"), start=(1.0, 1.0, 0.0), goal=(3.0, 3.0))
+    with scenario.build() as mission:
+        assert mission.grid.surface == "border"

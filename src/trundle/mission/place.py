@@ -97,7 +97,9 @@ def _make_world(scenario: ScenarioFields, robot: Robot) -> tuple[World, Occupanc
     if scenario.map is not None:
         walls = scenario.map_options or MapOptions()
         grid = OccupancyGrid.load(scenario.map, compat=scenario.compat, max_cells=walls.max_cells)
-        return World.from_map(grid, height=walls.height, unknown=_unknown(scenario)), grid, 0.0
+        world = World.from_map(grid, height=walls.height, unknown=_unknown(scenario))
+        # The walls of this world end at the borders of the map's cells, wherever those of the true one do.
+        return world, replace(grid, surface="border"), 0.0
     if scenario.world is None:
         raise ScenarioError("give either world or map")
     choice = scenario.world

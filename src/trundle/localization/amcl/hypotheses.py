@@ -107,14 +107,14 @@ class Hypotheses:
         update_score(track, found, 0.0)
         self.others.append(track)
         if len(self.others) > _MOST:
-            self.others.remove(min(self.others, key=lambda one: one.score))
+            self.others.remove(min(self.others, key=lambda one: one.quality))
 
     def decide(self) -> bool:
         """Drop tracks that are beaten, and let the best one take over where it may; return whether one has."""
         self._merge()
         main = self.main
         self.others = [track for track in self.others if not self._is_beaten(track)]
-        for track in sorted(self.others, key=lambda one: -one.score):
+        for track in sorted(self.others, key=lambda one: -one.quality):
             if self._may_take_over(track):
                 was_far = track.is_far
                 if not was_far:
@@ -124,8 +124,8 @@ class Hypotheses:
                     self.confirmed = not self._rivals(track)
                 return True
         if not self.confirmed:
-            best = max(self.tracks, key=lambda one: one.score)
-            if best is not main and best.score > main.score + 0.03:
+            best = max(self.tracks, key=lambda one: one.quality)
+            if best is not main and best.quality > main.quality + 0.03:
                 self._take_over(best)
                 return True
             rivals = self._rivals(main)
@@ -149,7 +149,7 @@ class Hypotheses:
             and track.travel >= _FAR_TRAVEL_M
             and track.scans >= 5
             and track.score >= _FAR_SCORE
-            and track.score > self.main.score + _FAR_LEAD
+            and track.quality > self.main.quality + _FAR_LEAD
             and not [one for one in self._rivals(track) if one is not self.main]
         )
 
@@ -170,7 +170,7 @@ class Hypotheses:
             one
             for one, margin in zip(self.tracks, margins, strict=True)
             if one is not track
-            and one.score > track.score - margin
+            and one.quality > track.quality - margin
             and not one.is_near(track.pose, _RIVAL_M, _RIVAL_RAD)
         ]
 

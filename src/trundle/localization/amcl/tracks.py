@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -37,6 +37,7 @@ class Track:
         pose: Where the robot is if it is right, in the grid's frame.
         covariance: Of that, shape (3, 3), without the map's own error.
         score: Agreement of the beams with the map, 0 to 1, on average over about a second.
+        quality: Mean of agreement and fit, likewise: what tracks are compared by.
         fit: How near the beams' ends lie to surfaces, 0 to 1, at the last scan.
         lead: How much better it fits than the main track, on average over the last scans.
         scans: How many scans it has been compared with.
@@ -47,6 +48,7 @@ class Track:
     pose: Pose2D
     covariance: FloatArray
     score: float = 0.0
+    quality: float = 0.0
     fit: float = 0.0
     agreement: float = 0.0
     usual: float = 0.0
@@ -57,7 +59,6 @@ class Track:
     scans: int = 0
     travel: float = 0.0
     is_far: bool = False
-    weight: float = field(default=0.0)
 
     def follow(self, motion: Motion, settings: AmclSettings) -> None:
         """Move by the odometry; the covariance grows."""
@@ -155,6 +156,7 @@ def update_score(track: Track, found: Match, seconds: float) -> None:
     gain = 1.0 if track.scans == 0 else 1.0 - math.exp(-seconds / _SCORE_S)
     track.pose, track.covariance = found.pose, found.covariance
     track.score += gain * (found.agreement - track.score)
+    track.quality += gain * (0.5 * (found.agreement + found.fit) - track.quality)
     track.usual_score += (1.0 if track.scans == 0 else 1.0 - math.exp(-seconds / _LONG_S)) * (
         track.score - track.usual_score
     )
