@@ -10,7 +10,7 @@ import bisect
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias, cast
+from typing import Literal, TypeAlias, cast, get_args
 
 import numpy as np
 
@@ -120,6 +120,9 @@ LocalizationState: TypeAlias = Literal["localized", "ambiguous", "lost"]
 """What a localizer says of its estimate: `localized`, `ambiguous` where several places fit what the robot sees, and
 `lost` where none does."""
 
+LOCALIZATION_STATES: tuple[LocalizationState, ...] = get_args(LocalizationState)
+"""All of them; where a state is a number, such as in a `Trajectory`, it is the index in here."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Hypothesis:
@@ -166,6 +169,23 @@ class Estimate:
         if T_map_odom is _SAME_FRAME or T_map_odom == _SAME_FRAME:
             return self.pose
         return T_map_odom.inverse() @ self.pose
+
+
+def describe_state(estimate: Estimate) -> str:
+    """Return what a localizer says of its estimate in words: "localized", "ambiguous: 3 places" or "lost"."""
+    places = len(estimate.hypotheses)
+    return f"ambiguous: {places} places" if estimate.state == "ambiguous" and places > 1 else estimate.state
+
+
+def pick_particles(particles: FloatArray, most: int) -> FloatArray:
+    """Return so many particles at most, shape (N, 4): the same share of each place, by the weights."""
+    if len(particles) <= most:
+        return particles
+    sums = np.cumsum(particles[:, 3])
+    if not (np.isfinite(sums[-1]) and sums[-1] > 0.0):
+        return particles[np.linspace(0, len(particles) - 1, most).astype(int)]
+    at = np.searchsorted(sums, (np.arange(most) + 0.5) / most * sums[-1])
+    return particles[np.unique(np.minimum(at, len(particles) - 1))]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,11 +6,14 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
+from bags.conftest import Keep
+from support.doubtful import COVARIANCE
 from support.messages import all_messages
-from trundle.bags import Recorder
+from trundle.bags import Recorder, read_run
 from trundle.bags.topics import RANGE_STEP_M
 from trundle.errors import InputError, OutputError, UnknownNameError
 from trundle.messages.codec import DISTROS
+from trundle.mission import Scenario
 
 
 def test_rosbags_reads_every_message_and_checks_its_type_hash(recorded):
@@ -161,3 +164,58 @@ def test_without_the_end_the_file_keeps_its_partial_name(recorded, tmp_path):
         recorder.on_step(recorded.steps[0])
     assert (tmp_path / "run.partial.mcap").exists()
     assert not Path(tmp_path / "run.mcap").exists()
+
+
+# What a localizer believes --------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def doubtful(tmp_path_factory):
+    """The recording of a run whose localizer is in doubt at first, with its steps and its episode."""
+    path = tmp_path_factory.mktemp("doubtful") / "run.mcap"
+    localizer = "support.doubtful:DoubtfulLocalizer"
+    scenario = Scenario.make(world="warehouse", seed=4, backend="kinematic", localizer=localizer, time_limit_s=6.0)
+    keep = Keep()
+    with scenario.build() as mission:
+        mission.run(observers=[keep, Recorder(path, scenario=mission.scenario)])
+    return path, keep
+
+
+def test_what_a_localizer_believes_is_recorded_under_the_names_of_amcl(doubtful):
+    path, keep = doubtful
+    poses = [message for _, message in all_messages(path, "/amcl_pose")]
+    first = np.asarray(poses[0].pose.covariance).reshape(6, 6)[np.ix_((0, 1, 5), (0, 1, 5))]
+    np.testing.assert_allclose(first, COVARIANCE)
+    seconds = keep.steps[-1].state.time
+    assert len(poses) == pytest.approx(10.0 * seconds, rel=0.1)
+    clouds = [message for _, message in all_messages(path, "/particle_cloud")]
+    assert 150 < len(clouds[0].particles) <= 200
+    assert len(clouds) <= seconds + 4
+    said = [message.status[0].message for _, message in all_messages(path, "/diagnostics")]
+    assert list(dict.fromkeys(said)) == ["ambiguous: 3 places", "lost", "localized"]
+
+
+def test_a_run_that_knows_its_true_pose_has_none_of_these_topics(recorded):
+    with AnyReader([recorded.path]) as reader:
+        assert not {"/amcl_pose", "/particle_cloud", "/diagnostics"} & {one.topic for one in reader.connections}
+
+
+def test_what_a_localizer_believed_comes_back_from_the_bag(doubtful):
+    path, keep = doubtful
+    run = read_run(path)
+    np.testing.assert_array_equal(run.episode.trajectory.localization, keep.episode.trajectory.localization)
+    assert run.info.localizer == "DoubtfulLocalizer"
+    found = run.steps[10].estimate
+    assert (found.state, len(found.hypotheses)) == ("ambiguous", 3)
+    assert found.hypotheses[1].pose.as_tuple() == pytest.approx(
+        keep.steps[0].estimate.hypotheses[1].pose.as_tuple(), abs=1e-3
+    )
+    np.testing.assert_allclose(found.covariance, COVARIANCE)
+    assert found.particles.shape[1] == 4
+    assert found.pose.as_tuple() == pytest.approx(keep.steps[10].estimate.pose.as_tuple(), abs=1e-6)
+
+
+def test_a_bag_of_a_robot_that_knows_its_true_pose_says_nothing_of_a_localizer(recorded):
+    run = read_run(recorded.path)
+    assert run.info.localizer == "none"
+    assert all(step.estimate.pose is step.state.pose for step in run.steps)

@@ -6,9 +6,11 @@ import math
 import re
 from typing import Any
 
+import numpy as np
 import pytest
 
 from browser.conftest import ADDRESS
+from trundle.page.encoding import pack_array
 
 pytestmark = pytest.mark.browser
 
@@ -76,6 +78,61 @@ def test_a_goal_is_set_with_keys_alone(driving: Any, played: Any) -> None:
     assert y > 0.0
     assert yaw == pytest.approx(math.pi / 12)
     assert [message for message in played.got if message["type"] == "manual"] == []
+
+
+BELIEF = {
+    "pose": [-2.0, 0.5, 0.0],
+    "state": "ambiguous",
+    "ellipse": [0.5, 0.3, 0.4],
+    "places": [[-2.0, 0.5, 0.0, 0.5], [2.0, -2.0, 1.0, 0.3], [3.0, 2.0, -1.0, 0.2]],
+    "particles": pack_array(np.random.default_rng(1).normal(0.0, 30.0, (200, 3)), "i2"),
+}
+
+
+def locate(played: Any) -> None:
+    """The run that is shown has a localizer that is in doubt."""
+    run = played.recorded.run
+    played.send("run", info={**run["info"], "localizer": "amcl"}, n=2)
+    rows = [[*row[:-4], row[1] + 0.3, row[2] + 0.4, row[3], "ambiguous"] for row in run["rows"][:40]]
+    played.send("log", **{"from": 0, "rows": rows, "paths": run["paths"], "events": run["events"][:2]})
+    played.frame(belief=BELIEF)
+
+
+def test_a_pose_is_set_and_searched_only_where_there_is_a_localizer(driving: Any, played: Any) -> None:
+    assert not driving.locator("#set-pose").is_visible()
+    assert not driving.locator("#find-pose").is_visible()
+    assert not driving.locator("#status .located").is_visible()
+    locate(played)
+    driving.wait_for_selector("#set-pose:not([disabled])")
+    driving.click("#set-pose")
+    drag(driving, 40, 0)
+    (told,) = played.wait_for("pose")
+    assert told["pose"][:2] == pytest.approx([0.0, 0.0], abs=0.2)
+    assert told["pose"][2] == pytest.approx(0.0, abs=0.05)
+    assert told["covariance"] == [[0.25, 0, 0], [0, 0.25, 0], [0, 0, 0.0685]]
+    assert driving.locator("#set-pose").get_attribute("aria-pressed") == "false"
+    driving.keyboard.press("p")
+    drag(driving, 0, 0)  # without a drag the robot keeps the heading that it believes to have
+    assert played.wait_for("pose", 2)[1]["pose"][2] == pytest.approx(played.recorded.run["rows"][39][3], abs=1e-6)
+    driving.click("#find-pose")
+    assert played.wait_for("reinitialize")
+    assert played.wait_for("goal", 0) == []
+
+
+def test_what_the_localizer_says_is_shown_with_the_error_of_its_estimate(driving: Any, played: Any) -> None:
+    locate(played)
+    said = driving.locator("#status .located", has_text="ambiguous: 3 places")
+    said.wait_for()
+    driving.locator("#status dl div", has_text="Estimate off by").locator("dd", has_text="0.500 m").wait_for()
+    driving.click("#language")
+    driving.locator("#status .located", has_text="불확실: 후보 3곳").wait_for()
+    driving.click("#language")
+    with_all = driving.locator("#map").screenshot()
+    driving.click(".layers summary")
+    driving.uncheck("#layer-particles")
+    driving.uncheck("#layer-estimate")
+    driving.wait_for_timeout(200)
+    assert driving.locator("#map").screenshot() != with_all
 
 
 def test_goals_are_queued_with_shift_or_the_switch(driving: Any, played: Any) -> None:
@@ -287,6 +344,9 @@ def test_another_language_changes_all_texts_and_neither_the_camera_nor_the_run(o
 def test_what_the_run_says_is_said_in_korean(driving: Any, played: Any) -> None:
     driving.click("#language")
     said = [
+        "ambiguous: 3 places",
+        "the robot is at one of 2 places: looking around",
+        "the robot does not know where it is: looking around",
         "goal 1 of 2 reached",
         "path of 6.00 m",
         "another path of 5.20 m",

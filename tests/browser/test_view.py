@@ -168,3 +168,25 @@ def test_a_notebook_shows_it_in_a_frame_without_cookies(notebook: str, open_page
     frame.locator("#map").click()
     frame.locator(".doing", has_text="to ").wait_for()
     assert tab.context.cookies() == []
+
+
+def test_a_pose_is_set_on_the_page_of_a_loop_that_tells_what_it_believes(
+    loop: Loop, open_page: Callable[..., Any]
+) -> None:
+    tab, seen = open_page(loop.view.address)
+    headline(tab, "keys ;")
+    assert not tab.locator("#set-pose").is_visible()
+    particles = [(-3.0 + 0.01 * n, 0.0, 0.01 * n) for n in range(50)]
+    loop.shown |= {"particles": particles, "covariance": [[0.1, 0, 0], [0, 0.2, 0], [0, 0, 0.1]]}
+    tab.wait_for_selector("#set-pose:not([disabled])")
+    tab.locator("#status .located", has_text="localized").wait_for()
+    tab.click("#set-pose")
+    click(tab, 2.0, -1.0)
+    for _ in range(200):
+        if (told := loop.view.take_pose()) is not None:
+            break
+        tab.wait_for_timeout(20)
+    assert told is not None
+    assert (told.x, told.y) == pytest.approx((2.0, -1.0), abs=0.1)
+    assert loop.view.goal is None
+    assert seen.problems == []

@@ -24,6 +24,8 @@ def test_a_run_takes_them_and_its_scenario_repeats_it(trundle: Trundle, room_map
     assert written.inflation_radius == 0.55
     assert written.assumed is not None
     assert written.lidar is True
+    assert written.localizer is not None
+    assert (written.localizer.name, dict(written.localizer.options)) == ("amcl", {"max_particles": 2000})
     again = trundle("run", "a/scenario.yaml", "--no-video", "--no-report", "--out", "b", "--json")
     assert "nav2_params" not in again.json
     with np.load("a/trajectory.npz") as first, np.load("b/trajectory.npz") as second:
@@ -35,7 +37,8 @@ def test_what_has_no_counterpart_is_listed_on_stderr_and_in_the_json(trundle: Tr
     remarks = done.json["nav2_params"]["remarks"]
     assert done.json["nav2_params"]["file"] == str(NAV2)
     named = {(remark["node"], remark["name"]): remark for remark in remarks}
-    assert named["amcl", "max_particles"]["kind"] == "no counterpart"
+    assert ("amcl", "max_particles") not in named
+    assert named["amcl", "base_frame_id"]["kind"] == "no counterpart"
     assert named["controller_server", "FollowPath.plugin"]["kind"] == "changed"
     assert all(name in done.err for _, name in named)
     quiet = trundle("scenario", room_map, "--nav2-params", NAV2, "--quiet", "-o", "other.yaml")
@@ -52,7 +55,7 @@ def test_options_come_before_the_file_and_the_file_before_a_scenario(trundle: Tr
     scenario = Scenario.load("out.yaml")
     assert (scenario.inflation_radius, scenario.goal_tolerance, scenario.planner.name) == (0.55, 0.4, "astar")
     assert scenario.start == (0.5, 0.5)
-    assert (scenario.lidar, scenario.collision_monitor) == (False, None)
+    assert (scenario.lidar, scenario.collision_monitor, scenario.localizer) == (False, None, None)
 
 
 def test_plan_takes_its_planner_and_its_outline(trundle: Trundle, room_map: Path) -> None:

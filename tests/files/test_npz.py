@@ -76,8 +76,8 @@ def test_a_member_that_is_no_array_is_refused(archive):
 
 @pytest.mark.parametrize("load", [HeightField.load, Trajectory.load])
 def test_whatever_is_damaged_the_error_is_typed(tmp_path, load):
-    columns = Trajectory.columns()
-    Trajectory(**{name: np.arange(50) for name in columns}).save(tmp_path / "t.npz")
+    rows = {name: np.arange(50) for name in Trajectory.columns()}
+    Trajectory(**{**rows, "localization": np.arange(50) % 3}).save(tmp_path / "t.npz")
     HeightField(np.random.default_rng(0).random((9, 9)), 0.1).save(tmp_path / "h.npz")
     whole = (tmp_path / ("t.npz" if load == Trajectory.load else "h.npz")).read_bytes()
     refused = 0

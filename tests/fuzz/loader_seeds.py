@@ -212,7 +212,8 @@ def npz(folder: Path) -> list[Path]:
     from trundle.maps import HeightField
     from trundle.mission import Trajectory
 
-    Trajectory(**{name: np.arange(50) for name in Trajectory.columns()}).save(folder / "trajectory.npz")
+    rows = {name: np.arange(50) for name in Trajectory.columns()}
+    Trajectory(**{**rows, "localization": np.arange(50) % 3}).save(folder / "trajectory.npz")
     HeightField(np.random.default_rng(0).random((20, 20)), 0.1).save(folder / "floor.npz")
     return [folder / "trajectory.npz", folder / "floor.npz"]
 

@@ -10,7 +10,7 @@ from trundle.mission import Trajectory, run
 def make_trajectory(n=5, **changes):
     rng = np.random.default_rng(0)
     columns = {name: rng.normal(size=n) for name in Trajectory.columns()}
-    columns.update(goal=np.zeros(n, dtype=np.int64), path=np.full(n, -1))
+    columns.update(goal=np.zeros(n, dtype=np.int64), path=np.full(n, -1), localization=np.arange(n) % 3)
     return Trajectory(**(columns | changes))
 
 
@@ -77,3 +77,12 @@ def test_an_episode_is_plain_values_with_the_names_that_stay(make_sim, navigator
     } <= set(values)
     assert values["contacts"] == []
     assert values["goals"] == [[3.0, 4.5]]
+
+
+def test_a_trajectory_of_an_older_version_is_localized_and_a_state_is_one_of_three(tmp_path):
+    trajectory = make_trajectory()
+    old = {name: getattr(trajectory, name) for name in Trajectory.columns() if name != "localization"}
+    np.savez(tmp_path / "old.npz", **old)
+    assert Trajectory.load(tmp_path / "old.npz").localization.tolist() == [0] * 5
+    with pytest.raises(InputError, match="localization of a trajectory must be 0 to 2"):
+        make_trajectory(localization=np.full(5, 3))

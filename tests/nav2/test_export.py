@@ -48,7 +48,10 @@ def test_nav2s_own_files_come_back_as_the_same_scenario(name, distro, robot, map
     first = scenario_of(read_nav2_params(DATA / f"{name}.yaml", robot).settings, map_file, robot)
     done = export_nav2(first, tmp_path / "nav2", distro=distro)
     again = read_nav2_params(done.folder / "nav2_params.yaml", robot)
-    assert scenario_of(again.settings, map_file, robot) == first
+    settings = dict(again.settings)
+    if first.localizer is None:  # Nav2 always has AMCL
+        assert settings.pop("localizer", None) in (None, {"name": "amcl", "options": {}})
+    assert scenario_of(settings, map_file, robot) == first
 
 
 def number(low, high):
@@ -111,6 +114,24 @@ PLANNERS = st.one_of(
     ).map(lambda options: {"name": "hybrid_astar", "options": options}),
 )
 
+LOCALIZERS = st.fixed_dictionaries(
+    {},
+    optional={
+        "min_particles": st.integers(10, 500),
+        "max_particles": st.integers(500, 10_000),
+        "max_beams": st.integers(10, 1000),
+        "alpha1": number(0.0, 1.0),
+        "alpha5": number(0.0, 1.0),
+        "laser_max_range": number(1.0, 100.0),
+        "z_hit": number(0.0, 1.0),
+        "z_rand": number(0.01, 1.0),
+        "sigma_hit": number(0.01, 1.0),
+        "pf_err": number(0.01, 1.0),
+        "update_min_d": number(0.0, 1.0),
+        "update_min_a": number(0.0, 1.0),
+    },
+).map(lambda options: {"name": "amcl", "options": options})
+
 OBSTACLES = st.fixed_dictionaries(
     {
         "hits_to_mark": st.just(1),
@@ -165,6 +186,7 @@ SETTINGS = st.fixed_dictionaries(
         "cost_scaling_factor": number(0.0, 20.0),
         "unknown": st.sampled_from(["blocked", "free"]),
         "lidar": st.just(True),
+        "localizer": LOCALIZERS,
         "layers": st.fixed_dictionaries({"obstacle": OBSTACLES}),
         "collision_monitor": MONITORS,
         "goal_tolerance": number(0.0, 2.0),
@@ -360,6 +382,18 @@ def test_each_setting_without_counterpart_is_listed(tmp_path, map_file):
     assert "controller.samples" not in names
     text = (tmp_path / "no_counterpart.txt").read_text(encoding="utf-8")
     assert all(name in text for name in names)
+
+
+def test_the_options_of_amcl_are_those_of_nav2s_and_come_back(tmp_path, map_file):
+    options = {"max_particles": 1500, "alpha1": 0.15, "laser_max_range": 9.0, "lost_below": 0.4}
+    settings = {"lidar": True, "localizer": {"name": "amcl", "options": options}}
+    done = export_nav2(scenario_of(settings, map_file, "nova_carter"), tmp_path)
+    amcl = yaml.safe_load((tmp_path / "nav2_params.yaml").read_text())["amcl"]["ros__parameters"]
+    assert (amcl["max_particles"], amcl["alpha1"], amcl["laser_max_range"]) == (1500, 0.15, 9.0)
+    assert "lost_below" not in amcl
+    assert [remark.name for remark in done.remarks if remark.name.startswith("localizer")] == ["localizer.lost_below"]
+    back = read_nav2_params(tmp_path / "nav2_params.yaml", "nova_carter").settings["localizer"]
+    assert back == {"name": "amcl", "options": {name: options[name] for name in list(options)[:3]}}
 
 
 @pytest.mark.parametrize("planner", ["auto", "manhattan_astar"])

@@ -8,6 +8,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from support.doubtful import COVARIANCE, DoubtfulLocalizer
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.mission.metrics import cross_track_errors
 from trundle.mission.observers import SteeringReport
@@ -15,6 +16,7 @@ from trundle.navigation import NavigationStatus
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.observation import Scan
 from trundle.page import COLUMNS, Events, RunLines, csp, frame_of, info_of, render, row_of
+from trundle.page.belief import ellipse_of
 from trundle.page.encoding import pack_array, pack_json, unpack_array, unpack_json
 from trundle.sim import Contact
 
@@ -108,6 +110,59 @@ def test_the_estimate_has_its_own_columns(drive):
     row = row_of(steps.steps[40])
     assert column([row], "ex")[0] == pytest.approx(steps.steps[40].estimate.pose.x, abs=1e-4)
     assert column([row], "clearance") == column([row], "cross_track") == [None]
+
+
+def test_what_a_localizer_believes_is_in_the_frame(drive):
+    steps = Steps()
+    drive(steps, localizer=DoubtfulLocalizer(count=1000))
+    first, last = json.loads(json.dumps([frame_of(steps.steps[5]), frame_of(steps.steps[100])], allow_nan=False))
+    estimate = steps.steps[5].estimate
+    believed = first["belief"]
+    assert believed["pose"] == pytest.approx(estimate.pose.as_tuple(), abs=1e-4)
+    assert (believed["state"], last["belief"]["state"]) == ("ambiguous", "localized")
+    assert [weight for *_, weight in believed["places"]] == [0.5, 0.3, 0.2]
+    packed = unpack_array(believed["particles"])
+    assert 300 < len(packed) <= 500
+    seen = packed / (100.0, 100.0, 1000.0) + (believed["pose"][0], believed["pose"][1], 0.0)
+    np.testing.assert_allclose(seen.mean(axis=0), estimate.particles[:, :3].mean(axis=0), atol=0.03)
+    np.testing.assert_allclose(np.cov(seen.T), COVARIANCE, atol=0.01)
+    assert info_of(steps.info)["localizer"] == "DoubtfulLocalizer"
+
+
+def test_a_robot_that_knows_its_true_pose_believes_nothing(drive):
+    steps = Steps()
+    drive(steps)
+    assert frame_of(steps.steps[5])["belief"] is None
+    assert column([row_of(steps.steps[5])], "state") == [None]
+    assert info_of(steps.info)["localizer"] == "none"
+
+
+def test_an_ellipse_holds_95_percent_of_positions():
+    covariance = np.array([[0.5, 0.3, 0.0], [0.3, 0.4, 0.0], [0.0, 0.0, 0.1]])
+    long, short, angle = ellipse_of(covariance)
+    points = np.random.default_rng(3).multivariate_normal([0.0, 0.0], covariance[:2, :2], 100_000)
+    along = points @ (math.cos(angle), math.sin(angle))
+    across = points @ (-math.sin(angle), math.cos(angle))
+    assert np.mean((along / long) ** 2 + (across / short) ** 2 < 1.0) == pytest.approx(0.95, abs=0.005)
+    assert long > short
+    assert ellipse_of(np.full((3, 3), np.nan)) is None
+
+
+def test_the_state_is_in_the_rows_and_its_changes_are_events(drive):
+    lines = {}
+
+    class Observer(Steps):
+        def on_start(self, info):
+            lines["run"] = RunLines(info)
+
+        def on_step(self, step):
+            lines["run"].add(step)
+
+    drive(Observer(), localizer=DoubtfulLocalizer())
+    states = column(lines["run"].rows, "state")
+    assert (states[0], states[50], states[100]) == ("ambiguous", "lost", "localized")
+    found = [(one["t"], one["text"]) for one in lines["run"].events if one["kind"] == "locate"]
+    assert [text for _, text in found] == ["ambiguous: 3 places", "lost", "localized"]
 
 
 def test_a_goal_may_have_any_yaw(drive):

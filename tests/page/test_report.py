@@ -32,6 +32,43 @@ def column(rows, name):
 
 
 @pytest.fixture(scope="module")
+def doubtful(tmp_path_factory):
+    """The folder of a run whose localizer is in doubt at first."""
+    place = tmp_path_factory.mktemp("runs") / "doubtful"
+    world = {"name": "warehouse", "options": {"size": [14, 11]}}
+    localizer = "support.doubtful:DoubtfulLocalizer"
+    scenario = Scenario.make(world=world, backend="kinematic", localizer=localizer, seed=5)
+    with (
+        scenario.build() as mission,
+        RunFolder(place, scenario=mission.scenario, video=False, overlay=False) as record,
+    ):
+        mission.run(observers=[record])
+    return place
+
+
+def test_what_the_localizer_believed_is_in_the_report(doubtful):
+    boot, run = boot_of(doubtful / "report.html"), run_of(doubtful / "report.html")
+    assert boot["run"]["localizer"] == "DoubtfulLocalizer"
+    states = [frame["belief"]["state"] for frame in run["frames"]]
+    assert list(dict.fromkeys(states)) == ["ambiguous", "lost", "localized"]
+    assert max(len(unpack_array(frame["belief"]["particles"])) for frame in run["frames"]) <= 150
+
+
+def test_a_report_from_the_folder_alone_has_the_states_of_the_trajectory(doubtful, tmp_path):
+    kept = np.load(doubtful / "trajectory.npz")["localization"]
+    assert (kept[0], kept[50], kept[-1]) == (1, 2, 0)
+    bare = tmp_path / "bare"
+    shutil.copytree(doubtful, bare)
+    (bare / "report.html").unlink()
+    report_folder(bare)
+    run = run_of(bare / "report.html")
+    states = column(run["rows"], "state")
+    assert (states[0], states[50], states[-1]) == ("ambiguous", "lost", "localized")
+    assert [one["text"] for one in run["events"] if one["kind"] == "locate"] == ["ambiguous", "lost", "localized"]
+    assert boot_of(bare / "report.html")["run"]["localizer"] == "recorded"
+
+
+@pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """The folder of a sensed run with an error in its odometry."""
     place = tmp_path_factory.mktemp("runs") / "a run"

@@ -49,6 +49,43 @@ def test_a_run_that_failed_is_marked_and_says_why(recorded, costmap, robot, outc
     assert not has(draw_run(costmap, robot, recorded.episode), color, 200)
 
 
+def believed(trajectory, shift, states=None):
+    """The trajectory with an estimate that is off by a shift [m], and with states of the localizer."""
+    localization = np.zeros(len(trajectory), dtype=np.int64) if states is None else states
+    return dataclasses.replace(trajectory, estimate_y=trajectory.y + shift, localization=localization)
+
+
+def test_the_estimated_trajectory_is_drawn_where_it_is_not_the_true_one(recorded, costmap, robot):
+    trajectory = recorded.episode.trajectory
+    assert not has(draw_run(costmap, robot, recorded.episode), colors.ESTIMATED, 1)
+    episode = dataclasses.replace(recorded.episode, trajectory=believed(trajectory, 0.3))
+    assert has(draw_run(costmap, robot, episode), colors.ESTIMATED, 1000)
+
+
+def test_a_correction_of_the_estimate_is_not_drawn_as_a_path(recorded, costmap, robot):
+    trajectory = recorded.episode.trajectory
+    y = trajectory.y + 0.3
+    y[::2] -= 5.0  # every step is a jump
+    jumping = dataclasses.replace(trajectory, estimate_y=y)
+    legend_alone = draw_run(costmap, robot, dataclasses.replace(recorded.episode, trajectory=jumping))
+    smooth = draw_run(costmap, robot, dataclasses.replace(recorded.episode, trajectory=believed(trajectory, 0.3)))
+    count = [int((np.asarray(one) == colors.ESTIMATED).all(axis=2).sum()) for one in (legend_alone, smooth)]
+    assert 0 < count[0] < 0.2 * count[1]
+
+
+def test_where_the_robot_was_lost_is_marked(recorded, costmap, robot):
+    trajectory = recorded.episode.trajectory
+    states = np.zeros(len(trajectory), dtype=np.int64)
+    third = len(states) // 3
+    states[third : 2 * third], states[2 * third :] = 1, 2
+    episode = dataclasses.replace(recorded.episode, trajectory=believed(trajectory, 0.02, states))
+    image = draw_run(costmap, robot, episode)
+    assert has(image, colors.BAD, 200)
+    assert has(image, colors.WARNING, 200)
+    sure = dataclasses.replace(recorded.episode, trajectory=believed(trajectory, 0.02))
+    assert not has(draw_run(costmap, robot, sure), colors.BAD, 1)
+
+
 def test_a_run_that_never_moved_can_be_drawn(recorded, costmap, robot):
     trajectory = recorded.episode.trajectory
     first = Trajectory(**{name: getattr(trajectory, name)[:1] for name in Trajectory.columns()})

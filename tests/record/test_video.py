@@ -8,6 +8,7 @@ from PIL import Image, ImageDraw
 from trundle.control.controller import Rollouts
 from trundle.errors import InputError, OutputError
 from trundle.geometry import Pose2D
+from trundle.pictures.colors import BAD, ESTIMATED, WARNING
 from trundle.record.video import (
     MAX_FRAMES,
     DrawnFrames,
@@ -132,6 +133,13 @@ def test_frames_say_time_speed_and_how_fast_they_play(monkeypatch):
     assert caption(np.zeros((8, 8, 3), dtype=np.uint8), 1.0, 1.0, 1.0).shape == (8, 8, 3)
 
 
+@pytest.mark.parametrize(("state", "color"), [("lost", BAD), ("ambiguous", WARNING), ("localized", None)])
+def test_a_frame_says_where_the_robot_is_not_sure_of_its_place(state, color):
+    frame = caption(np.zeros((400, 600, 3), dtype=np.uint8), 1.0, 0.5, 1.0, state)
+    marks = [one for one in (BAD, WARNING) if (frame == one).all(axis=2).any()]
+    assert marks == ([] if color is None else [color])
+
+
 def test_how_fast_a_video_plays_follows_from_its_frames():
     assert playing_rate(np.arange(0.0, 5.0, 0.05), 20) == pytest.approx(1.0)
     times = np.linspace(0.0, 100.0, 2001)[pick_rows(2001)]
@@ -175,3 +183,14 @@ def test_drawn_frames_show_the_samples_of_their_step_only(recorded):
     assert (abs(again - plain).sum(axis=2) > 60).sum() == 0
     history.add(0, None)
     assert len(history) == 0  # another run
+
+
+def test_a_drawn_frame_shows_the_robot_where_it_believes_to_be(recorded):
+    pose = recorded.episode.start
+    with DrawnFrames(recorded.info, recorded.episode) as source:
+        plain = source.render(pose, ShownMovers())
+        source.estimate = Pose2D(pose.x + 1.0, pose.y + 1.0, 0.5)
+        shown = source.render(pose, ShownMovers())
+    count = [int((one == ESTIMATED).all(axis=2).sum()) for one in (plain, shown)]
+    assert count[0] == 0
+    assert count[1] > 50

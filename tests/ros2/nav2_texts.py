@@ -18,6 +18,8 @@ OTHERS = {
     "lifecycle_msgs/srv/GetState_Response": "State current_state\n",
     "std_srvs/srv/Trigger_Request": _EMPTY,
     "std_srvs/srv/Trigger_Response": "bool success\nstring message\n",
+    "std_srvs/srv/Empty_Request": _EMPTY,
+    "std_srvs/srv/Empty_Response": _EMPTY,
     "nav_msgs/srv/GetMap_Request": _EMPTY,
     "nav_msgs/srv/GetMap_Response": "nav_msgs/OccupancyGrid map\n",
     "nav2_msgs/srv/IsPathValid_Request": "nav_msgs/Path path\n",

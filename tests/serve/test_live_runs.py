@@ -4,10 +4,12 @@ import socket
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from typing import Any
 
 import pytest
 
 from support.command_line import room
+from support.doubtful import DoubtfulLocalizer
 from support.page_attack import attack
 from support.page_visitor import OpenPage, Visitor
 from trundle.mission import Observer, Session
@@ -34,7 +36,9 @@ class LiveRoom:
 
 
 @contextmanager
-def _driving(goal: tuple[float, float] = (6.5, 3.5), observers: Sequence[Observer] = ()) -> Iterator[LiveRoom]:
+def _driving(
+    goal: tuple[float, float] = (6.5, 3.5), observers: Sequence[Observer] = (), **options: Any
+) -> Iterator[LiveRoom]:
     grid, robot = room(), Robot.load("nova_carter")
     simulator = KinematicSimulator(World.from_map(grid), robot)
     hub, steerer = Hub(choices=Choices(None)), Steerer()
@@ -49,6 +53,7 @@ def _driving(goal: tuple[float, float] = (6.5, 3.5), observers: Sequence[Observe
             goal,
             observers=[watch, watch.recorded, *observers],
             steering=steerer.steering,
+            **options,
         )
 
     with PageServer(hub, Page("<!doctype html>", "default-src 'none'"), port=0) as server:
@@ -128,6 +133,30 @@ def test_a_box_is_shown_and_a_goal_outside_the_map_is_refused_in_words(live: Liv
     assert page.wait("solid")["instances"][0]["shape"] == "box"
     page.send("goal", pose=[100.0, 100.0, None])
     assert "100" in page.wait("error")["text"]
+
+
+def test_a_pose_is_refused_in_words_where_the_robot_knows_its_own(live: LiveRoom) -> None:
+    page: OpenPage = live.driver  # type: ignore[attr-defined]
+    page.send("pose", pose=[2.0, 2.0, 0.5], covariance=[[0.25, 0, 0], [0, 0.25, 0], [0, 0, 0.07]])
+    assert "there is no localizer" in page.wait("error")["text"]
+    page.send("reinitialize")
+    assert "there is no localizer" in page.wait("error")["text"]
+
+
+def test_the_page_tells_the_localizer_where_the_robot_is() -> None:
+    localizer = DoubtfulLocalizer(shift=0.0)
+    with _driving(localizer=localizer) as live:
+        page: OpenPage = live.driver  # type: ignore[attr-defined]
+        page.send("pose", pose=[2.0, 2.0, 0.5], covariance=[[0.25, 0, 0], [0, 0.25, 0], [0, 0, 0.07]])
+        frame = page.wait("frame", lambda one: abs(one["belief"]["pose"][1] - 2.0) < 0.3)
+        assert frame["belief"]["state"] == "ambiguous"
+        assert localizer.covariance is not None
+        assert localizer.covariance.tolist() == [[0.25, 0.0, 0.0], [0.0, 0.25, 0.0], [0.0, 0.0, 0.07]]
+        page.send("reinitialize")
+        page.ping()
+        page.send("end")
+        page.wait("end")
+    assert localizer.searches == 1
 
 
 def test_a_page_that_does_not_read_delays_nobody(live: LiveRoom) -> None:

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from trundle.errors import InputError
-from trundle.mission import DropBox, Restart, SetGoal, Speed
+from trundle.mission import DropBox, ReinitializeGlobal, Restart, SetGoal, SetPose, Speed
 from trundle.serve.page_messages import Order, Setup, encode, encode_items, parse_message
 
 
@@ -20,6 +20,13 @@ def test_messages_of_the_page_are_read() -> None:
     box = parse_message('{"type":"box","x":1,"y":2,"yaw":0,"size":[0.5,0.5,1]}')
     assert isinstance(box, Order)
     assert box.directive == DropBox(1.0, 2.0, 0.0, (0.5, 0.5, 1.0))
+    pose = parse_message('{"type":"pose","pose":[1,2,0.5],"covariance":[[0.25,0,0],[0,0.25,0],[0,0,0.07]],"run":2}')
+    assert isinstance(pose, Order)
+    variances = ((0.25, 0.0, 0.0), (0.0, 0.25, 0.0), (0.0, 0.0, 0.07))
+    assert (pose.directive, pose.run) == (SetPose((1.0, 2.0, 0.5), variances), 2)
+    search = parse_message('{"type":"reinitialize"}')
+    assert isinstance(search, Order)
+    assert search.directive == ReinitializeGlobal()
     restart = parse_message('{"type":"restart","seed":"next","run":3}')
     assert isinstance(restart, Order)
     assert (restart.directive, restart.run) == (Restart("next"), 3)
@@ -45,6 +52,11 @@ def test_messages_of_the_page_are_read() -> None:
         '{"type":"goal","pose":[1e300,2,0]}',
         '{"type":"goal","pose":[1,2,0],"extra":1}',
         '{"type":"goal","pose":[true,2,0]}',
+        '{"type":"pose","pose":[1,2,null]}',
+        '{"type":"pose","pose":[1e300,2,0]}',
+        '{"type":"pose","pose":[1,2,0],"covariance":[[1,0],[0,1]]}',
+        '{"type":"pose","pose":[1,2,0],"covariance":[[-1,0,0],[0,1,0],[0,0,1]]}',
+        '{"type":"reinitialize","why":"lost"}',
         '{"type":"speed","factor":0}',
         '{"type":"speed","factor":51}',
         '{"type":"speed","factor":"fast"}',

@@ -17,7 +17,7 @@ from trundle.costmap import Costmap
 from trundle.errors import InputError, UnknownNameError
 from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
-from trundle.observation import Scan
+from trundle.observation import Estimate, Hypothesis, Scan
 from trundle.page.encoding import unpack_array
 from trundle.path import Path
 from trundle.robots import Robot
@@ -97,6 +97,62 @@ def test_what_is_not_given_stays_and_none_removes_it(view: View) -> None:
         assert (frame["text"], frame["scans"]) == ("", [])
         assert page.wait("paths")["paths"] == {}
         assert page.wait("costmap")["png"] is None
+
+
+def test_what_a_robot_believes_is_drawn_and_stays(view: View) -> None:
+    particles = np.array([(1.0, 2.0, 0.5), (1.2, 2.0, 0.4)])
+    with visit(view) as page:
+        view.update((1.0, 2.0, 0.5))
+        assert page.wait("frame")["belief"] is None
+        view.update((1.0, 2.0, 0.5), covariance=np.diag([0.04, 0.01, 0.02]), particles=particles)
+        believed = page.wait("frame")["belief"]
+        assert believed["pose"] == [1.0, 2.0, 0.5]
+        assert believed["ellipse"][:2] == pytest.approx([0.4895, 0.2448], abs=1e-3)
+        assert unpack_array(believed["particles"]).tolist() == [[0, 0, 500], [20, 0, 400]]
+        view.update((2.0, 2.0, 0.5))
+        assert page.wait("frame")["belief"]["pose"] == [2.0, 2.0, 0.5]
+        places = (Hypothesis(Pose2D(2.5, 2.0), 0.6), Hypothesis(Pose2D(7.0, 2.0), 0.4))
+        estimate = Estimate(0.0, Pose2D(2.5, 2.0), None, state="ambiguous", hypotheses=places)
+        view.update((2.0, 2.0, 0.5), estimate=estimate, particles=None, covariance=None)
+        believed = page.wait("frame")["belief"]
+        assert (believed["pose"][:2], believed["state"], len(believed["places"])) == ([2.5, 2.0], "ambiguous", 2)
+        assert (believed["ellipse"], believed["particles"]) == (None, None)
+        view.update((2.0, 2.0, 0.5), estimate=None)
+        assert page.wait("frame")["belief"] is None
+
+
+def test_a_pose_that_is_set_on_the_page_is_taken_once(view: View) -> None:
+    view.update((1.0, 2.0))
+    with visit(view) as page:
+        page.wait("frame")
+        assert view.take_pose() is None
+        for x in (3.0, 4.0):
+            page.send("pose", pose=[x, 2.0, 0.5], covariance=[[0.25, 0, 0], [0, 0.25, 0], [0, 0, 0.0685]])
+        page.ping()
+        assert view.take_pose() == Pose2D(4.0, 2.0, 0.5)
+        assert view.take_pose() is None
+        assert view.goal is None
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"particles": [(1.0, 2.0)]}, r"shape \(N, 3\)"),
+        ({"particles": [(1.0, 2.0, math.nan)]}, "finite"),
+        ({"covariance": [[1.0, 0.0], [0.0, 1.0]]}, "3 x 3"),
+        ({"estimate": (1.0, 2.0)}, "Estimate"),
+        ({"pose": {"a": (0.0, 0.0), "b": (1.0, 0.0)}, "particles": [(1.0, 2.0, 0.0)]}, "single robot"),
+    ],
+)
+def test_a_wrong_belief_says_what_to_give_and_leaves_what_was_shown(
+    view: View, given: dict[str, object], says: str
+) -> None:
+    view.update((1.0, 2.0))
+    with pytest.raises(InputError, match=says):
+        view.update(**{"pose": (5.0, 5.0), **given})  # type: ignore[arg-type]
+    with visit(view) as page:
+        frame = page.wait("frame")
+        assert (frame["robots"], frame["belief"]) == ([["", 1.0, 2.0, 0.0]], None)
 
 
 def test_the_newest_scan_of_each_lidar_stays(view: View) -> None:

@@ -3,8 +3,9 @@ import { Run, Clock } from "./run.js";
 
 export const LAYERS = [
   "map", "costmap", "solids", "path", "trail", "scan", "footprint", "clearance", "goals", "movers", "tracks",
-  "rollouts", "contacts",
+  "rollouts", "contacts", "estimate", "particles",
 ];
+export const OF_LOCALIZER = ["estimate", "particles"];
 
 export class App {
   constructor(mode) {
@@ -20,7 +21,7 @@ export class App {
     this.paused = false;
     this.factor = null;
     this.placed = {}; // The start and goal chosen before a run.
-    this.tool = null; // What a click sets: "goal", "start", "box" or nothing.
+    this.tool = null; // What a click sets: "goal", "start", "box", "pose" or nothing.
     this.draft = null; // The pose a press is choosing.
     this.dirty = true;
     this.listeners = {};

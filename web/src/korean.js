@@ -29,6 +29,9 @@ const WORDS = {
   "error of the estimate, 95 % of the run": "추정 오차 (주행의 95 %)", "not localized": "위치를 모른 시간",
   "search for a path": "경로 탐색", "run into while standing by": "서 있는 로봇에 부딪힌 것",
   "touched, but seen by no lidar": "닿았지만 라이다에 안 보인 것",
+  "the robot does not know where it is": "로봇이 제 위치를 모름", "looking around": "주변을 둘러보는 중",
+  "the robot is not sure where": "로봇의 위치가 확실하지 않음",
+  localized: "위치 확인됨", ambiguous: "위치 불확실", lost: "위치를 잃음",
   time: "시간", distance: "주행 거리", "smallest clearance": "최소 여유 거리",
   "real-time factor": "실시간 배율", replans: "다시 계획",
 };
@@ -74,6 +77,8 @@ const SENTENCES = [
   [`(?:the )?(goal|start) ${AT} lies in (.+)`, "@1 ($2, $3)에 설 수 없음: $5"],
   [`(?:the )?(goal|start) ${AT} is occupied by something that is not on the map(.*)`, "@1 ($2, $3)에 지도에 없는 것이 있음"],
   [`no path from ${AT} to ${AT}: (.+)`, "($1, $2)에서 ($4, $5)까지 경로 없음: @7"],
+  ["the robot is at one of (\\d+) places: (.+)", "후보 $1곳 중 한 곳에 있음: @2"],
+  ["ambiguous: (\\d+) places", "위치 불확실: 후보 $1곳"],
   ["goal (\\d+): (.+)", "목표 $1: @2"],
 ].map(([pattern, korean]) => [new RegExp(`^${pattern}$`), korean]);
 const ENDS = { goal: "목표", start: "출발점" };

@@ -1,6 +1,6 @@
 // Switches of the layers that both views show.
 import { h, icon } from "./dom.js";
-import { LAYERS } from "./app.js";
+import { LAYERS, OF_LOCALIZER } from "./app.js";
 import { say } from "./strings.js";
 
 export function layerSwitches(app) {
@@ -15,5 +15,10 @@ export function layerSwitches(app) {
       }),
       say(`l_${name}`)),
   );
+  const show = () => {
+    for (const name of OF_LOCALIZER) boxes[LAYERS.indexOf(name)].hidden = !app.run.isLocalized;
+  };
+  for (const name of ["run", "frame"]) app.on(name, show);
+  show();
   return h("details", { class: "layers" }, h("summary", {}, icon("layers"), say("layers")), h("div", { class: "layer-list" }, ...boxes));
 }

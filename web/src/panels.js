@@ -1,5 +1,6 @@
 // What is going on in words and numbers: status, event log, outcome.
 import { h } from "./dom.js";
+import { stateText } from "./belief.js";
 import { C } from "./run.js";
 import { say, saying, t, told, toldEnd } from "./strings.js";
 
@@ -18,13 +19,14 @@ export class Status {
   constructor(app) {
     this.app = app;
     this.cells = {};
-    const figures = ["time", "speedNow", "turning", "clearance", "crossTrack", "planning", "tick", "goalNow"].map((name) => {
+    const figures = ["time", "speedNow", "turning", "clearance", "crossTrack", "planning", "tick", "goalNow", "offBy"].map((name) => {
       this.cells[name] = h("dd");
       return h("div", {}, h("dt", {}, say(name)), this.cells[name]);
     });
     this.doing = h("p", { class: "doing", role: "status" });
+    this.located = h("p", { class: "located", role: "status", hidden: true });
     this.held = h("p", { class: "held", role: "alert", hidden: true });
-    this.element = h("section", { id: "status", class: "panel", "aria-label": say("status") }, this.doing, this.held, h("dl", { class: "figures" }, ...figures));
+    this.element = h("section", { id: "status", class: "panel", "aria-label": say("status") }, this.doing, this.located, this.held, h("dl", { class: "figures" }, ...figures));
   }
 
   /** What the robot does; after the end, how it ended. */
@@ -48,6 +50,7 @@ export class Status {
     if (this.held.textContent !== held) this.held.textContent = held;
     this.held.hidden = !held;
     this.held.classList.toggle("strong", Boolean(frame.held_back));
+    this.showLocated(state, frame.belief);
     if (!row) return;
     const goals = app.run.goals.length;
     const values = {
@@ -59,8 +62,19 @@ export class Status {
       planning: number(row[C.plan_ms], 1, "ms"),
       tick: number(row[C.tick_ms], 2, "ms"),
       goalNow: goals > 1 && Number.isInteger(row[C.goal]) ? `${Math.min(goals, row[C.goal] + 1)} / ${goals}` : goals ? "1 / 1" : "–",
+      offBy: state.estimate ? number(Math.hypot(state.estimate[0] - state.pose[0], state.estimate[1] - state.pose[1]), 3, "m") : "–",
     };
     for (const [name, value] of Object.entries(values)) if (cells[name].textContent !== value) cells[name].textContent = value;
+  }
+
+  /** What the localizer says of its estimate, and the figure of how far that is from the truth. */
+  showLocated({ row }, belief) {
+    const said = row?.[C.state];
+    const text = said ? `${t("position")}: ${stateText(said, belief)}` : "";
+    if (this.located.textContent !== text) this.located.textContent = text;
+    this.located.hidden = !text;
+    this.located.dataset.state = said ?? "";
+    this.cells.offBy.parentElement.hidden = !this.app.run.isLocalized;
   }
 }
 

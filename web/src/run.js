@@ -4,7 +4,7 @@ import { array } from "./decode.js";
 // The order of a row's values: page.COLUMNS of the package.
 export const COLUMNS = [
   "t", "x", "y", "yaw", "v", "w", "cmd_v", "cmd_w", "sent_v", "sent_w", "clearance", "cross_track",
-  "goal", "status", "tick_ms", "plan_ms", "left", "right", "ex", "ey", "eyaw",
+  "goal", "status", "tick_ms", "plan_ms", "left", "right", "ex", "ey", "eyaw", "state",
 ];
 export const C = Object.fromEntries(COLUMNS.map((name, i) => [name, i]));
 
@@ -66,9 +66,19 @@ export class Run {
     const pose = [mix(a[C.x], b[C.x], s), mix(a[C.y], b[C.y], s), a[C.yaw] + wrap(b[C.yaw] - a[C.yaw]) * s];
     const wheels = [mix(a[C.left] ?? 0, b[C.left] ?? 0, s), mix(a[C.right] ?? 0, b[C.right] ?? 0, s)];
     const path = this.paths[lastAt(this.paths, t + 1e-9)]?.points ?? null;
-    return { t, index, row: a, path, pose, wheels };
+    const held = (row) => Number.isFinite(row[C.ex]);
+    const estimate = held(a) ? (held(b) ? [mix(a[C.ex], b[C.ex], s), mix(a[C.ey], b[C.ey], s), a[C.eyaw] + wrap(b[C.eyaw] - a[C.eyaw]) * s] : [a[C.ex], a[C.ey], a[C.eyaw]]) : null;
+    return { t, index, row: a, path, pose, wheels, estimate };
+  }
+
+  /** Whether the robot has a localizer, which can be told where it is. */
+  get isLocalized() {
+    return (this.info.localizer ?? "none") !== "none";
   }
 }
+
+/** Whether an estimate is so far from the true pose that both can be seen. */
+export const isApart = (pose, estimate) => Boolean(pose && estimate) && (Math.hypot(pose[0] - estimate[0], pose[1] - estimate[1]) > 0.04 || Math.abs(wrap(pose[2] - estimate[2])) > 0.04);
 
 /** The time shown while a run is watched: it follows the newest row a little behind, at an even pace. */
 export class Clock {

@@ -29,11 +29,13 @@ export function palette() {
         free: [32, 36, 43], taken: [205, 211, 222], unknown: [52, 57, 66], outside: "#171a1f", ink: "#e8eaef",
         soft: "#9aa3b2", line: "#3a414d", robot: "#f5f7fa", goal: "#38d39f", path: "#58a6ff", scan: "#ff7a70",
         mover: "#ffb454", contact: "#ff4d4f", sky: "#20252d", cost: [255, 122, 61],
+        belief: "#2bd0e0",
       }
     : {
         free: [255, 255, 255], taken: [41, 46, 58], unknown: [223, 227, 233], outside: "#eceff3", ink: "#1b2230",
         soft: "#5d6675", line: "#d4d9e1", robot: "#1b2230", goal: "#0b9a66", path: "#1468d8", scan: "#d8343f",
         mover: "#c96f00", contact: "#d4002a", sky: "#dfe6ee", cost: [240, 96, 20],
+        belief: "#00879b",
       };
 }
 

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from trundle.bags.bag_reader import BagReader, BagTopic
+from trundle.bags.belief_topics import MOST_PARTICLES
 from trundle.bags.transforms import TransformTree
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.messages import readers
-from trundle.observation import Scan
+from trundle.observation import Hypothesis, LocalizationState, Scan, pick_particles
 from trundle.sim.state import MoverState
 
 TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
@@ -24,6 +25,9 @@ PATHS = ("nav_msgs/msg/Path",)
 SCANS = ("sensor_msgs/msg/LaserScan",)
 COMMANDS = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
 GOALS = ("geometry_msgs/msg/PoseStamped",)
+POSES = ("geometry_msgs/msg/PoseWithCovarianceStamped",)
+CLOUDS = ("nav2_msgs/msg/ParticleCloud",)
+DIAGNOSES = ("diagnostic_msgs/msg/DiagnosticArray",)
 MARKERS = ("visualization_msgs/msg/MarkerArray",)
 
 TRUTH = "/ground_truth/odom"
@@ -128,6 +132,9 @@ class BagContent:
         goals: Goal poses with their times and frames.
         scans: Messages of scans.
         movers: The movers with their times, in trundle's recordings.
+        covariances: Covariances of (x, y, yaw) of the estimated pose with their times, where they are known.
+        particles: The particles of the localizer with their times, a choice of them.
+        states: State and hypotheses of the localizer with their times, in trundle's recordings.
         topics: Names of the topics that were read.
         clock: Times at which stamped messages were received, with their stamps, to date those without one.
     """
@@ -144,6 +151,11 @@ class BagContent:
     scans: list[tuple[str, Any]] = field(default_factory=list[tuple[str, Any]])
     movers: list[tuple[float, tuple[MoverState, ...]]] = field(
         default_factory=list[tuple[float, tuple[MoverState, ...]]]
+    )
+    covariances: list[tuple[float, FloatArray]] = field(default_factory=list[tuple[float, FloatArray]])
+    particles: list[tuple[float, FloatArray]] = field(default_factory=list[tuple[float, FloatArray]])
+    states: list[tuple[float, tuple[LocalizationState, tuple[Hypothesis, ...]]]] = field(
+        default_factory=list[tuple[float, tuple[LocalizationState, tuple[Hypothesis, ...]]]]
     )
     topics: tuple[str, ...] = ()
     clock: list[tuple[float, float]] = field(default_factory=list[tuple[float, float]])
@@ -193,6 +205,9 @@ def read_content(bag: BagReader, names: TopicNames) -> BagContent:
             topics, PATHS, ["plan", "path"], given=names.plan, option="--plan", without=["local", "smoothed"]
         ),
         "command": choose_topic(topics, COMMANDS, ["cmd_vel"], without=["cmd_vel_"]),
+        "covariance": choose_topic(topics, POSES, ["amcl_pose"], without=["initialpose"]),
+        "particles": choose_topic(topics, CLOUDS, ["particle_cloud"]),
+        "state": choose_topic(topics, DIAGNOSES, ["diagnostics"]),
         "goal": choose_topic(topics, GOALS, ["goal_pose", "goal"], without=["pose_est", "tracked"]),
     }
     wanted = {topic: what for what, topic in chosen.items() if topic is not None}
@@ -292,6 +307,23 @@ def _add_movers(content: BagContent, topic: BagTopic, received: float, message: 
     content.movers.append((received, tuple(movers)))
 
 
+def _add_covariance(content: BagContent, topic: BagTopic, received: float, message: Any) -> None:
+    covariance = readers.read_covariance(message.pose)
+    if covariance is not None and np.isfinite(covariance).all():
+        content.covariances.append((_time_of(message, received), covariance))
+
+
+def _add_particles(content: BagContent, topic: BagTopic, received: float, message: Any) -> None:
+    particles = pick_particles(readers.read_particles(message), MOST_PARTICLES)
+    content.particles.append((_time_of(message, received), particles))
+
+
+def _add_state(content: BagContent, topic: BagTopic, received: float, message: Any) -> None:
+    said = readers.read_diagnosis(message)
+    if said is not None:
+        content.states.append((_time_of(message, received), said))
+
+
 _ADD = {
     "transforms": _add_transforms,
     "map": _add_map,
@@ -301,6 +333,9 @@ _ADD = {
     "command": _add_command,
     "asked": _add_asked,
     "goal": _add_goal,
+    "covariance": _add_covariance,
+    "particles": _add_particles,
+    "state": _add_state,
     "scan": _add_scan,
     "movers": _add_movers,
 }

@@ -10,6 +10,7 @@ from pathlib import Path as FilePath
 
 import numpy as np
 
+from trundle.bags.bag_beliefs import Beliefs
 from trundle.bags.bag_content import BagContent, TopicNames, make_scan, read_content
 from trundle.bags.bag_reader import BagReader
 from trundle.bags.bag_rows import Rows, make_rows
@@ -23,13 +24,16 @@ from trundle.mission import Episode, Observer, Outcome, RunInfo, Scenario, Step
 from trundle.mission.metrics import compute_metrics, measure_truth
 from trundle.mission.trajectory import Trajectory
 from trundle.navigation import NavigationStatus
-from trundle.observation import Estimate, Observation, Scan
+from trundle.observation import Observation, Scan
 from trundle.path import Path
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim import RobotState
 
 NEAR_GOAL_M = 0.25
 """A robot whose recording ends so near to the last goal has arrived: Nav2's xy_goal_tolerance."""
+
+_SAME = 1e-6
+"""Poses that differ by less [m, rad] are the same: they were written as transforms, and read again."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,6 +122,7 @@ class _Maker:
         self._robot, self._record, self._remarks = robot, record, remarks
         self._grid = content.grid
         self._costmap = Costmap.from_grid(content.grid, robot)
+        self._beliefs = Beliefs(content, rows)
         self._paths = self._make_paths()
         self._goals, self._goal_times = self._find_goals()
 
@@ -145,6 +150,7 @@ class _Maker:
             dt=rows.period,
             time_limit_s=None,
             path_length_m=sum(planned),
+            localizer="recorded" if self._beliefs.has_localizer else "none",
         )
         if record is not None:
             facts = record.run
@@ -161,6 +167,7 @@ class _Maker:
             controller=facts.controller,
             seed=facts.seed,
             grid=self._grid,
+            localizer=facts.localizer,
         )
 
     def _make_paths(self) -> list[tuple[float, Path]]:
@@ -205,7 +212,13 @@ class _Maker:
             ("estimate_", ("x", "y", "yaw"), rows.estimates),
         ):
             columns |= {f"{prefix}{name}": column for name, column in zip(names, table.T, strict=True)}
-        return Trajectory(time=rows.times, goal=goal.astype(np.int64), path=following.astype(np.int64), **columns)
+        return Trajectory(
+            time=rows.times,
+            goal=goal.astype(np.int64),
+            path=following.astype(np.int64),
+            localization=self._beliefs.states,
+            **columns,
+        )
 
     def _make_episode(self, info: RunInfo, trajectory: Trajectory) -> Episode:
         paths = tuple(path for _, path in self._paths)
@@ -263,13 +276,15 @@ class _Maker:
         turned = np.zeros(2)
         previous = 0.0
         goals = len(self._goals)
+        # Without a localizer both poses are the same: then nothing is drawn of what it believes.
+        believes = self._beliefs.has_localizer or np.abs(rows.estimates - rows.truths).max() > _SAME
         for index, time in enumerate(rows.times.tolist()):
             twist = Twist2D(*rows.twists[index].tolist())
             speeds = self._robot.wheel_speeds(twist)
             turned += (time - previous) * np.array(speeds)
             previous = time
             odometry, truth = _as_pose(rows.odometry[index]), _as_pose(rows.truths[index])
-            estimate = _as_pose(rows.estimates[index])
+            estimate = _as_pose(rows.estimates[index]) if believes else truth
             seen = scans.get(index, ())
             state = RobotState(
                 time, truth, twist, WheelSpeeds(*turned.tolist()), speeds, odometry, (), seen, None, movers[index]
@@ -285,7 +300,7 @@ class _Maker:
                 NavigationStatus.IDLE if arrived else NavigationStatus.DRIVING,
                 Twist2D(*rows.sent[index].tolist()),
                 Observation(time, twist, odometry, seen),
-                Estimate(time, estimate, None, estimate @ odometry.inverse()),
+                self._beliefs.at(index, time, estimate, odometry),
                 self._costmap,
             )
 

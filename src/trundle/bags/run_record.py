@@ -36,6 +36,7 @@ class RunFacts:
     dt: float
     time_limit_s: float | None
     path_length_m: float
+    localizer: str = "none"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,6 +70,7 @@ def describe_run(run: RunInfo, scenario: Scenario | None, distro: str) -> dict[s
         dt=run.dt,
         time_limit_s=run.time_limit_s if math.isfinite(run.time_limit_s) else None,
         path_length_m=run.path_length_m,
+        localizer=run.localizer,
     )
     texts: dict[str, object] = {"run": asdict(facts), "robot": run.robot.model_dump(mode="json")}
     if scenario is not None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from trundle.bags.bag_writer import BagWriter, Topic
+from trundle.bags.belief_topics import BeliefTopics
 from trundle.costmap import Costmap
 from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
@@ -57,6 +58,7 @@ class RunTopics:
         self._costmap: object = None
         self._costmap_at = self._whole_at = -WHOLE_COSTMAP_S
         self._costmap_frame: object = None
+        self._belief = BeliefTopics(self._make, self._write_bytes, MAP)
         self._open_topics()
 
     def _open_topics(self) -> None:
@@ -79,6 +81,9 @@ class RunTopics:
 
     def _write(self, topic: Topic, time: float, message: Any) -> None:
         self.bag.write(topic, round(time * 1e9), self._codec.encode(message))
+
+    def _write_bytes(self, name: str, type_name: str, qos: Qos, time: float, data: bytes) -> None:
+        self.bag.write(self._add(name, type_name, qos), round(time * 1e9), data)
 
     def start(self, grid: OccupancyGrid | None, goals: Sequence[Goal]) -> None:
         """Write what does not change: the map, and where the sensors are on the robot."""
@@ -113,6 +118,7 @@ class RunTopics:
         if state.movers:
             topic = self._add("/movers", "visualization_msgs/msg/MarkerArray", _ODOMETRY)
             self._write(topic, time, make.movers(time, state.movers, MAP))
+        self._belief.add(step)
         self._write_goal(step)
         if step.path is not None and step.path is not self._path:
             self._path = step.path

@@ -13,12 +13,19 @@ from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.messages.codec import STAMPED_COMMANDS, Codec
-from trundle.observation import Scan
+from trundle.messages.readers import DIAGNOSIS
+from trundle.observation import Estimate, Scan, describe_state
 from trundle.robots import Robot
 from trundle.sim.state import MoverState
 
 _MARKER_RED, _MARKER_GREEN, _MARKER_BLUE = 0.85, 0.33, 0.1
 _LINE_WIDTH_M = 0.05
+
+POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"
+DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
+
+_LEVELS = {"localized": 0, "ambiguous": 1, "lost": 2}
+"""OK, WARN and ERROR of diagnostic_msgs/DiagnosticStatus."""
 
 
 def cost_values() -> npt.NDArray[np.int8]:
@@ -28,6 +35,13 @@ def cost_values() -> npt.NDArray[np.int8]:
     table[1:253] = 1 + (97 * (costs - 1)) // 251
     table[253], table[254], table[255] = 99, 100, -1
     return table
+
+
+def covariance_of(covariance: FloatArray) -> FloatArray:
+    """Write a covariance of (x, y, yaw), shape (3, 3), as that of a PoseWithCovariance, shape (36,)."""
+    whole = np.zeros((6, 6))
+    whole[np.ix_((0, 1, 5), (0, 1, 5))] = covariance
+    return whole.ravel()
 
 
 def scan_topic(lidar: str, robot: Robot) -> str:
@@ -184,6 +198,33 @@ class MessageMaker:
     def goal(self, time: float, pose: Pose2D, frame: str = "map") -> Any:
         """Make a geometry_msgs/PoseStamped."""
         return self._stamped_pose(header=self.header(time, frame), pose=self.pose(pose))
+
+    def pose_estimate(self, time: float, pose: Pose2D, covariance: FloatArray | None, frame: str = "map") -> Any:
+        """Make a `POSE`: a pose with its covariance of (x, y, yaw), shape (3, 3); zeros where that is not known."""
+        whole = self._no_covariance if covariance is None else covariance_of(covariance)
+        kind = self.codec.kind("geometry_msgs/msg/PoseWithCovariance")
+        return self.codec.make(POSE, header=self.header(time, frame), pose=kind(pose=self.pose(pose), covariance=whole))
+
+    def diagnosis(self, time: float, estimate: Estimate) -> Any:
+        """Make a `DIAGNOSTICS` of what a localizer says of its estimate: a warning where the robot may be elsewhere.
+
+        Its values are the state, and "x y yaw weight" of each place [m, rad, 1].
+        """
+        value = self.codec.kind("diagnostic_msgs/msg/KeyValue")
+        values = [value("state", estimate.state)]
+        values += [
+            value(f"place {number}", f"{at.pose.x:.3f} {at.pose.y:.3f} {at.pose.yaw:.3f} {at.weight:.3f}")
+            for number, at in enumerate(estimate.hypotheses, 1)
+        ]
+        status = self.codec.make(
+            "diagnostic_msgs/msg/DiagnosticStatus",
+            level=_LEVELS[estimate.state],
+            name=DIAGNOSIS,
+            message=describe_state(estimate),
+            hardware_id="",
+            values=values,
+        )
+        return self.codec.make(DIAGNOSTICS, header=self.header(time, ""), status=[status])
 
     def movers(self, time: float, movers: Iterable[MoverState], frame: str = "map") -> Any:
         """Make a visualization_msgs/MarkerArray: the outline of each mover, whose name is the marker's namespace."""

@@ -11,6 +11,12 @@ from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import OCCUPIED, UNKNOWN
+from trundle.observation import LOCALIZATION_STATES, Hypothesis, LocalizationState
+
+_STATES: dict[str, LocalizationState] = {state: state for state in LOCALIZATION_STATES}
+
+DIAGNOSIS = "trundle: localization"
+"""Name of the diagnostic_msgs/DiagnosticStatus that says what a localizer believes."""
 
 
 def read_stamp(stamp: Any) -> float:
@@ -37,6 +43,39 @@ def read_pose(pose: Any) -> Pose2D:
 def read_twist(twist: Any) -> Twist2D:
     """Read forward speed and rotation of a geometry_msgs/Twist."""
     return Twist2D(twist.linear.x, twist.angular.z)
+
+
+def read_covariance(message: Any) -> FloatArray | None:
+    """Read the covariance of (x, y, yaw) of a geometry_msgs/PoseWithCovariance, shape (3, 3).
+
+    Zeros mean that it is not known, or that the pose is exact: they are None.
+    """
+    whole = np.asarray(message.covariance, dtype=np.float64).reshape(6, 6)
+    return whole[np.ix_((0, 1, 5), (0, 1, 5))] if whole.any() else None
+
+
+def read_particles(message: Any) -> FloatArray:
+    """Read the particles (x, y, yaw, weight) of a nav2_msgs/ParticleCloud, shape (N, 4)."""
+    rows = [(*read_pose(one.pose).as_tuple(), one.weight) for one in message.particles]
+    return np.array(rows, dtype=np.float64).reshape(-1, 4)
+
+
+def read_diagnosis(message: Any) -> tuple[LocalizationState, tuple[Hypothesis, ...]] | None:
+    """Read what `MessageMaker.diagnosis` made of an estimate, its state and its hypotheses; None of other messages."""
+    for status in message.status:
+        if status.name != DIAGNOSIS:
+            continue
+        values = {value.key: value.value for value in status.values}
+        said = values.pop("state", "")
+        state = _STATES.get(said)
+        if state is None:
+            return None
+        try:
+            places = [[float(number) for number in text.split()] for text in values.values()]
+            return state, tuple(Hypothesis(Pose2D(x, y, yaw), weight) for x, y, yaw, weight in places)
+        except (ValueError, TypeError):
+            return None
+    return None
 
 
 def read_matrix(transform: Any) -> FloatArray:

@@ -63,6 +63,7 @@ class RunInfo:
         speed_mask: What limits its speed, or None.
         world: The simulated world, or None where the simulator does not provide one.
         grid: The map that the agent was given, or None.
+        localizer: Name of what estimates the pose, "none" where the robot knows its true pose.
     """
 
     name: str
@@ -79,6 +80,7 @@ class RunInfo:
     speed_mask: SpeedMask | None = None
     world: World | None = None
     grid: OccupancyGrid | None = None
+    localizer: str = "none"
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,13 +16,16 @@ from trundle.extras import missing_extra
 from trundle.files.npz import read_arrays
 from trundle.files.writing import write_bytes
 from trundle.geometry import FloatArray
+from trundle.observation import LOCALIZATION_STATES
 from trundle.values import as_array
 
 if TYPE_CHECKING:
     import pandas  # pyright: ignore[reportMissingImports] - an extra
 
-_WHOLE = ("goal", "path")
+_WHOLE = ("goal", "path", "localization")
 _ESTIMATES = ("estimate_x", "estimate_y", "estimate_yaw")
+_ADDED = (*_ESTIMATES, "localization")
+"""Columns that files of older versions lack."""
 
 
 def _not_given() -> FloatArray:
@@ -44,6 +47,8 @@ class Trajectory:
         goal: Index of the goal that it was driving to; int64.
         path: Index in `Episode.paths` of the path that it was following, −1 for none; int64.
         estimate_x, estimate_y, estimate_yaw: Estimated pose of base_link, map frame; none given means the true pose.
+        localization: What the localizer says of it, as an index in `LOCALIZATION_STATES`: 0 localized, 1 ambiguous, 2
+            lost; int64. None given means localized.
 
     Raises:
         InputError: If the arrays are not one-dimensional, of one length above 0, and finite.
@@ -65,11 +70,14 @@ class Trajectory:
     estimate_x: FloatArray = field(default_factory=_not_given)
     estimate_y: FloatArray = field(default_factory=_not_given)
     estimate_yaw: FloatArray = field(default_factory=_not_given)
+    localization: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     def __post_init__(self) -> None:
         for name in _ESTIMATES:
             if len(getattr(self, name)) == 0:
                 object.__setattr__(self, name, getattr(self, name.removeprefix("estimate_")))
+        if len(self.localization) == 0:
+            object.__setattr__(self, "localization", np.zeros(len(self.time), dtype=np.int64))
         for name in self.columns():
             kind = np.int64 if name in _WHOLE else np.float64
             array = as_array(getattr(self, name), kind, f"{name} of a trajectory")
@@ -77,6 +85,8 @@ class Trajectory:
                 raise InputError(f"a trajectory needs finite numbers of shape (N,) with N ≥ 1; {name} is not that")
             array.flags.writeable = False
             object.__setattr__(self, name, array)
+        if not np.isin(self.localization, range(len(LOCALIZATION_STATES))).all():
+            raise InputError(f"localization of a trajectory must be 0 to {len(LOCALIZATION_STATES) - 1}")
         if len({len(getattr(self, name)) for name in self.columns()}) != 1:
             raise InputError("a trajectory needs all its arrays to be of one length")
 
@@ -129,7 +139,7 @@ class Trajectory:
             InputError: If the file cannot be read, or is not a trajectory.
         """
         arrays, _ = read_arrays(path, cls.columns(), error=InputError)
-        missing = [name for name in cls.columns() if name not in arrays and name not in _ESTIMATES]
+        missing = [name for name in cls.columns() if name not in arrays and name not in _ADDED]
         if missing:
             raise InputError(
                 f"{os.fspath(path)}: not a trajectory: it has no {', '.join(missing)}; give the trajectory.npz of a run"

@@ -26,7 +26,6 @@ REASONS = {
     "goals": _GOAL,
     "through": _GOAL,
     "through_tolerance": "Nav2's behavior tree has the radius at which a goal is passed",
-    "localizer": "Nav2 has AMCL",
     "replan_interval_s": _TREE,
     "replan_margin": _TREE,
     "planning_deadline_s": "Nav2's Smac planners have max_planning_time",

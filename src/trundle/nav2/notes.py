@@ -14,7 +14,7 @@ _WINDOW = "trundle has one costmap, the global one; a controller sees all of it"
 _SPEED = "trundle's own search, samples or checks take its place"
 
 _BY_NODE = {
-    "amcl": "AMCL's own; the localizer of a scenario is chosen with --localizer",
+    "amcl": "trundle's amcl has nothing like it; without a lidar or a map the robot knows its true pose",
     "bt_navigator": "trundle has no behavior trees; `recovery` and `replan_interval_s` say what it does",
     "map_server": "the map is what trundle run is given",
     "map_saver": "trundle map writes maps",

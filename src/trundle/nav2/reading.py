@@ -14,6 +14,7 @@ from trundle.errors import InputError, ScenarioError
 from trundle.geometry import FloatArray
 from trundle.mission import Scenario
 from trundle.mission.fields import AssumedLimits
+from trundle.nav2.amcl import read_localizer, read_start
 from trundle.nav2.controllers import read_checkers, read_controller
 from trundle.nav2.costmaps import read_costmaps
 from trundle.nav2.filters import read_filters
@@ -23,7 +24,7 @@ from trundle.nav2.outline import DECIMALS as _DECIMALS
 from trundle.nav2.parameters import NodeParameters, ParameterFile
 from trundle.nav2.planners import read_planner, read_smoother, reads_unknown
 from trundle.nav2.remarks import Remark
-from trundle.nav2.servers import read_limits, read_recovery, read_start
+from trundle.nav2.servers import read_limits, read_recovery
 from trundle.robots import Limits, Robot
 
 
@@ -79,9 +80,12 @@ def read_nav2_params(
     costmaps = [node for node in (file.node("global_costmap"), file.node("local_costmap")) if node is not None]
     settings |= read_filters(file, costmaps, frozenset(given), notes)
     amcl = file.node("amcl")
-    start = None if amcl is None else read_start(amcl)
-    if start is not None:
-        settings["start"] = list(start)
+    if amcl is not None:
+        start = read_start(amcl)
+        if start is not None:
+            settings["start"] = list(start)
+        if "lidar" in settings and settings.get("known_map", True):
+            settings["localizer"] = read_localizer(amcl, notes)
     for node, parameter in file.unread():
         notes.ignore_parameter(node, parameter, reason_for(node, parameter.name))
     _check(settings, file)

@@ -1,8 +1,8 @@
-"""The velocity smoother, the behavior server and AMCL, read and written; and what else an export starts."""
+"""The velocity smoother and the behavior server, read and written; and what else an export starts."""
 
 from __future__ import annotations
 
-from trundle.messages.makers import scan_topic
+from trundle.nav2.amcl import write_amcl
 from trundle.nav2.draft import Block, Draft
 from trundle.nav2.names import (
     BEHAVIORS,
@@ -88,19 +88,6 @@ def read_recovery(server: NodeParameters, notes: Notes) -> dict[str, object]:
     return {"recovery": steps, "recovery_retries": RETRIES}
 
 
-def read_start(amcl: NodeParameters) -> tuple[float, float, float] | None:
-    """Read the initial pose that the file gives AMCL, or None if it does not give one.
-
-    Raises:
-        InputError: If a coordinate is no number.
-    """
-    if not amcl.flag("set_initial_pose", False):
-        return None
-    pose = amcl.of_plugin("initial_pose")
-    pose.number("z", 0.0)
-    return pose.number("x", 0.0), pose.number("y", 0.0), pose.number("yaw", 0.0)
-
-
 def write_servers(draft: Draft) -> None:
     """Write the velocity smoother, the behavior server, AMCL, and the servers that an export starts besides."""
     limits = draft.robot.limits
@@ -137,7 +124,7 @@ def write_servers(draft: Draft) -> None:
             "waypoint_pause_duration": 200,
         },
     }
-    draft.nodes["amcl"] = _write_amcl(draft)
+    draft.nodes["amcl"] = write_amcl(draft)
 
 
 def _write_behaviors(draft: Draft) -> Block:
@@ -190,24 +177,3 @@ def _write_behaviors(draft: Draft) -> Block:
         "min_rotational_vel": min(0.4, speed),
         "rotational_acc_lim": float(draft.robot.limits.angular_acceleration),
     }
-
-
-def _write_amcl(draft: Draft) -> Block:
-    names = draft.lidars or tuple(draft.robot.lidars)
-    block: Block = {
-        "global_frame_id": "map",
-        "odom_frame_id": "odom",
-        "base_frame_id": "base_link",
-        "robot_model_type": "nav2_amcl::DifferentialMotionModel",
-        "tf_broadcast": True,
-        "transform_tolerance": 1.0,
-    }
-    if names:
-        block["scan_topic"] = scan_topic(names[0], draft.robot)
-        block["laser_max_range"] = float(draft.robot.lidars[names[0]].range_max)
-    start = draft.scenario.start
-    if start is not None:
-        x, y, yaw = (*start, 0.0)[:3]
-        block["set_initial_pose"] = True
-        block["initial_pose"] = {"x": float(x), "y": float(y), "z": 0.0, "yaw": float(yaw)}
-    return block

@@ -164,6 +164,32 @@ APPROACH = (
 )
 """A zone of the collision monitor that keeps a time to the collision."""
 
+AMCL = (
+    Row("alpha1", "alpha1", 0.2, least=0.0, most=10.0),
+    Row("alpha2", "alpha2", 0.2, least=0.0, most=10.0),
+    Row("alpha3", "alpha3", 0.2, least=0.0, most=10.0),
+    Row("alpha4", "alpha4", 0.2, least=0.0, most=10.0),
+    Row("alpha5", "alpha5", 0.2, least=0.0, most=10.0),
+    Row("z_hit", "z_hit", 0.5, least=0.0, most=1.0),
+    Row("z_rand", "z_rand", 0.5, least=0.0, most=1.0),
+    Row("sigma_hit", "sigma_hit", 0.2, least=0.005, most=10.0),
+    Row("pf_err", "pf_err", 0.05, above=0.0, most=1.0),
+    Row("pf_z", "pf_z", 0.99, least=0.0, most=10.0),
+    Row("update_min_d", "update_min_d", 0.25, least=0.0, most=100.0),
+    Row("update_min_a", "update_min_a", 0.2, least=0.0, most=10.0),
+)
+"""AMCL and trundle's `amcl`. Only what a file gives is read: trundle's own defaults are for its own filter."""
+
+
+def read_given(rows: Iterable[Row], block: NodeParameters) -> dict[str, float]:
+    """Read the settings that a block of parameters gives; no default counts.
+
+    Raises:
+        InputError: If a parameter is no number, or out of bounds.
+    """
+    given = [row for row in rows if block.has(row.parameter)]
+    return read_rows(given, block)
+
 
 def read_rows(rows: Iterable[Row], block: NodeParameters) -> dict[str, float]:
     """Read the settings that stand in a block of parameters, or their defaults in Nav2.

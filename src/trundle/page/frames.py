@@ -10,6 +10,7 @@ from trundle.geometry import FloatArray, Pose2D
 from trundle.mission.observers import Step
 from trundle.navigation import NavigationStatus
 from trundle.observation import Scan
+from trundle.page.belief import MOST_PARTICLES, belief_of
 from trundle.page.encoding import pack_array, rounded
 
 _APART_M = 0.04
@@ -28,14 +29,18 @@ _MONITORED = {
 }
 
 
-def frame_of(step: Step, *, scans: tuple[Scan, ...] | None = None) -> dict[str, Any]:
+def frame_of(
+    step: Step, *, scans: tuple[Scan, ...] | None = None, most_particles: int = MOST_PARTICLES
+) -> dict[str, Any]:
     """Return what the page draws around the robot at a step.
 
     Args:
         step: The step.
         scans: The scans to show. If None, those of the step are shown.
+        most_particles: How many particles of a localizer are kept.
     """
-    state = step.state
+    state, estimate = step.state, step.estimate
+    believes = estimate is not None and estimate.pose is not state.pose  # without a localizer it knows the truth
     return {
         "t": round(state.time, 4),
         "scans": [scan_of(scan, state.pose @ _moved(step, scan)) for scan in (step.scans if scans is None else scans)],
@@ -45,6 +50,7 @@ def frame_of(step: Step, *, scans: tuple[Scan, ...] | None = None) -> dict[str, 
         "contacts": [rounded((contact.x, contact.y, 0.0), 3) for contact in state.contacts],
         "monitor": "none" if step.monitor is None else step.monitor.action,
         "doing": doing(step),
+        "belief": belief_of(estimate, most_particles=most_particles) if estimate is not None and believes else None,
     }
 
 

@@ -21,6 +21,7 @@ from trundle.mission.episode import Episode
 from trundle.mission.metrics import CLEARANCE_CAP, distances_to_polyline
 from trundle.mission.run_files import read_record
 from trundle.mission.scenario import Scenario
+from trundle.observation import LOCALIZATION_STATES
 from trundle.page.encoding import finite, pack_json, rounded, unpack_json
 from trundle.page.html import render
 from trundle.page.run_data import dropped_boxes
@@ -237,7 +238,7 @@ def _surroundings(place: Path, record: Mapping[str, Any]) -> tuple[World | None,
 
 def run_of(episode: Episode, robot: Robot, world: World | None, grid: OccupancyGrid | None) -> dict[str, Any]:
     """Return what `RunData.run_dict` does, without what only an observer sees: scans, movers and wall times."""
-    time = episode.trajectory.time
+    driven, time = episode.trajectory, episode.trajectory.time
     return {
         "info": {
             "name": episode.name,
@@ -249,6 +250,7 @@ def run_of(episode: Episode, robot: Robot, world: World | None, grid: OccupancyG
             "goals": [goal_of(goal) for goal in episode.goals],
             "dt": float(time[1] - time[0]) if len(time) > 1 else 0.05,
             "time_limit_s": finite(episode.time_limit_s),
+            "localizer": "none" if (driven.estimates == driven.poses).all() else "recorded",
         },
         "rows": _rows(episode, robot, _clearances(episode, robot, world, grid)),
         "paths": [
@@ -275,6 +277,7 @@ def _rows(episode: Episode, robot: Robot, clearances: FloatArray | None) -> list
         if follows.any():
             off[follows] = distances_to_polyline(driven.poses[follows, :2], path.poses[:, :2])
     apart = np.abs(driven.estimates - driven.poses).max(axis=1) > 0.0
+    states = [LOCALIZATION_STATES[code] if apart.any() else None for code in driven.localization]
     sent = np.c_[driven.commanded_v, driven.commanded_w]
     numbers = np.c_[driven.time, driven.poses, driven.v, driven.w, sent, sent].round(4).tolist()
     last = len(driven) - 1
@@ -290,6 +293,7 @@ def _rows(episode: Episode, robot: Robot, clearances: FloatArray | None) -> list
             round(float(left[row]), 3),
             round(float(right[row]), 3),
             *(rounded(driven.estimates[row].tolist()) if apart[row] else (None, None, None)),
+            states[row],
         ]
         for row in range(len(driven))
     ]
@@ -316,6 +320,8 @@ def _events(episode: Episode) -> list[dict[str, Any]]:
             found.append((float(driven.time[row]), "replan" if index else "plan", f"path of {path.length:.2f} m"))
     changes = np.flatnonzero(np.diff(driven.goal)) + 1
     found += [(float(driven.time[row]), "goal", f"goal {int(driven.goal[row])} reached") for row in changes]
+    changes = np.flatnonzero(np.diff(driven.localization, prepend=0))
+    found += [(float(driven.time[row]), "locate", LOCALIZATION_STATES[driven.localization[row]]) for row in changes]
     found += [(ran.begin_s, "recovery", f"{ran.behavior}: {ran.reason}") for ran in episode.behaviors]
     ended = f"{episode.outcome.value.replace('_', ' ')}: {episode.message}"
     found = [*sorted(found, key=lambda one: one[0]), (float(driven.time[-1]), "end", ended)]

@@ -30,6 +30,9 @@ _MOST_CELLS = 30_000_000
 _FRAME_S = 0.2
 _COSTMAP_S = 2.0
 _MOST_CONTACTS = 200
+_MOST_PARTICLES = 150
+"""Particles of a kept frame: enough to show how far they spread."""
+
 _APART_CM = 8
 """Points of a kept scan nearer to the one before are left out: twice the distance of live frames, to save space."""
 
@@ -71,8 +74,8 @@ class RunData:
         for scan in step.scans:
             self._scans[scan.lidar] = scan
         time = step.state.time
-        if self._frames.is_due(time) and (step.movers or self._scans or step.tracks or step.rollouts):
-            frame = frame_of(step, scans=tuple(self._scans.values()))
+        if self._frames.is_due(time) and self._has_something(step):
+            frame = frame_of(step, scans=tuple(self._scans.values()), most_particles=_MOST_PARTICLES)
             frame["scans"] = [_compact(scan) for scan in frame["scans"]]
             self._frames.add(time, frame, _weight(frame))
             self._scans.clear()
@@ -106,6 +109,11 @@ class RunData:
             "contacts": self._contacts,
             "solids": self._dropped,
         }
+
+    def _has_something(self, step: Step) -> bool:
+        """Return whether a frame of the step would show something around the robot, or what a localizer believes."""
+        believes = step.estimate is not None and step.estimate.pose is not step.state.pose
+        return bool(step.movers or self._scans or step.tracks or step.rollouts or believes)
 
     def _add_contacts(self, step: Step) -> None:
         """Keep where a touch begins."""
@@ -199,4 +207,12 @@ def _weight(frame: Mapping[str, Any]) -> int:
     """Estimate how many bytes a frame takes as JSON."""
     scans = sum(3 * len(scan["deltas"]) + 80 for scan in frame["scans"])
     rollouts = sum(12 * len(line) for line in frame["rollouts"])
-    return 100 + scans + rollouts + 40 * (len(frame["movers"]) + len(frame["tracks"]) + len(frame["contacts"]))
+    small = 40 * (len(frame["movers"]) + len(frame["tracks"]) + len(frame["contacts"]))
+    return 100 + scans + rollouts + small + _weight_of_belief(frame["belief"])
+
+
+def _weight_of_belief(belief: Mapping[str, Any] | None) -> int:
+    if belief is None:
+        return 0
+    particles = 0 if belief["particles"] is None else len(belief["particles"]["b64"])
+    return 150 + particles + 30 * len(belief["places"])

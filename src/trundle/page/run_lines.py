@@ -14,6 +14,7 @@ from trundle.mission.metrics import CLEARANCE_CAP
 from trundle.mission.observers import RunInfo, SteeringReport, Step
 from trundle.navigation import NavigationStatus
 from trundle.navigation.behaviors import BehaviorRun
+from trundle.observation import LocalizationState, describe_state
 from trundle.page.encoding import finite, pack_array, rounded
 from trundle.path import Path
 from trundle.sim.clearance import map_world
@@ -40,13 +41,14 @@ COLUMNS = (
     "ex",
     "ey",
     "eyaw",
+    "state",
 )
 """What a row holds: time [s], true pose, measured, commanded and sent twist, clearance and distance to the path [m],
-index of the goal, status, wall times [ms], angles of the drive wheels [rad], and the estimated pose where it is not the
-true one."""
+index of the goal, status, wall times [ms], angles of the drive wheels [rad], and of a localizer its estimated pose and
+its state."""
 
 _RESOLUTION_M = 0.05  # edge of the cells of the true map, on which clearances are measured
-KINDS = ("start", "plan", "replan", "blocked", "recovery", "monitor", "contact", "goal", "steer", "end")
+KINDS = ("start", "plan", "replan", "blocked", "recovery", "monitor", "contact", "goal", "locate", "steer", "end")
 """Kinds of events."""
 
 _QUIET_S = 1.0
@@ -65,6 +67,7 @@ def info_of(info: RunInfo) -> dict[str, Any]:
         "goals": [goal_of(goal) for goal in info.goals],
         "dt": info.dt,
         "time_limit_s": finite(info.time_limit_s),
+        "localizer": info.localizer,
     }
 
 
@@ -84,9 +87,9 @@ def row_of(step: Step, *, clearance: float | None = None, cross_track: float | N
     """
     state, sent = step.state, step.sent
     pose, twist = state.pose, state.twist if state.odometry_twist is None else state.odometry_twist
-    believed = (None, None, None)
+    believed: tuple[Any, ...] = (None, None, None, None)
     if step.estimate is not None and step.estimate.pose is not pose:
-        believed = rounded(step.estimate.pose.as_tuple())
+        believed = (*rounded(step.estimate.pose.as_tuple()), step.estimate.state)
     return [
         *rounded((state.time, pose.x, pose.y, pose.yaw, twist.v, twist.w)),
         *rounded((step.command.v, step.command.w, sent.v, sent.w)),
@@ -211,6 +214,7 @@ class Events:
         self._planned = False
         self._stands_at_goal = False
         self._steered: SteeringReport | None = None
+        self._localized: LocalizationState = "localized"
 
     def note(self, time: float, kind: str, text: str) -> None:
         """Add an event of `KINDS`."""
@@ -243,6 +247,9 @@ class Events:
             self._add_action(step.monitor.action, time)
         if step.steering is not None:
             self._add_steering(step.steering, time)
+        if step.estimate is not None and step.estimate.state != self._localized:
+            self._localized = step.estimate.state
+            self.note(time, "locate", describe_state(step.estimate))
 
     def end(self, episode: Episode) -> None:
         """Add the end of a run."""

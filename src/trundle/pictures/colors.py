@@ -32,6 +32,7 @@ GOOD: Rgb = (21, 128, 61)
 BAD: Rgb = (185, 28, 28)
 WARNING: Rgb = (180, 83, 9)
 SAMPLED: Rgb = (139, 92, 246)
+ESTIMATED: Rgb = (0, 135, 155)
 
 # P. Tol's "bright" and "vibrant" schemes, which the colour-blind can tell apart, for things side by side.
 SEVERAL: tuple[Rgb, ...] = (

@@ -32,6 +32,7 @@ from trundle.pictures.colors import (
     Rgb,
     speed_color,
 )
+from trundle.record.estimated import draw_doubts, draw_estimated
 from trundle.record.map_view import MapView, speed_zones, view_run, zone_marks
 from trundle.record.page import Mark, compose_page, draw_tag
 from trundle.robots import Robot
@@ -140,7 +141,8 @@ def draw_run(
 ) -> Image.Image:
     """Draw a run on its map: planned paths, the driven trajectory coloured by speed, and the outcome.
 
-    The path that was followed last to each goal is wide, those that it replaced are thin.
+    The path that was followed last to each goal is wide, those that it replaced are thin. Of a run with a localizer the
+    estimated trajectory is drawn, too, and where the localizer said that it is not sure.
 
     Args:
         costmap: The costmap of the run. If None, the run is drawn on an empty floor.
@@ -159,6 +161,8 @@ def draw_run(
     top_speed = robot.limits.linear_speed
     if movers is not None:
         movers.draw(view)
+    doubts = draw_doubts(view, trajectory)
+    believed = [*draw_estimated(view, trajectory), *doubts]
     draw_driven(view, trajectory, top_speed)
     _draw_robot(view, robot, episode.start, START)
     end = Pose2D(*poses[-1].tolist())
@@ -179,7 +183,7 @@ def draw_run(
         title=episode.name,
         status=(episode.outcome.value.replace("_", " "), _STATUS.get(episode.outcome, WARNING)),
         lines=describe(episode),
-        legend=[*_LEGEND, *moving, *zone_marks(view.costmap, view.zones)],
+        legend=[*_LEGEND, *believed, *moving, *zone_marks(view.costmap, view.zones)],
         pixels_per_metre=view.pixels_per_metre,
         top_speed=top_speed,
     )

@@ -20,8 +20,10 @@ from trundle.errors import InputError, OutputError
 from trundle.files.writing import write_bytes
 from trundle.geometry import FloatArray, Pose2D
 from trundle.mission import Episode, RunInfo
-from trundle.pictures.colors import GOAL, INK, PAGE, PLANNED, ROBOT, SAMPLED, START, WARNING
+from trundle.observation import LOCALIZATION_STATES, LocalizationState
+from trundle.pictures.colors import ESTIMATED, GOAL, INK, PAGE, PLANNED, ROBOT, SAMPLED, START, WARNING
 from trundle.pictures.figure import font
+from trundle.record.estimated import STATE_COLORS, has_estimates
 from trundle.record.map_view import view_run
 from trundle.sim.mover_history import MoverHistory, ShownMovers
 
@@ -90,6 +92,7 @@ def write_video(
     fps = FRAMES_PER_SECOND if lapse else max(1, round(1.0 / run.dt))
     trajectory = episode.trajectory
     rate = playing_rate(trajectory.time[rows], fps)
+    believes = has_estimates(trajectory)
 
     def pictures(source: FrameSource) -> Iterator[Pixels]:
         for number, row in enumerate(rows):
@@ -97,8 +100,11 @@ def write_video(
             moving = ShownMovers() if movers is None else movers.at(time)
             if samples is not None and isinstance(source, DrawnFrames):
                 source.samples = samples.at(int(row))
+            if believes and isinstance(source, DrawnFrames):
+                source.estimate = Pose2D(*trajectory.estimates[row].tolist())
+            state = LOCALIZATION_STATES[trajectory.localization[row]]
             frame = source.render(Pose2D(*trajectory.poses[row].tolist()), moving)
-            yield caption(frame, time, float(trajectory.v[row]), rate)
+            yield caption(frame, time, float(trajectory.v[row]), rate, state)
             if report is not None:
                 report("video", number + 1, len(rows))
 
@@ -112,13 +118,18 @@ def playing_rate(times: FloatArray, fps: int) -> float:
     return float(times[-1] - times[0]) * fps / max(1, len(times) - 1) if len(times) > 1 else 1.0
 
 
-def caption(frame: Pixels, time_s: float, speed: float, rate: float) -> Pixels:
-    """Write the time [s], the speed [m/s] and the playback rate into the upper left corner of a frame."""
+def caption(frame: Pixels, time_s: float, speed: float, rate: float, state: LocalizationState = "localized") -> Pixels:
+    """Write the time [s], the speed [m/s] and the playback rate into the upper left corner of a frame.
+
+    Where the localizer is not sure, its state follows.
+    """
     size = max(13, frame.shape[0] // 26)
     letters = font(size)
     speed = round(speed, 2) + 0.0  # never -0.00
     texts = (f"{time_s:.1f} s", f"{speed:.2f} m/s", f"{rate:.1f}x speed" if rate >= 1.05 else "real time")
     widths = [letters.getlength(text) for text in ("8888.8 s", "-88.88 m/s", "888.8x speed")]
+    if state in STATE_COLORS:
+        texts, widths = (*texts, state), [*widths, letters.getlength("ambiguous ")]
     room = (round(sum(widths)) + size, round(1.7 * size))
     # Drawn on a copy of only the corner: a frame may be shown more than once.
     corner = Image.fromarray(np.ascontiguousarray(frame[: room[1] + size // 2, : room[0] + size // 2]))
@@ -127,7 +138,8 @@ def caption(frame: Pixels, time_s: float, speed: float, rate: float) -> Pixels:
     draw.rectangle((left, top, corner.width, corner.height), fill=(*PAGE, 225))
     x = left + size // 2
     for text, wide in zip(texts, widths, strict=True):
-        draw.text((x, top + room[1] // 2), text, font=letters, fill=INK, anchor="lm")
+        color = STATE_COLORS[state] if text == state and state in STATE_COLORS else INK
+        draw.text((x, top + room[1] // 2), text, font=letters, fill=color, anchor="lm")
         x += round(wide)
     captioned = frame.copy()
     captioned[: corner.height, : corner.width] = np.asarray(corner)
@@ -204,7 +216,7 @@ def _encode_gif(target: Path, pictures: Iterable[Pixels], fps: int) -> str:
 
 
 class DrawnFrames:
-    """Frames drawn from above: the map, the planned paths, the trajectory so far and the robot.
+    """Frames drawn from above: the map, the planned paths, the trajectory so far, the robot and its estimate.
 
     Args:
         run: The run.
@@ -212,10 +224,12 @@ class DrawnFrames:
 
     Attributes:
         samples: The controller's samples to draw in the next frame, or none.
+        estimate: Where the robot believes to be in the next frame, or None where that is the true pose.
     """
 
     def __init__(self, run: RunInfo, episode: Episode) -> None:
         self.samples: Samples | None = None
+        self.estimate: Pose2D | None = None
         self._robot = run.robot
         sides = {"long_side": DRAWN_SIDE, "max_side": MAX_DRAWN_SIDE}
         view = view_run(run.costmap, run.robot, episode, run.speed_mask, **sides)
@@ -249,6 +263,11 @@ class DrawnFrames:
             self._view.stamp_trail(frame, trail, WARNING, 2.0)
             self._view.stamp(frame, state.pose, np.array(state.outline), WARNING)
         self._view.stamp(frame, pose, self._robot.outline, START)
+        if self.estimate is not None:
+            outline = self._robot.outline
+            nose = np.array([(0.0, 0.0), (float(outline[:, 0].max()), 0.0)])
+            for corners in (np.vstack([outline, outline[:1]]), nose):
+                self._view.stamp_trail(frame, self.estimate.transform_points(corners), ESTIMATED, 2.5)
         return np.asarray(frame)
 
 

@@ -64,7 +64,9 @@ class Order(_Message):
         directive: What the run is to do.
     """
 
-    type: Literal["pause", "step", "speed", "goal", "manual", "release", "restart", "box", "end"]
+    type: Literal[
+        "pause", "step", "speed", "goal", "manual", "release", "restart", "box", "end", "pose", "reinitialize"
+    ]
     run: Annotated[int, Field(ge=1, le=10**9)] | None = None
     directive: InstanceOf[CheckedDirective]
 
@@ -78,6 +80,8 @@ class Order(_Message):
             raise InputError(f"{own!r} is no field of a page's {kind!r}")
         if kind == "goal" and "pose" in values:
             values["goal"] = _read_goal(values.pop("pose"))
+        if kind == "pose" and "pose" in values and len(_read_goal(values["pose"])) < 3:
+            raise InputError("the pose of a robot is [x, y, yaw], and all three are numbers")
         return {**envelope, "directive": read_directive(kind, values)}
 
 

@@ -15,10 +15,12 @@ from trundle.mission import (
     LiveStatus,
     Manual,
     Pause,
+    ReinitializeGlobal,
     Release,
     Restart,
     Session,
     SetGoal,
+    SetPose,
     Speed,
     Steering,
     StepOnce,
@@ -126,7 +128,7 @@ class Steerer:
                 directive = End(f"ended by {page_name(client)}")
             case Restart() as directive if self._restarts:
                 pass
-            case Pause() | StepOnce() | Speed() as directive:
+            case Pause() | StepOnce() | Speed() | SetPose() | ReinitializeGlobal() as directive:
                 pass
             case _:
                 raise InputError("this cannot be done while something runs: end it first")

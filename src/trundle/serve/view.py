@@ -11,13 +11,15 @@ from html import escape
 from types import EllipsisType, TracebackType
 from typing import Self
 
+import numpy.typing as npt
+
 from trundle.costmap import Costmap
 from trundle.errors import InputError
 from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
-from trundle.mission import LiveStatus, SetGoal
+from trundle.mission import LiveStatus, SetGoal, SetPose
 from trundle.mission.steering.queue import DEAD_MAN_S
-from trundle.observation import Scan
+from trundle.observation import Estimate, Scan
 from trundle.robots import Robot
 from trundle.serve import opening
 from trundle.serve.choosing import Choices
@@ -30,6 +32,8 @@ from trundle.serve.view_arguments import (
     AnyPath,
     AnyPose,
     AnyScans,
+    Belief,
+    read_belief,
     read_paths,
     read_place,
     read_poses,
@@ -108,6 +112,7 @@ class View:
         self._began_s = time.monotonic()
         self._shown = Shown(0.0, {}, {}, (), None, "", None)
         self._scans: dict[tuple[str, str], tuple[Scan, Pose2D]] = {}
+        self._belief = Belief()
         self._is_open = True
 
     def __enter__(self) -> Self:
@@ -138,6 +143,9 @@ class View:
         scan: AnyScans | Mapping[str, AnyScans] | EllipsisType | None = ...,
         costmap: Costmap | EllipsisType | None = ...,
         text: str | EllipsisType = ...,
+        estimate: Estimate | EllipsisType | None = ...,
+        covariance: npt.ArrayLike | EllipsisType | None = ...,
+        particles: npt.ArrayLike | EllipsisType | None = ...,
     ) -> None:
         """Draw this from now on; it returns at once, whether there is a page or not.
 
@@ -153,6 +161,12 @@ class View:
                 more rarely than poses. Of several robots {name: scan}.
             costmap: The costmap.
             text: The headline, such as what the loop does.
+            estimate: What a localizer believes of a single robot, where that is not the pose: both are drawn, with its
+                covariance, its particles, the other places and its state.
+            covariance: Covariance of (x, y, yaw) of the estimate, or of the pose where there is none [m², rad²], shape
+                (3, 3): the ellipse is drawn that holds 95 % of positions.
+            particles: (x, y, yaw) of particles [m, m, rad], map frame, shape (N, 3), or (N, 4) with weights; at most
+                500 of them are drawn.
 
         Raises:
             InputError: If the view is closed, or something is of another kind.
@@ -170,6 +184,8 @@ class View:
             check_kind(costmap, Costmap, "costmap", "of a map make one with trundle.Costmap.from_grid(grid, robot)")
         headline = before.text if text is ... else read_text(text)
         scans = self._scans if scan is ... else {} if scan is None else self._scans | read_scans(scan, poses)
+        belief = read_belief(self._belief, estimate, covariance, particles)
+        believed, self._belief = belief.of(poses), belief
         self._scans = {key: value for key, value in scans.items() if key[0] in poses}
         self._shown = Shown(
             time=time.monotonic() - self._began_s,
@@ -179,6 +195,7 @@ class View:
             costmap=before.costmap if costmap is ... else costmap,
             text=headline,
             goal=self._input.goal,
+            belief=believed,
         )
         self._feed.show(self._shown)
 
@@ -203,6 +220,15 @@ class View:
         So each click is acted on once; `goal` stays.
         """
         return self._input.take_goal()
+
+    def take_pose(self) -> Pose2D | None:
+        """Return the pose that was given on the page since the last call, the last of several; None if none was.
+
+        The page has "Set pose" where the loop gives what its robot believes (`estimate`, `covariance` or `particles` of
+        `update`). Tell it to the localizer, with a covariance of what a hand can point at, such as RViz's: 0.25 m² of x
+        and y, 0.0685 rad² of yaw.
+        """
+        return self._input.take_pose()
 
     @property
     def keys(self) -> frozenset[str]:
@@ -234,6 +260,7 @@ class PageInput:
         self._changing = threading.Lock()
         self._goal: Goal | None = None
         self._clicked: Goal | None = None
+        self._pose: Pose2D | None = None
         self._keys: tuple[frozenset[str], float, int] = frozenset(), 0.0, 0
 
     @property
@@ -258,15 +285,24 @@ class PageInput:
             clicked, self._clicked = self._clicked, None
         return clicked
 
+    def take_pose(self) -> Pose2D | None:
+        """Return the pose that was given, once."""
+        with self._changing:
+            pose, self._pose = self._pose, None
+        return pose
+
     def handle(self, message: Message, client: int, refuse: Refuse) -> None:
-        """Take a goal or keys of the page that drives."""
+        """Take a goal, a pose or keys of the page that drives."""
         if isinstance(message, Keys):
             self._keys = frozenset(message.held), time.monotonic(), client
         elif isinstance(message, Order) and isinstance(message.directive, SetGoal):
             with self._changing:
                 self._goal = self._clicked = Goal.of(message.directive.goal)
+        elif isinstance(message, Order) and isinstance(message.directive, SetPose):
+            with self._changing:
+                self._pose = message.directive.target
         else:
-            refuse("this page takes goals and keys alone")
+            refuse("this page takes goals, poses and keys alone")
 
     def let_go(self, client: int | None) -> None:
         """Forget the keys of this client, or of any."""

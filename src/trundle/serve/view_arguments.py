@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
+from types import EllipsisType
 from typing import Any, TypeAlias, TypeVar, cast
 
 import numpy as np
@@ -14,8 +16,9 @@ import numpy.typing as npt
 from trundle.errors import InputError, UnknownNameError
 from trundle.files.kinds import MAP, WORLD, find_kind
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
+from trundle.localization.localizer import check_covariance
 from trundle.maps import OccupancyGrid
-from trundle.observation import Scan
+from trundle.observation import Estimate, Scan
 from trundle.path import Path
 from trundle.robots import Robot
 from trundle.values import as_array, as_number, check_kind, show_value
@@ -110,6 +113,76 @@ def read_scans(
             check_kind(one, Scan, "scan", "give a trundle.Scan, several in a list, or None for none")
             found[name, one.lidar] = one, robots[name]
     return found
+
+
+def read_particles(particles: npt.ArrayLike) -> FloatArray:
+    """Return particles as (x, y, yaw, weight), shape (N, 4); those without weights weigh the same.
+
+    Raises:
+        InputError: If they are no such array.
+    """
+    given = as_array(particles, np.float64, "particles", copy=False)
+    if given.ndim != 2 or given.shape[1] not in (3, 4) or len(given) > MOST_POINTS:
+        raise InputError(
+            "particles must be an array of shape (N, 3), (x, y, yaw), or (N, 4) with weights, of at most "
+            f"{MOST_POINTS} rows; got shape {given.shape}"
+        )
+    if not np.isfinite(given).all():
+        raise InputError("particles must have finite numbers [m, rad], in the map frame")
+    return np.c_[given, np.ones(len(given))][:, :4].copy()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Belief:
+    """What a loop has given of what its robot believes.
+
+    Attributes:
+        estimate: The estimate, or None where the pose of the robot is it.
+        covariance: Covariance of (x, y, yaw), shape (3, 3), in place of that of the estimate; None gives none.
+        particles: Particles in place of those of the estimate, shape (N, 4); None gives none.
+    """
+
+    estimate: Estimate | None = None
+    covariance: FloatArray | None = None
+    particles: FloatArray | None = None
+
+    def of(self, robots: Mapping[str, Pose2D]) -> Estimate | None:
+        """Return the estimate to draw for these robots; None where nothing was given.
+
+        Raises:
+            InputError: If there are several robots.
+        """
+        if self.estimate is None and self.covariance is None and self.particles is None:
+            return None
+        if len(robots) > 1:
+            raise InputError("a view draws estimate, covariance and particles of a single robot; give a single pose")
+        shown = Estimate(0.0, next(iter(robots.values()))) if self.estimate is None else self.estimate
+        if self.covariance is not None:
+            shown = replace(shown, covariance=self.covariance)
+        return shown if self.particles is None else replace(shown, particles=self.particles)
+
+
+def read_belief(
+    before: Belief,
+    estimate: Estimate | EllipsisType | None,
+    covariance: npt.ArrayLike | EllipsisType | None,
+    particles: npt.ArrayLike | EllipsisType | None,
+) -> Belief:
+    """Return what is believed after an update; what is not given stays as it was before.
+
+    Raises:
+        InputError: If something is of another kind.
+    """
+    if estimate is not ... and estimate is not None:
+        check_kind(estimate, Estimate, "estimate", "give the trundle.Estimate of a localizer, or None for none")
+        before = replace(before, estimate=estimate)
+    elif estimate is None:
+        before = replace(before, estimate=None)
+    if covariance is not ...:
+        before = replace(before, covariance=None if covariance is None else check_covariance(covariance, "the pose"))
+    if particles is not ...:
+        before = replace(before, particles=None if particles is None else read_particles(particles))
+    return before
 
 
 def read_text(text: object) -> str:

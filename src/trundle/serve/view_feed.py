@@ -12,7 +12,8 @@ from trundle import page
 from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, Goal, Pose2D
 from trundle.mission import LiveStatus
-from trundle.observation import Scan
+from trundle.observation import Estimate, Scan
+from trundle.page.belief import belief_of
 from trundle.page.encoding import pack_array, rounded
 from trundle.page.frames import scan_of
 from trundle.page.run_lines import goal_of
@@ -40,6 +41,7 @@ class Shown:
         costmap: The costmap, or None.
         text: The headline.
         goal: The goal that is marked, or None.
+        belief: What the robot believes of its pose, or None.
     """
 
     time: float
@@ -49,6 +51,7 @@ class Shown:
     costmap: Costmap | None
     text: str
     goal: Goal | None
+    belief: Estimate | None = None
 
 
 class Trails:
@@ -168,5 +171,6 @@ def _frame_of(shown: Shown) -> str:
         robots=[[name, *rounded(pose.as_tuple(), 3)] for name, pose in shown.poses.items()],
         scans=[scan_of(scan, pose) for _, scan, pose in shown.scans],
         text=shown.text,
+        belief=None if shown.belief is None else belief_of(shown.belief),
         goals=[] if shown.goal is None else [goal_of(shown.goal)],
     )

@@ -6,7 +6,7 @@ import pytest
 from ros2.navigator_role.conftest import wait_for
 from trundle.costmap import LETHAL, NO_INFORMATION, Costmap
 from trundle.geometry import Pose2D
-from trundle.mission import DropBox
+from trundle.mission import DropBox, ReinitializeGlobal
 from trundle.ros2.navigator_role.costmap_outputs import local_window
 from trundle.ros2.navigator_role.refusals import REFUSED_ACTIONS, REFUSED_SERVICES
 from trundle.ros2.navigator_role.services import MANAGERS, NODES
@@ -167,3 +167,23 @@ def test_a_ros_without_nav2_is_told_what_to_install(serve):
     served = serve(definitions={})
     assert "nav2_msgs is not installed" in served.counts
     assert any("sudo apt install ros-jazzy-nav2-msgs" in line for line in served.said)
+
+
+# Localizer ------------------------------------------------------------------------------------------------------------
+
+EMPTY, SEARCH = "std_srvs/srv/Empty", "/reinitialize_global_localization"
+
+
+def test_the_localizer_searches_when_the_service_is_called(serve, client):
+    served = serve(scenario={"localizer": "support.doubtful:DoubtfulLocalizer"})
+    client.call(SEARCH, EMPTY)
+    episode = served.end()
+    (given,) = [one for one in episode.directives if isinstance(one.directive, ReinitializeGlobal)]
+    assert (given.by, given.refused) == ("reinitialize_global_localization", "")
+
+
+def test_a_search_of_the_whole_map_is_refused_with_the_reason_where_none_can_search(serve, client):
+    served = serve()
+    client.call(SEARCH, EMPTY)
+    wait_for(lambda: served.counts == {"reinitialize_global_localization: refused": 1})
+    assert "there is no localizer" in served.said[0]

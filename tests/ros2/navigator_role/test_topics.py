@@ -6,11 +6,16 @@ import numpy as np
 import pytest
 
 from ros2.navigator_role.conftest import COVARIANT, LATCHED, wait_for
+from support.doubtful import COVARIANCE
+from trundle.geometry import Pose2D
 from trundle.messages import Qos
+from trundle.messages.makers import MessageMaker, covariance_of
+from trundle.messages.particle_cloud import encode_particles
+from trundle.messages.qos import SENSOR
 from trundle.messages.readers import read_grid, read_stamp, read_yaw
 from trundle.mission import DropBox, SetPose
 from trundle.ros2.names import Names
-from trundle.ros2.navigator_role.outputs import TOLERANCE_S, covariance_of
+from trundle.ros2.navigator_role.localization import TOLERANCE_S
 
 GRID, UPDATE = "nav_msgs/msg/OccupancyGrid", "map_msgs/msg/OccupancyGridUpdate"
 MARKERS = "visualization_msgs/msg/MarkerArray"
@@ -205,6 +210,86 @@ def test_the_pose_of_a_localizer_is_told_and_answered(serve, client):
     assert given.by == "initialpose"
 
 
+DOUBTFUL = "support.doubtful:DoubtfulLocalizer"
+PARTICLES, DIAGNOSTICS = "nav2_msgs/msg/ParticleCloud", "diagnostic_msgs/msg/DiagnosticArray"
+
+
+def test_the_covariance_that_rviz_sends_reaches_the_localizer_and_its_own_comes_back(serve, client):
+    served = serve(scenario={"localizer": DOUBTFUL}, speed=5.0)
+    client.read("/amcl_pose", COVARIANT, MANY)
+    message = initial(client, 1.2, 1.7, 0.5)
+    variances = np.zeros(36)
+    variances[[0, 7, 35]] = 0.25, 0.25, 0.0685
+    message.pose.covariance = variances
+    client.publish("/initialpose", message)
+    told = wait_for(lambda: [one for one in client.got("/amcl_pose") if abs(one.pose.pose.position.x - 1.3) < 0.01])[-1]
+    found = np.asarray(told.pose.covariance).reshape(6, 6)[np.ix_((0, 1, 5), (0, 1, 5))]
+    np.testing.assert_allclose(found, COVARIANCE)
+    episode = served.end()
+    (given,) = [one.directive for one in episode.directives if isinstance(one.directive, SetPose)]
+    np.testing.assert_allclose(given.covariance, np.diag([0.25, 0.25, 0.0685]))
+
+
+def test_a_covariance_that_is_none_is_dropped(serve, client):
+    served = serve(scenario={"localizer": DOUBTFUL})
+    message = initial(client, 1.2, 1.7)
+    message.pose.covariance = np.diag([-1.0, 1.0, 0.0, 0.0, 0.0, 1.0]).ravel()
+    client.publish("/initialpose", message)
+    wait_for(lambda: served.counts == {"initialpose: no covariance": 1})
+
+
+def test_particles_are_published_while_somebody_listens(serve, client):
+    client.read("/particle_cloud", PARTICLES, SENSOR)
+    served = serve(scenario={"localizer": DOUBTFUL}, speed=5.0)
+    cloud = wait_for(lambda: client.got("/particle_cloud"))[-1]
+    assert cloud.header.frame_id == "map"
+    assert len(cloud.particles) == 600
+    assert cloud.particles[0].weight == pytest.approx(1 / 600)
+    x = np.mean([one.pose.position.x for one in cloud.particles])
+    assert x == pytest.approx(served.bridge.mission.start.x + 0.1, abs=0.1)
+    turn = cloud.particles[3].pose.orientation
+    assert math.hypot(turn.z, turn.w) == pytest.approx(1.0)
+
+
+def test_without_nav2_msgs_on_the_other_side_there_are_no_particles(serve, network):
+    serve(definitions={}, scenario={"localizer": DOUBTFUL})
+    topics = {endpoint.topic for endpoint in network.transports[0].graph().endpoints}
+    assert "/particle_cloud" not in topics
+    assert "/amcl_pose" in topics
+
+
+def test_without_services_particles_need_no_type_of_the_other_side(serve, network):
+    serve(definitions={}, has_services=False, scenario={"localizer": DOUBTFUL})
+    topics = {endpoint.topic for endpoint in network.transports[0].graph().endpoints}
+    assert "/particle_cloud" in topics
+
+
+def test_the_state_of_the_localizer_is_a_diagnosis(serve, client):
+    client.read("/diagnostics", DIAGNOSTICS, MANY)
+    serve(scenario={"localizer": DOUBTFUL}, speed=5.0)
+    said = lambda: [one.status[0] for one in client.got("/diagnostics")]  # noqa: E731
+    wait_for(lambda: any(one.message == "localized" for one in said()))
+    levels = {one.message: one.level for one in said()}
+    assert levels == {"ambiguous: 3 places": 1, "lost": 2, "localized": 0}
+    first = said()[0]
+    assert [one.key for one in first.values] == ["state", "place 1", "place 2", "place 3"]
+
+
+def test_a_robot_with_its_true_pose_has_no_diagnosis(serve, network):
+    serve()
+    topics = {endpoint.topic for endpoint in network.transports[0].graph().endpoints}
+    assert "/diagnostics" not in topics
+
+
+def test_map_to_odom_is_the_localizers_correction(serve, client):
+    client.read("/tf", TF, MANY)
+    serve(scenario={"localizer": DOUBTFUL}, speed=5.0)
+    (first, *_) = wait_for(
+        lambda: [t.transform for m in client.got("/tf") for t in m.transforms if t.header.frame_id == "map"]
+    )
+    assert (first.translation.x, first.translation.y) == pytest.approx((1.6, 1.5), abs=0.02)
+
+
 def test_a_true_pose_stays_and_is_answered(serve, client):
     served = serve()
     client.read("/amcl_pose", COVARIANT, MANY)
@@ -246,3 +331,17 @@ def test_maps_of_others_are_not_read_whatever_their_size(serve, client):
     serve()
     for topic in ("/map", "/global_costmap/costmap", "/local_costmap/costmap"):
         assert client.transport.publisher(topic, GRID, LATCHED).matched == 0
+
+
+@pytest.mark.parametrize("frame", ["map", "m", "robot_1/map"])
+@pytest.mark.parametrize("count", [0, 1, 5])
+def test_particles_have_the_bytes_of_a_message_of_objects(client, frame, count):
+    codec = client.types.codec
+    make = MessageMaker(codec)
+    particles = np.random.default_rng(1).normal(size=(count, 4))
+    pose = lambda row: make.pose(Pose2D(*row[:3]))  # noqa: E731
+    kind = codec.kind("nav2_msgs/msg/Particle")
+    slow = codec.make(
+        PARTICLES, header=make.header(1.25, frame), particles=[kind(pose=pose(row), weight=row[3]) for row in particles]
+    )
+    assert encode_particles(make, 1.25, particles, frame) == codec.encode(slow)

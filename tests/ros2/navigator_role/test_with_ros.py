@@ -94,3 +94,32 @@ def test_a_navigator_that_goes_away_stands_and_comes_back(ros: Ros, served: Serv
     script.stdin.flush()
     assert lines.next() == {"done": False}
     assert lines.next() == {"status": SUCCEEDED}
+
+
+@pytest.mark.filterwarnings("ignore:the estimate was corrected by 5.0 m")
+@pytest.mark.parametrize("distro", JAZZY)
+def test_the_localizer_is_used_as_amcl_is(ros: Ros, relay: RclpyTransport, room_file: str) -> None:
+    said: list[str] = []
+    bridge = Bridge(
+        make_scenario(room_file, localizer="support.doubtful:DoubtfulLocalizer"),
+        relay,
+        Types(Codec(relay.distro), relay),
+        Names(),
+        role="navigator",
+        speed=2.0,
+        report=said.append,
+    )
+    running = Served(bridge, said)
+    try:
+        seen = {line.pop("what"): line for line in run_script(ros, SCRIPTS / "localization.py")}
+        episode = running.end()
+    finally:
+        running.close()
+    assert seen["published"]["particles"] == 600
+    assert seen["published"]["weight"] == pytest.approx(1 / 600)
+    assert seen["published"]["covariance"][0] == pytest.approx(0.04)
+    assert seen["told"]["x"] == pytest.approx(5.6, abs=0.02)
+    assert seen["searched"] == {"done": True}
+    assert seen["state"] == {"level": 0}
+    given = [type(one.directive).__name__ for one in episode.directives]
+    assert [name for name in given if name not in ("Speed", "End")] == ["SetPose", "ReinitializeGlobal"]

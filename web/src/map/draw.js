@@ -1,7 +1,10 @@
 // What the map shows, layer by layer, in metres with y up.
 import { array } from "../decode.js";
-import { C } from "../run.js";
+import { otherPlaces, particleDashes } from "../belief.js";
+import { C, isApart } from "../run.js";
 import { palette, speedColor } from "../theme.js";
+
+const JUMP = 0.5; // An estimate that moves by more [m] in a row was corrected: a line there would look like a path.
 
 function polyline(context, points, stride = 2) {
   context.beginPath();
@@ -103,6 +106,82 @@ function robot(context, scene, state, layers, look, pixel) {
   context.restore();
 }
 
+function outline(context, scene, [x, y, yaw], pixel) {
+  const corners = scene.robot?.footprint ?? [];
+  const reach = Math.max(...corners.map(([px]) => px), 0.1);
+  context.save();
+  context.translate(x, y);
+  context.rotate(yaw);
+  context.beginPath();
+  for (const [px, py] of corners) context.lineTo(px, py);
+  context.closePath();
+  context.moveTo(Math.max(reach, 9 * pixel) * 0.8, 0);
+  context.lineTo(0, Math.max(reach * 0.36, 3.6 * pixel));
+  context.lineTo(0, -Math.max(reach * 0.36, 3.6 * pixel));
+  context.closePath();
+  context.restore();
+}
+
+/** What the robot believes of its pose: its estimate and where that has been, particles, and other places. */
+function belief(context, app, state, look, pixel) {
+  const { layers, run, scene, frame } = app;
+  const believed = frame?.belief;
+  context.strokeStyle = context.fillStyle = look.belief;
+  if (layers.particles && believed?.particles) {
+    const ends = particleDashes(believed, Math.max(0.12, 5 * pixel));
+    context.lineWidth = Math.max(1.2 * pixel, 0.012);
+    context.globalAlpha = 0.55;
+    context.beginPath();
+    for (let i = 0; i < ends.length; i += 4) {
+      context.moveTo(ends[i], ends[i + 1]);
+      context.lineTo(ends[i + 2], ends[i + 3]);
+    }
+    context.stroke();
+  }
+  if (layers.estimate) {
+    const estimate = state.estimate ?? believed?.pose;
+    if (layers.trail && state.estimate) {
+      context.globalAlpha = 0.8;
+      context.lineWidth = 1.4 * pixel;
+      context.setLineDash([5 * pixel, 3 * pixel]);
+      context.beginPath();
+      let before = null;
+      for (let i = 0; i <= state.index; i++) {
+        const at = [run.rows[i][C.ex] ?? run.rows[i][C.x], run.rows[i][C.ey] ?? run.rows[i][C.y]];
+        const jumps = !before || Math.hypot(at[0] - before[0], at[1] - before[1]) > JUMP;
+        if (jumps) context.moveTo(...at);
+        else context.lineTo(...at);
+        before = at;
+      }
+      context.stroke();
+      context.setLineDash([]);
+    }
+    if (believed?.ellipse && estimate) {
+      const [a, b, angle] = believed.ellipse;
+      context.beginPath();
+      context.ellipse(estimate[0], estimate[1], a, b, angle, 0, 2 * Math.PI);
+      context.lineWidth = 1.6 * pixel;
+      context.globalAlpha = 0.16;
+      context.fill();
+      context.globalAlpha = 0.9;
+      context.stroke();
+    }
+    const shown = otherPlaces(believed).map((place) => [place, 0.2 + 0.5 * place[3]]);
+    if (estimate && (isApart(state.pose, estimate) || !state.pose)) shown.push([estimate, 0.75]);
+    for (const [place, strength] of shown) {
+      outline(context, scene, place, pixel);
+      context.globalAlpha = strength * 0.5;
+      context.fill();
+      context.globalAlpha = Math.min(1, strength + 0.25);
+      context.lineWidth = 1.6 * pixel;
+      context.stroke();
+    }
+    context.globalAlpha = 1;
+    if (otherPlaces(believed).length) for (const [x, y, , weight] of believed.places) label(context, `${Math.round(100 * weight)} %`, x, y, look, pixel);
+  }
+  context.globalAlpha = 1;
+}
+
 /** A robot beside the first one, of a loop of one's own: its path, its trail, itself and its name. */
 function others(context, scene, other, layers, look, pixel) {
   context.lineWidth = 2 * pixel;
@@ -120,12 +199,18 @@ function others(context, scene, other, layers, look, pixel) {
   name(context, other, look, pixel);
 }
 
-function name(context, { name: text, pose }, look, pixel) {
+const name = (context, { name: text, pose }, look, pixel) => label(context, text, pose[0], pose[1], look, pixel);
+
+function label(context, text, x, y, look, pixel) {
   context.save();
-  context.translate(pose[0], pose[1]);
+  context.translate(x, y);
   context.scale(pixel, -pixel);
   context.font = "600 11px system-ui, sans-serif";
   context.textAlign = "center";
+  context.lineWidth = 3;
+  context.lineJoin = "round";
+  context.strokeStyle = look.outside;
+  context.strokeText(text, 0, -14); // Words lie over occupied cells, too.
   context.fillStyle = look.ink;
   context.fillText(text, 0, -14);
   context.restore();
@@ -195,9 +280,9 @@ function goals(context, app, look, pixel) {
   if (app.isSettingUp) marker(context, app.placed.start, look.path, pixel);
 }
 
-function draft(context, pose, look, pixel) {
-  marker(context, pose, look.goal, pixel);
-  context.strokeStyle = look.goal;
+function draft(context, pose, color, pixel) {
+  marker(context, pose, color, pixel);
+  context.strokeStyle = color;
   context.lineWidth = pixel;
   const arm = 18 * pixel;
   context.beginPath();
@@ -230,8 +315,9 @@ export function drawMap(context, app, state, view) {
   if (layers.trail) trail(context, run.rows, state.index, scene.robot?.limits?.v || 1, pixel);
   frameLayers(context, app, look, pixel);
   if (layers.goals) goals(context, app, look, pixel);
+  belief(context, app, state, look, pixel);
   if (state.pose && run.rows.length) robot(context, scene, state, layers, look, pixel);
   if (state.pose && state.name) name(context, state, look, pixel);
-  if (app.draft) draft(context, app.draft, look, pixel);
+  if (app.draft) draft(context, app.draft, app.tool === "pose" ? look.belief : look.goal, pixel);
   context.restore();
 }

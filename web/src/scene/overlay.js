@@ -1,44 +1,16 @@
 // What the run adds to the world: path, trail, goals, lidar, movers, costmap, rollouts, contacts.
 import {
-  BufferAttribute, BufferGeometry, CanvasTexture, Color, DynamicDrawUsage, Group, LineBasicMaterial, LineLoop, LineSegments, Mesh,
+  BufferGeometry, CanvasTexture, Color, Group, LineBasicMaterial, LineLoop, LineSegments, Mesh,
   MeshBasicMaterial, NearestFilter, PlaneGeometry, Points, PointsMaterial, RingGeometry, Shape, ShapeGeometry,
   SRGBColorSpace, Vector3,
 } from "three";
 import { array } from "../decode.js";
 import { C } from "../run.js";
 import { palette, speedColor } from "../theme.js";
+import { Belief } from "./belief.js";
+import { Buffer } from "./buffer.js";
 import { buildSolids, dispose } from "./solids.js";
 import { Ribbon } from "./ribbon.js";
-
-/** A buffer of points or line ends that is filled anew with each frame. */
-class Buffer {
-  constructor(Kind, material, capacity = 512) {
-    this.object = new Kind(new BufferGeometry(), material);
-    this.object.frustumCulled = false;
-    this.capacity = 0;
-    this.filled = false;
-    this.reserve(capacity);
-  }
-
-  reserve(capacity) {
-    if (capacity <= this.capacity) return;
-    this.object.geometry.dispose();
-    this.object.geometry = new BufferGeometry();
-    const positions = new BufferAttribute(new Float32Array(capacity * 3), 3).setUsage(DynamicDrawUsage);
-    this.object.geometry.setAttribute("position", positions);
-    this.object.geometry.setDrawRange(0, 0);
-    this.capacity = capacity;
-  }
-
-  set(points) {
-    this.reserve(2 ** Math.ceil(Math.log2(Math.max(2, points.length / 3))));
-    const { position } = this.object.geometry.attributes;
-    position.array.set(points);
-    position.needsUpdate = true;
-    this.object.geometry.setDrawRange(0, points.length / 3);
-    this.filled = points.length > 0;
-  }
-}
 
 /** A disc with a pointer for the heading, on the floor. */
 export class Marker {
@@ -82,11 +54,12 @@ export class Overlay {
     this.movers = new Map();
     this.goals = [];
     this.draft = new Marker(look.goal);
+    this.belief = new Belief(app);
     this.start = new Marker(look.path);
     this.costmap = null;
     this.group.add(
       this.path.mesh, this.trail.mesh, this.scan.object, this.rollouts.object, this.contacts.object, this.tracks.object,
-      this.footprint, this.draft.group, this.start.group,
+      this.footprint, this.draft.group, this.start.group, this.belief.group,
     );
   }
 
@@ -164,6 +137,7 @@ export class Overlay {
     this.showGoals(app.goalsShown);
     this.start.place(app.isSettingUp ? app.placed.start : null);
     this.draft.place(app.draft);
+    this.belief.show(state);
   }
 
   showTrail({ index }) {

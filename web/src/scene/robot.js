@@ -43,13 +43,21 @@ export class Robot {
     const material = new MeshLambertMaterial({ vertexColors: true });
     const reach = Math.max(0.2, ...robot.footprint.map(([x, y]) => Math.hypot(x, y)));
     this.group = new Group();
-    this.group.add(shadow(reach * 2.5), new Mesh(merged(parts.filter((part) => !part.wheel)), material));
+    this.body = merged(parts.filter((part) => !part.wheel));
+    this.group.add(shadow(reach * 2.5), new Mesh(this.body, material));
     this.wheels = wheelsOf(parts).map(({ side, origin, axis, parts: turning }) => {
       const mesh = new Mesh(merged(turning, origin), material);
       mesh.position.fromArray(origin);
       this.group.add(mesh);
       return { mesh, side, axis: new Vector3(...axis).normalize() };
     });
+  }
+
+  /** A faint copy of it in one colour, for a place where it may be. */
+  ghost(color) {
+    const mesh = new Mesh(this.body, new MeshLambertMaterial({ color, transparent: true, opacity: 0.4, depthWrite: false }));
+    mesh.renderOrder = 2;
+    return mesh;
   }
 
   place([x, y, yaw], [left, right]) {

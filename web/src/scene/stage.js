@@ -77,6 +77,7 @@ export class Stage {
     this.world.add(this.floor, this.solids, this.robot.group);
     this.paint();
     this.overlay.setScene(scene);
+    this.overlay.belief.setRobot(this.robot);
     this.cameras.setScene(scene);
   }
 

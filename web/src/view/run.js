@@ -19,6 +19,7 @@ export class ViewRun extends Run {
     this.frames = []; // {t, poses: Map of name to pose, wheels: Map of name to [left, right]}
     this.trails = new Map();
     this.lines = new Map();
+    this.believes = false;
   }
 
   get duration() {
@@ -34,7 +35,13 @@ export class ViewRun extends Run {
     }
   }
 
-  addFrame({ t, robots }) {
+  /** Whether the loop tells what its robot believes: then it can be told its pose. */
+  get isLocalized() {
+    return this.believes;
+  }
+
+  addFrame({ t, robots, belief }) {
+    this.believes ||= Boolean(belief);
     const before = this.frames.at(-1);
     const poses = new Map(robots.map(([name, ...pose]) => [name, pose]));
     const wheels = new Map([...poses].map(([name, pose]) => [name, this.turned(before?.wheels.get(name), before?.poses.get(name), pose)]));

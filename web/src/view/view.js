@@ -1,6 +1,7 @@
 // The page of a loop of one's own: what it shows, a goal to click, and the keys that it gets.
 import { h, icon, takesKeys } from "../dom.js";
 import { header, layout, notes, sceneBox } from "../layout.js";
+import { stateText } from "../belief.js";
 import { Drivers } from "../live/drivers.js";
 import { clockText } from "../panels.js";
 import { onLanguage, say, t } from "../strings.js";
@@ -14,12 +15,18 @@ class Headline {
     this.app = app;
     this.text = h("p", { class: "doing", role: "status" });
     this.figures = h("dl", { class: "figures poses" });
-    this.element = h("section", { id: "status", class: "panel", "aria-label": say("status") }, this.figures);
+    this.located = h("p", { class: "located", role: "status", hidden: true });
+    this.element = h("section", { id: "status", class: "panel", "aria-label": say("status") }, this.located, this.figures);
   }
 
   show(state) {
     const text = this.app.frame?.text ?? "";
     if (this.text.textContent !== text) this.text.textContent = text;
+    const belief = this.app.frame?.belief;
+    const located = belief ? `${t("position")}: ${stateText(belief.state, belief)}` : "";
+    if (this.located.textContent !== located) this.located.textContent = located;
+    this.located.hidden = !located;
+    this.located.dataset.state = belief?.state ?? "";
     const robots = state.pose ? [state, ...state.others] : [];
     const rows = [[t("time"), clockText(state.t)], ...robots.map(({ name, pose: [x, y, yaw] }) => [name || t("robot"), `${x.toFixed(2)}, ${y.toFixed(2)}, ${Math.round((yaw * 180) / Math.PI)}°`])];
     while (this.figures.childElementCount > rows.length) this.figures.lastElementChild.remove();
@@ -35,13 +42,16 @@ class Bar {
   constructor(app, live, headline) {
     this.app = app;
     this.live = live;
-    this.goal = h("button", { type: "button", id: "goal", class: "main wide", onclick: () => this.toggle(), "aria-pressed": "false" }, icon("goal"), say("goal"));
+    this.goal = h("button", { type: "button", id: "goal", class: "main wide", onclick: () => this.toggle("goal"), "aria-pressed": "false" }, icon("goal"), say("goal"));
+    this.pose = h("button", { type: "button", id: "set-pose", onclick: () => this.toggle("pose"), "aria-pressed": "false", title: say("setPoseHint") }, icon("pose"), say("setPose"));
     this.hint = h("p", { class: "hint", role: "status" });
     this.held = h("output", { id: "keys", "aria-label": say("keysHeld") });
-    this.element = h("div", { class: "steering", role: "toolbar", "aria-label": say("goal") }, headline, h("div", { class: "row" }, this.goal, this.held), this.hint);
+    this.element = h("div", { class: "steering", role: "toolbar", "aria-label": say("goal") }, headline, h("div", { class: "row" }, this.goal, this.pose, this.held), this.hint);
     for (const name of ["drivers", "link", "state", "tool"]) app.on(name, () => this.show());
-    app.on("placed", ({ pose }) => {
-      live.send("goal", { pose: pose.map((value) => (value === null ? null : Number(value.toFixed(3)))) });
+    app.on("frame", () => (this.pose.hidden = !app.run.isLocalized));
+    app.on("placed", ({ tool, pose }) => {
+      const known = tool === "pose" ? [pose[0], pose[1], pose[2] ?? app.frame?.belief?.pose[2] ?? 0] : pose;
+      live.send(tool, { pose: known.map((value) => (value === null ? null : Number(value.toFixed(3)))) });
       app.setTool(null);
       document.activeElement?.blur(); // Keys are for the loop again.
     });
@@ -51,8 +61,8 @@ class Bar {
     this.show();
   }
 
-  toggle() {
-    this.app.setTool(this.app.tool ? null : "goal");
+  toggle(tool) {
+    this.app.setTool(this.app.tool === tool ? null : tool);
     if (this.app.tool) this.app.emit("wants_point");
   }
 
@@ -61,15 +71,17 @@ class Bar {
     if (event.key === "Escape" && this.app.tool) this.app.setTool(null);
     else if (event.key.toLowerCase() === "g" && !this.goal.disabled) {
       event.preventDefault();
-      this.toggle();
+      this.toggle("goal");
     }
   }
 
   show() {
     const { app, live } = this;
-    this.goal.disabled = !(live.youDrive && live.link?.isOpen && app.state === "running");
+    this.pose.hidden = !app.run.isLocalized;
+    this.goal.disabled = this.pose.disabled = !(live.youDrive && live.link?.isOpen && app.state === "running");
     this.goal.setAttribute("aria-pressed", String(app.tool === "goal"));
-    this.hint.textContent = app.tool ? `${t("hintGoal")} ${t("mapKeys")}` : t(app.state === "ended" ? "ended" : live.youDrive ? "viewKeys" : "youWatch");
+    this.pose.setAttribute("aria-pressed", String(app.tool === "pose"));
+    this.hint.textContent = app.tool ? `${t(app.tool === "pose" ? "hintPose" : "hintGoal")} ${t("mapKeys")}` : t(app.state === "ended" ? "ended" : live.youDrive ? "viewKeys" : "youWatch");
     if (this.goal.disabled && app.tool) app.setTool(null);
   }
 }

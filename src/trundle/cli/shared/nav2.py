@@ -120,5 +120,6 @@ def translate(
         settings.pop("start", None)
     if changes.get("lidar") is False:  # a monitor without scans would stop the robot for ever
         settings.pop("collision_monitor", None)
+        settings.pop("localizer", None)
         settings.pop("known_map", None)
     return {**settings, **changes}

@@ -14,6 +14,7 @@ import numpy as np
 from trundle.control.latency import Latency
 from trundle.errors import BlockedPoseError, OutsideMapError, PlanningError, ScenarioError
 from trundle.geometry import Goal, Pose2D, Twist2D
+from trundle.localization.localizer import Localizer, LocalizerAdapter
 from trundle.mission.observers import RunInfo
 from trundle.navigation import Agent, AgentInfo
 from trundle.navigation.agent import CONTROL_PERIOD_S
@@ -21,6 +22,7 @@ from trundle.navigation.speed_limiter import fastest_s
 from trundle.navigation.waypoint import tasks_of
 from trundle.observation import Estimate
 from trundle.path import Path
+from trundle.registry import name_of
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim import RobotState, Simulator
 from trundle.sim.command_delay import DelayedSimulator
@@ -172,8 +174,10 @@ def describe_run(
     time_limit_s: float,
     seed: int,
     world: World | None,
+    localizer: Localizer | None = None,
 ) -> RunInfo:
     """What observers get before the first step."""
+    locates = localizer.localizer if isinstance(localizer, LocalizerAdapter) else localizer
     return RunInfo(
         name=name,
         robot=robot,
@@ -189,6 +193,7 @@ def describe_run(
         speed_mask=agent.speed_mask,
         world=world,
         grid=agent.grid,
+        localizer="none" if locates is None else name_of(locates),
     )
 
 

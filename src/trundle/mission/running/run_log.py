@@ -11,7 +11,7 @@ from trundle.geometry import Pose2D, Twist2D
 from trundle.mission.observers import MonitorReport
 from trundle.mission.trajectory import Trajectory
 from trundle.navigation import AgentReport
-from trundle.observation import Estimate
+from trundle.observation import LOCALIZATION_STATES, Estimate
 from trundle.path import Path
 from trundle.robots import Robot
 from trundle.sim import Contact, RobotState
@@ -99,6 +99,7 @@ class RunLog:
                 goal,
                 self._forgotten_paths + len(self.paths) - 1 if path is not None else -1,
                 *(pose if estimate.pose is state.pose else estimate.pose.as_tuple()),
+                LOCALIZATION_STATES.index(estimate.state),
             )
         )
         if state.contacts or self._touching:

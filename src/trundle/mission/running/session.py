@@ -149,10 +149,11 @@ class Session:
             self._ended.parts += about.plugins
             robot = sim.robot if about.robot is None else about.robot
             moved, latency = delay_commands(sim, latency, driver.dt)
+            locates = None if localizer is None else create_localizer(localizer, about.grid, robot)
             stack = RobotStack(
                 driver,
                 robot,
-                localizer=None if localizer is None else create_localizer(localizer, about.grid, robot),
+                localizer=locates,
                 monitor=monitor,
                 latency=latency,
                 log=self._log,
@@ -164,7 +165,7 @@ class Session:
             paths, unreachable = prepare(driver, begin, goals, through=through if hands_over else None)
             limit_s = allowed_time(driver, robot, begin, goals, paths) if time_limit_s is None else time_limit_s
             self._info = describe_run(
-                driver.info(), driver.dt, sim.robot, name, begin, goals, paths, limit_s, seed, sim.world
+                driver.info(), driver.dt, sim.robot, name, begin, goals, paths, limit_s, seed, sim.world, locates
             )
             sequence = GoalSequence(
                 stack,

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from trundle.errors import InputError
+from trundle.localization.localizer import check_covariance
 from trundle.messages import readers
 from trundle.messages.qos import Qos
 from trundle.mission import SetGoal, SetPose
@@ -54,11 +56,12 @@ class PoseInputs:
         try:
             check_frame(message.header.frame_id, (kit.map_frame,))
             pose = check_pose(message.pose.pose)
+            given = SetPose(pose, _covariance_of(message.pose))
         except BadInputError as error:
             self._drop(_POSE, error)
             return
         self._look_at_stamp(_POSE, message)
-        kit.context.driver.steering.put(SetPose(pose), by=_POSE, refused=self._refused(_POSE))
+        kit.context.driver.steering.put(given, by=_POSE, refused=self._refused(_POSE))
         self._told()
 
     def _drop(self, topic: str, error: BadInputError | FrameError) -> None:
@@ -80,3 +83,16 @@ class PoseInputs:
                 f"a message of {topic} is stamped {time:.3f} s, in the {where} of the simulated time {now:.3f} s; it "
                 "is taken all the same: set use_sim_time of the node that sends it",
             )
+
+
+def _covariance_of(pose: Any) -> list[list[float]] | None:
+    """Read the covariance of a geometry_msgs/PoseWithCovariance that comes from outside.
+
+    Raises:
+        BadInputError: If it is none.
+    """
+    covariance = readers.read_covariance(pose)
+    try:
+        return None if covariance is None else check_covariance(covariance, "the pose").tolist()
+    except InputError as error:
+        raise BadInputError("no covariance", str(error)) from error

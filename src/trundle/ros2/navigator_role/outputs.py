@@ -1,30 +1,22 @@
-"""What the navigator publishes besides its costmap: its map, plan and pose, and markers of its goals and rollouts."""
+"""What the navigator publishes besides costmap and pose: its map, its plan, and markers of its goals and rollouts."""
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
 from trundle.control import Rollouts
-from trundle.geometry import FloatArray, Goal, Pose2D, wrap_angle
-from trundle.messages.qos import LATCHED, TRANSFORMS, Qos
+from trundle.geometry import Goal
+from trundle.messages.qos import LATCHED, Qos
 from trundle.mission import Step
 from trundle.ros2.navigator_role.context import Kit
 from trundle.ros2.outputs.output import Cadence
 
-TOLERANCE_S = 0.1
-"""map → odom is stamped so far ahead [s], as AMCL does: it then holds for odometry that comes before the next one."""
-
 PLAN_PERIOD_S = 1.0
 """How often Nav2's behavior tree plans [s]."""
 
-MOVED_M, TURNED_RAD = 0.25, 0.2
-"""AMCL's update_min_d and update_min_a: the pose is published after this."""
-
 _MARKERS = "visualization_msgs/msg/MarkerArray"
-_POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"
 _SHOWN, _SECTION = 30, 3
 """So many rollouts are shown, by every third pose: more lines cost bytes, and show nothing more."""
 
@@ -50,62 +42,6 @@ class MapOutput:
         if not self._written:
             self._written = True
             self._outlet.write(self._kit.make.grid(time, self._kit.context.mission.grid, self._kit.map_frame))
-
-
-class PoseOutput:
-    """Publishes map → odom, and the pose as AMCL does: when the robot has moved, or it was told its pose.
-
-    Args:
-        kit: What the navigator works with.
-    """
-
-    def __init__(self, kit: Kit) -> None:
-        context = kit.context
-        self._kit = kit
-        self._odom = context.wire.names.frame(context.profile.frames.odom)
-        self._tf = context.wire.outlet(context.profile.topics.tf, "tf2_msgs/msg/TFMessage", TRANSFORMS)
-        self._pose = context.wire.outlet("amcl_pose", _POSE, LATCHED)
-        self._last: Pose2D | None = None
-        self._covariance = np.zeros(36)
-
-    def begin(self) -> None:
-        """Forget the last pose: a run begins."""
-        self._last = None
-
-    def publish(self, step: Step, time: float) -> None:
-        """Publish what the robot believes at the end of a control period."""
-        kit, belief = self._kit, self._kit.beliefs.now
-        if self._tf.is_wanted:
-            stamp = time + TOLERANCE_S
-            transform = kit.make.transform(stamp, kit.map_frame, self._odom, belief.map_odom)
-            self._tf.write(kit.make.transforms([transform]))
-        if step.estimate is not None and step.estimate.covariance is not None:
-            self._covariance = covariance_of(step.estimate.covariance)
-        last, pose = self._last, belief.pose
-        turned = math.inf if last is None else abs(wrap_angle(pose.yaw - last.yaw))
-        if last is None or pose.distance_to(last) >= MOVED_M or turned >= TURNED_RAD:
-            self._publish_pose()
-
-    def answer(self) -> None:
-        """Publish the pose now, and after the next control period: the robot was told where it is."""
-        self._publish_pose()
-        self._last = None
-
-    def _publish_pose(self) -> None:
-        kit, belief = self._kit, self._kit.beliefs.now
-        self._last = belief.pose
-        make = kit.types.make
-        self._pose.write(
-            make(
-                _POSE,
-                header=kit.make.header(belief.time, kit.map_frame),
-                pose=make(
-                    "geometry_msgs/msg/PoseWithCovariance",
-                    pose=kit.make.pose(belief.pose),
-                    covariance=self._covariance,
-                ),
-            )
-        )
 
 
 class PlanOutput:
@@ -203,10 +139,3 @@ class MarkerOutput:
             scale=make("geometry_msgs/msg/Vector3", x=size[0], y=size[1], z=size[2]),
             color=make("std_msgs/msg/ColorRGBA", r=red, g=green, b=blue, a=0.9),
         )
-
-
-def covariance_of(covariance: FloatArray) -> FloatArray:
-    """Write a covariance of (x, y, yaw), shape (3, 3), as that of a PoseWithCovariance, shape (36,)."""
-    whole = np.zeros((6, 6))
-    whole[np.ix_((0, 1, 5), (0, 1, 5))] = covariance
-    return whole.ravel()

@@ -20,7 +20,8 @@ from trundle.ros2.navigator_role.context import NAVIGATOR, Beliefs, Kit
 from trundle.ros2.navigator_role.costmap_outputs import FootprintOutput, GlobalCostmapOutput, LocalCostmapOutput
 from trundle.ros2.navigator_role.driving import Follow, Navigate
 from trundle.ros2.navigator_role.inputs import PoseInputs
-from trundle.ros2.navigator_role.outputs import MapOutput, MarkerOutput, PlanOutput, PoseOutput
+from trundle.ros2.navigator_role.localization import ParticleOutput, PoseOutput, StateOutput
+from trundle.ros2.navigator_role.outputs import MapOutput, MarkerOutput, PlanOutput
 from trundle.ros2.navigator_role.plans import ComputePath, PlanServer
 from trundle.ros2.navigator_role.refusals import REFUSED_ACTIONS, REFUSED_SERVICES, Refuse, refuse_service
 from trundle.ros2.navigator_role.services import OPTIONAL, Lifecycle, Services
@@ -52,6 +53,8 @@ class NavigatorRole:
         self._pose_output, self._markers = PoseOutput(kit), MarkerOutput(kit)
         self._outputs: list[Output] = [
             self._pose_output,
+            ParticleOutput(kit),
+            StateOutput(kit),
             MapOutput(kit),
             GlobalCostmapOutput(kit),
             LocalCostmapOutput(kit),

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from trundle.errors import InputError
-from trundle.mission import ClearObstacles
+from trundle.mission import ClearObstacles, ReinitializeGlobal
 from trundle.ros2.navigator_role.context import Kit
 from trundle.ros2.navigator_role.costmap_outputs import local_window
 from trundle.ros2.wire import Wire
@@ -54,6 +54,7 @@ _CLEARS: dict[str, tuple[str, Literal["all", "around", "except"]]] = {
 }
 
 _VALID = "nav2_msgs/srv/IsPathValid"
+_SEARCH = "reinitialize_global_localization"
 
 OPTIONAL = frozenset({_VALID})
 """Types that a distribution may lack."""
@@ -108,7 +109,7 @@ class Lifecycle:
 
 
 class Services:
-    """Clears costmaps, and answers with the map, the costmaps and whether a path is free.
+    """Clears costmaps, lets the localizer search, and answers with the map, the costmaps and whether a path is free.
 
     trundle has one costmap of map and obstacles: the global one of Nav2 is all of it, and the local one a window of it
     around the robot. Clearing either clears what was sensed in both.
@@ -128,6 +129,7 @@ class Services:
             serve(f"{which}_costmap/get_costmap", "nav2_msgs/srv/GetCostmap", self._costmap(which == "local"))
         serve("map_server/map", "nav_msgs/srv/GetMap", self._map)
         serve("is_path_valid", _VALID, self._is_path_valid)
+        serve(_SEARCH, "std_srvs/srv/Empty", self._search)
 
     def _clear(self, type_name: str, region: Literal["all", "around", "except"]) -> Callable[[Any], Any]:
         kit = self._kit
@@ -141,6 +143,15 @@ class Services:
             return kit.types.make(f"{type_name}_Response")
 
         return clear
+
+    def _search(self, request: Any) -> Any:
+        kit = self._kit
+
+        def report(why: str) -> None:
+            kit.context.wire.warn(f"{_SEARCH}: refused", f"a request of {_SEARCH} is refused: {why}")
+
+        kit.context.driver.steering.put(ReinitializeGlobal(), by=_SEARCH, refused=report)
+        return kit.types.make("std_srvs/srv/Empty_Response")
 
     def _map(self, request: Any) -> Any:
         kit = self._kit
