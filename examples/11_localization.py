@@ -1,6 +1,6 @@
 """Watch a robot find out where it is: on bad odometry with `amcl`, carried away half-way, and then without `amcl`.
 
-It is drawn where it truly is. --fast shows nothing and does not wait for real time.
+The page shows both the true pose and the estimate, with its particles. --fast shows nothing and does not wait for real time.
 """
 
 import argparse
@@ -32,6 +32,7 @@ for name, directives in (("amcl", carried), ("odometry", ())):
                 print(f"{name}, {step.state.time:.1f} s: {said}, {error:.2f} m off")
             if view is not None:
                 text = f"{name}: {said}, {error:.2f} m off. {step.message}"
-                view.update(step.state.pose, path=step.path, scan=step.state.scans, costmap=step.costmap, text=text)
+                seen = {"scan": step.state.scans, "costmap": step.costmap, "estimate": step.estimate}
+                view.update(step.state.pose, path=step.path, text=text, **seen)
                 time.sleep(0.04)
         print(f"{name}: {session.finish().message}, {error:.2f} m off")
