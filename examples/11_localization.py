@@ -1,6 +1,6 @@
 """Watch a robot find out where it is: on bad odometry with `amcl`, carried away half-way, and then without `amcl`.
 
-The page shows both the true pose and the estimate, with its particles. --fast shows nothing and does not wait for real time.
+The page shows the true pose, and the estimate with its particles. --fast shows nothing and does not wait.
 """
 
 import argparse
