@@ -17,8 +17,9 @@ class LoneHits:
     """Takes the lone hits out of the scans of a robot's lidars.
 
     A hit is lone if the two beams on each side of it saw past it, by 0.15 m and three times the distance between beams
-    there, and the lidar's scan before hit nothing near it, within 0.15 m and that distance. A thin pole that one beam
-    meets is therefore there from its second scan on; what two neighbouring beams meet is there at once.
+    there, and the lidar's scan before hit nothing at that place: within 0.1 m along the beam, and 0.03 m and two beams
+    across. A thin pole that one beam meets is therefore there from its second scan on; what two neighbouring beams meet
+    is there at once.
     """
 
     def __init__(self) -> None:

@@ -22,10 +22,10 @@ def find_lone_hits(ranges, angles, sensor, earlier_ranges, earlier_angles, earli
             continue
         x, y, yaw = sensor[beam if len(sensor) > 1 else 0]
         dx, dy = x + range_m * math.cos(yaw + angles[beam]) - x0, y + range_m * math.sin(yaw + angles[beam]) - y0
-        distance, bearing, margin = math.hypot(dx, dy), math.atan2(dy, dx) - yaw0, 0.15 + apart
+        distance, bearing, across = math.hypot(dx, dy), math.atan2(dy, dx) - yaw0, 0.03 + 2.0 * apart
         off = np.abs(np.angle(np.exp(1j * (np.asarray(earlier_angles) - bearing)))) * distance
-        near = np.abs(np.asarray(earlier_ranges) - distance) <= margin
+        near = np.abs(np.asarray(earlier_ranges) - distance) <= 0.1
         inside = (np.asarray(earlier_ranges) >= range_min) & (np.asarray(earlier_ranges) <= range_max)
-        if not (near & inside & (off <= margin)).any():
+        if not (near & inside & (off <= across)).any():
             found.append(beam)
     return found

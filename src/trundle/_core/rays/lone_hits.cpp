@@ -17,7 +17,9 @@ constexpr double kTurn = 6.28318530717958647692;
 constexpr std::size_t kAside = 2;  // beams on each side: one of them may have no return
 constexpr double kPast = 0.15;     // seven times a noise of 2 cm: the beams beside saw past by so much, ...
 constexpr double kSteep = 3.0;     // ... and by so many spacings, as beside what juts out
-constexpr double kAgain = 0.15;    // what was seen before is as close as this, and one spacing
+// What was seen before is as close as this along the beam, and across it as this and two spacings: dust close to the lidar
+// must not confirm dust 40 degrees beside it, and what is close and lone is thinner than a finger.
+constexpr double kAlong = 0.1, kAcross = 0.03, kSpacings = 2.0;
 
 struct Beams {
   const double *ranges, *angles, *sensor;
@@ -40,14 +42,14 @@ bool stands_alone(const Beams &beams, std::size_t beam, double margin) {
   return true;
 }
 
-// Whether a scan hit something that close to a point.
-bool has_hit(const Beams &beams, double x, double y, double margin) {
+// Whether a scan hit something that close to a point, along and across the beam.
+bool has_hit(const Beams &beams, double x, double y, double across) {
   const double dx = x - beams.sensor[0], dy = y - beams.sensor[1], distance = std::sqrt(dx * dx + dy * dy);
   const double bearing = std::atan2(dy, dx) - beams.sensor[2];
   for (std::size_t i = 0; i < beams.count; ++i) {
     const double range = beams.ranges[i];
-    if (std::abs(range - distance) <= margin && range >= beams.least && range <= beams.most &&
-        std::abs(wrapped(beams.angles[i] - bearing)) * distance <= margin) {
+    if (std::abs(range - distance) <= kAlong && range >= beams.least && range <= beams.most &&
+        std::abs(wrapped(beams.angles[i] - bearing)) * distance <= across) {
       return true;
     }
   }
@@ -80,7 +82,7 @@ nb::ndarray<nb::numpy, std::int64_t> find_lone_hits(In<double, 1> ranges, In<dou
       if (!stands_alone(now, i, kPast + kSteep * apart)) continue;
       const double *pose = now.sensor + (sensor.shape(0) > 1 ? 3 * i : 0), direction = pose[2] + now.angles[i];
       const double x = pose[0] + range * std::cos(direction), y = pose[1] + range * std::sin(direction);
-      if (!has_hit(before, x, y, kAgain + apart)) found.push_back(static_cast<std::int64_t>(i));
+      if (!has_hit(before, x, y, kAcross + kSpacings * apart)) found.push_back(static_cast<std::int64_t>(i));
     }
   }
   const std::size_t size = found.size();
