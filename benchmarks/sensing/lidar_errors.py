@@ -4,9 +4,9 @@
     python -m benchmarks.sensing.lidar_errors --people 8 --worlds warehouse --backend mujoco
 
 Each mission is driven with exact lidars, with a noise of 2 cm, with 1 % of the beams without a return, with 1 % of them
-returned too soon, and with all three; among boxes that are not on the map. A stop that is `by movers` has the
-monitor's point more than 5 cm from the robot's way of braking: what it took to move. Once a second the costmap is
-compared with the world, as in `marks_on_estimates`.
+returned too soon, and with all three; among boxes that are not on the map. Once a second the costmap is compared with
+the world, as in `marks_on_estimates`. `false tracks` counts control periods in which something is tracked as moving,
+where nothing moves.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class TimedMonitor(CollisionMonitor):
 
     spent = 0.0
 
-    def check(self, *arguments, **named):  # noqa: ANN002, ANN003, ANN201
+    def check(self, *arguments, **named):
         """Judge one command."""
         began = clock.thread_time()
         report = super().check(*arguments, **named)

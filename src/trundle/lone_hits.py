@@ -1,4 +1,4 @@
-"""`LoneHits`: leaves out what single beams return too soon, as from dust, rain and the noise of a lidar."""
+"""`LoneHits`: leaves out what single beams return too soon, as from dust and rain."""
 
 from __future__ import annotations
 

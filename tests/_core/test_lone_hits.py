@@ -64,7 +64,9 @@ def test_noise_of_two_centimetres_makes_no_hit_of_a_wall_lone():
 def test_it_agrees_with_plain_python():
     rng = np.random.default_rng(1)
     for _ in range(30):
-        scans = [np.where(rng.random(720) < 0.02, rng.uniform(0.0, 13.0, 720), rng.normal(6.0, 0.05, 720)) for _ in "ab"]
+        scans = [
+            np.where(rng.random(720) < 0.02, rng.uniform(0.0, 13.0, 720), rng.normal(6.0, 0.05, 720)) for _ in "ab"
+        ]
         for scan in scans:
             scan[rng.random(720) < 0.05] = rng.choice([math.nan, math.inf, -math.inf])
         sensors = rng.uniform(-0.1, 0.1, (2, 1, 3))

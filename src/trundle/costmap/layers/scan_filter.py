@@ -25,7 +25,7 @@ class ScanFilter:
 
     Scans that are stale, out of order, from the future, or from a lidar that the robot lacks are counted, with one
     `SensorWarning` for each kind. Scans from before the first pose, which were on their way when the run began, are
-    only counted.
+    only counted. Lone hits (see `LoneHits`) become beams that measured nothing.
 
     Args:
         robot: The robot, with its lidars and limits.
