@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle import _core
+from trundle.costmap.layers.lone_hits import LoneHits
 from trundle.geometry import FloatArray, Footprint, Pose2D
-from trundle.lone_hits import LoneHits
 from trundle.observation import PoseBuffer, Scan
 
 _COMPARE_S = 0.25  # movement is found between scans this far apart [s]

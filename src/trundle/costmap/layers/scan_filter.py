@@ -9,9 +9,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from trundle.costmap.layers.lone_hits import LoneHits
 from trundle.errors import SensorWarning
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
-from trundle.lone_hits import LoneHits
 from trundle.observation import Estimate, PoseBuffer, Scan, check_scans
 from trundle.robots import Robot
 from trundle.values import check_kind
