@@ -1,6 +1,7 @@
 """The monitor on scans that are computed here, and behind a simulator."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -93,6 +94,58 @@ def test_fewer_points_than_min_points_are_nothing():
     assert monitor.check(Twist2D(0.5, 0.0), Twist2D(), [two], 0.0, Pose2D(0, 0)).action == "none"
     monitor = CollisionMonitor(CARTER, MonitorSettings(min_points=2))
     assert monitor.check(Twist2D(0.5, 0.0), Twist2D(), [two], 0.0, Pose2D(0, 0)).action != "none"
+
+
+def with_dust(scan, rng, share=0.01, noise=0.0):
+    """The scan with noise [m], and a share of its beams returned too soon."""
+    ranges = np.maximum(scan.ranges + rng.normal(0.0, noise, len(scan.ranges)), 0.0) if noise else scan.ranges.copy()
+    early = np.flatnonzero(rng.random(len(ranges)) < share)
+    ranges[early] = rng.uniform(0.0, np.minimum(ranges[early], scan.range_max))
+    return replace(scan, ranges=ranges)
+
+
+def test_three_single_beams_that_are_returned_too_soon_are_nothing():
+    scan = scan_of(wall_ahead(5.0))
+    ranges = scan.ranges.copy()
+    ranges[[354, 360, 366]] = FRONT + 0.1
+    monitor, command = CollisionMonitor(CARTER), Twist2D(0.8, 0.0)
+    assert monitor.check(command, command, [replace(scan, ranges=ranges)], 0.0, Pose2D(0, 0)).action == "none"
+
+
+def test_dust_and_noise_neither_stop_the_robot_nor_make_walls_move():
+    rng = np.random.default_rng(0)
+    walls = [(-4.0, -1.2, 30.0, -1.2), (-4.0, 1.2, 30.0, 1.2), *box(6.0, 0.95), *box(11.0, -0.95), *box(16.0, 0.95)]
+    monitor, command = CollisionMonitor(CARTER), Twist2D(0.8, 0.0)
+    actions = set()
+    for step in range(400):
+        time, x = step * DT, 0.8 * step * DT
+        scan = with_dust(scan_of(*walls, base=(x, 0.0, 0.0), time=time), rng, noise=0.02)
+        actions.add(monitor.check(command, command, [scan], time, Pose2D(x, 0)).action)
+    assert actions == {"none"}
+
+
+def test_a_pole_that_one_beam_meets_counts_from_its_second_scan_on():
+    monitor, command = CollisionMonitor(CARTER, MonitorSettings(min_points=1)), Twist2D(0.8, 0.0)
+    actions = []
+    for step in range(4):
+        x = 0.8 * step * DT
+        scan = scan_scene([(FRONT + 0.6, 0.0, 0.025)], beams=90, base=(x, 0.0, 0.0), time=step * DT)
+        assert np.isfinite(scan.ranges).sum() == 1
+        actions.append(monitor.check(command, command, [scan], step * DT, Pose2D(x, 0)).action)
+    assert actions == ["none", "approach", "approach", "approach"]
+
+
+@pytest.mark.parametrize("beams", [360, 720])
+def test_it_never_drives_into_a_thin_pole_among_dust_and_noise(beams):
+    rng = np.random.default_rng(beams)
+    monitor, x, twist = CollisionMonitor(CARTER), 0.0, Twist2D()
+    pole = FRONT + 2.0
+    for step in range(120):
+        scan = scan_scene([(pole, 0.01, 0.025)], [wall_ahead(6.0)], beams=beams, base=(x, 0.0, 0.0), time=step * DT)
+        scan = with_dust(scan, rng, noise=0.02)
+        twist = monitor.check(Twist2D(0.8, 0.0), twist, [scan], step * DT, Pose2D(x, 0)).command
+        x += twist.v * DT
+    assert 0.0 < pole - 0.025 - x - FRONT < 0.15
 
 
 def test_points_on_the_robot_itself_are_its_body():

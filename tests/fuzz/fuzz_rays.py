@@ -8,8 +8,9 @@ import random
 import numpy as np
 
 from fuzz.loop import attempt, rng_of, spoil
+from support.lone_hits_oracle import find_lone_hits as find_lone_hits_slowly
 from support.moved_points_oracle import find_moved as find_moved_slowly
-from trundle._core import cast_grid_rays, cast_outline_rays, find_moved
+from trundle._core import cast_grid_rays, cast_outline_rays, find_lone_hits, find_moved
 from trundle.geometry import FloatArray
 
 CLOSE = 1e-6
@@ -132,5 +133,21 @@ def check_moved(generator: random.Random) -> None:
         assert np.allclose(found, expected, rtol=1e-9, atol=1e-9)
 
 
+def check_lone(generator: random.Random) -> None:
+    """Scans of a wall all around, with hits and beams without a return in between."""
+    rng = rng_of(generator)
+    scans = list[np.ndarray]()
+    for count in (generator.choice((0, 1, 4, 5, 6, 90, 360)), generator.choice((0, 1, 90, 360))):
+        ranges = np.where(rng.random(count) < 0.2, rng.uniform(0.0, 13.0, count), rng.normal(6.0, 0.05, count))
+        ranges[rng.random(count) < 0.1] = generator.choice((math.nan, math.inf, -math.inf))
+        scans += [ranges, generator.choice((1.0, -1.0)) * np.linspace(-math.pi, math.pi, count, endpoint=False)]
+    poses = [rng.uniform(-0.3, 0.3, (generator.choice((1, max(1, len(scans[0])))), 3)), rng.uniform(-0.3, 0.3, (1, 3))]
+    arguments = (*scans[:2], poses[0], *scans[2:], poses[1], 0.1, 12.0)
+    if generator.random() < 0.3:
+        attempt(find_lone_hits, spoil(generator, arguments))
+        return
+    assert find_lone_hits(*arguments).tolist() == find_lone_hits_slowly(*arguments)
+
+
 def one_round(generator: random.Random) -> None:
-    generator.choice((check_cells, check_outlines, check_moved))(generator)
+    generator.choice((check_cells, check_outlines, check_moved, check_lone))(generator)

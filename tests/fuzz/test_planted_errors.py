@@ -191,6 +191,7 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "largest area": ("components", fuzz_components, "flood_largest", one_more),
     "rays through cells": ("rays", fuzz_rays, "cast_grid_rays", scaled(1e-3)),
     "rays to outlines": ("rays", fuzz_rays, "cast_outline_rays", scaled(1e-2)),
+    "lone hits": ("rays", fuzz_rays, "find_lone_hits", one_more),
     "what has moved": ("rays", fuzz_rays, "find_moved", part(0, lambda velocities: velocities * 1.001)),
     "tracks": ("tracking", fuzz_tracking, "ScanTracker", lambda _: DriftingTracker),
     "marks of a scan": ("layers", fuzz_layers, "mark_scan", first_cell_changed),

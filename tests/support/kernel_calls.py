@@ -175,6 +175,16 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "ScanTracker": lambda: _core.ScanTracker(np.ones(9), OUTLINE) is not None,
     "ScanTracker.see": lambda: TRACKER.see(0, 0.0, *TURN),
     "ScanTracker.tracks": lambda: TRACKER.tracks(0.5),
+    "find_lone_hits": lambda: _core.find_lone_hits(
+        np.where(np.arange(90) % 9 == 0, 2.0, 5.0),
+        np.linspace(-3.0, 3.0, 90),
+        np.zeros((1, 3)),
+        np.full(90, 5.0),
+        np.linspace(-3.0, 3.0, 90),
+        np.zeros((1, 3)),
+        0.1,
+        12.0,
+    ),
     "find_moved": lambda: _core.find_moved(
         *(RIM + 0.3, np.zeros(3), np.linspace(-3.0, 3.0, 60), np.full(60, 9.0)),
         *(RIM, np.zeros(3), np.linspace(-3.0, 3.0, 60), np.full(60, 9.0)),

@@ -1,6 +1,7 @@
 """The tracker on scans of discs and walls that are computed here."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -67,6 +68,19 @@ def test_a_room_seen_while_driving_has_no_movers():
     plate = [(1.0, -4.0, 1.0, -3.0), (1.05, -4.0, 1.05, -3.0), (1.0, -3.0, 1.05, -3.0)]
     _, seen = follow(lambda t: posts, [*ROOM, (0.0, 3.0, 1.5, 3.0), *plate], drive, seconds=6.0)
     assert not any(moving(tracks) for tracks in seen)
+
+
+def test_dust_confirms_no_track():
+    """5 % of the beams are returned too soon."""
+    rng, tracker = np.random.default_rng(0), Tracker(CARTER)
+    pillars = [(x, y, 0.15) for x in (-4.0, 0.0, 4.0) for y in (-3.0, 3.0)]
+    for tick in range(300):
+        base, time = (1.5 * math.sin(0.3 * tick * DT), 0.0, 0.0), tick * DT
+        scan = scan_scene(pillars, ROOM, base=base, time=time, noise=0.01)
+        early = np.flatnonzero(rng.random(len(scan.ranges)) < 0.05)
+        ranges = scan.ranges.copy()
+        ranges[early] *= rng.random(len(early))
+        assert not moving(tracker.update([replace(scan, ranges=ranges)], time, Pose2D(*base)))
 
 
 def test_something_that_comes_into_view_stands():

@@ -660,6 +660,21 @@ def find_moved(
         that have moved in, shape (M, 4).
     """
 
+def find_lone_hits(
+    ranges: npt.NDArray[np.float64],
+    angles: npt.NDArray[np.float64],
+    sensor: npt.NDArray[np.float64],
+    earlier_ranges: npt.NDArray[np.float64],
+    earlier_angles: npt.NDArray[np.float64],
+    earlier_sensor: npt.NDArray[np.float64],
+    range_min: float,
+    range_max: float,
+) -> npt.NDArray[np.int64]:
+    """Indices of the hits that neither a beam beside them nor an earlier scan has seen, shape (N,).
+
+    Poses of the sensors are (x, y, yaw) in one frame, shape (1, 3), or (beams, 3).
+    """
+
 def label_components(
     mask: npt.NDArray[np.uint8], diagonal: bool
 ) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int64]]:

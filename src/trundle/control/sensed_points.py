@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle import _core
+from trundle.costmap.layers.lone_hits import LoneHits
 from trundle.geometry import FloatArray, Footprint, Pose2D
 from trundle.observation import PoseBuffer, Scan
 
@@ -68,7 +69,7 @@ class SensedPoints:
     the first one saw through, and the second one hits something, something has moved in; and where the second one sees
     through what the first one hit, it has moved away. All of it, also what slides along the beams, gets the velocity of
     the middle of its points. What turns on the spot has none, and its end is fast: points that have moved in also count
-    with their own velocity, from the nearest hit of the first scan.
+    with their own velocity, from the nearest hit of the first scan. Lone hits (see `LoneHits`) are left out.
 
     Args:
         footprint: Of the robot. Points inside are its own body.
@@ -80,11 +81,13 @@ class SensedPoints:
     def __init__(self, footprint: Footprint) -> None:
         self._edges, self._radius = Edges(footprint), footprint.circumscribed_radius
         self._poses = PoseBuffer()
+        self._lone = LoneHits()
         self.clear()
 
     def clear(self) -> None:
         """Forget all scans."""
         self._poses.clear()
+        self._lone.clear()
         self._seen: dict[str, list[_Seen]] = {}
         self.times: dict[str, float] = {}
 
@@ -141,13 +144,15 @@ class SensedPoints:
         return Points(np.concatenate(places), np.concatenate(velocities), np.concatenate(lidars), tuple(self._seen))
 
     def _place(self, scan: Scan, base: Pose2D) -> _Seen:
+        sensor = base @ scan.mount
+        scan = self._lone.without(scan, np.array([sensor.as_tuple()]), put=math.inf)  # saw through, as those beside it
         points = scan.points()
         near = np.flatnonzero(np.hypot(points[:, 0], points[:, 1]) <= self._radius)
         if len(near):
             points = np.delete(points, near[self._edges.distances(points[near], _AT_ORIGIN)[0] <= _BODY_M], axis=0)
         cos, sin = math.cos(base.yaw), math.sin(base.yaw)
         placed = points @ np.array([[cos, sin], [-sin, cos]]) + (base.x, base.y)
-        return _Seen(scan, base @ scan.mount, placed, np.zeros_like(placed), _saw_through(scan))
+        return _Seen(scan, sensor, placed, np.zeros_like(placed), _saw_through(scan))
 
 
 class Edges:

@@ -48,6 +48,26 @@ def test_noise_far_from_the_border_of_a_cell_does_not_thicken_a_wall_at_all():
     assert (np.floor(found[:, 0] / 0.05) == 60).mean() > 0.98
 
 
+def test_dust_marks_nothing_even_where_one_hit_is_enough():
+    rng, around = np.random.default_rng(0), Surroundings(WALL)
+    layer, before = ObstacleLayer(CARTER, ObstacleLayerSettings(hits_to_mark=1)), 0
+    for tick in range(40):
+        time, scan = 0.05 * tick, around.scan(0.05 * tick, HERE)
+        early = np.flatnonzero((rng.random(len(scan.ranges)) < 0.01) & (scan.ranges < 9.0))
+        ranges = scan.ranges.copy()
+        ranges[early] *= rng.uniform(0.1, 0.9, len(early))
+        layer.update([dataclasses.replace(scan, ranges=ranges)], estimate(time, HERE))
+        found = layer.obstacles()
+        before += int((found[:, 0] < 2.8).sum())
+    assert len(found) > 50
+    assert before <= 5  # two in a row at one place are seen again; 337 without the rule
+
+
+def test_a_pole_that_one_beam_meets_is_marked():
+    found = see(ObstacleLayer(CARTER), Surroundings(WALL, [(2.5, 0.0, 0.01)]), ticks=4)
+    assert (np.hypot(found[:, 0] - 2.5, found[:, 1]) < 0.1).any()
+
+
 def test_a_person_who_walks_by_leaves_no_ghost():
     layer = ObstacleLayer(CARTER)
     for tick in range(100):

@@ -9,4 +9,6 @@ void bind_rays(nanobind::module_ &m) {
         arg("step"), arg("count"), arg("reach"));
   m.def("find_moved", &find_moved, arg("points"), arg("sensor"), arg("angles"), arg("through"), arg("earlier"),
         arg("earlier_sensor"), arg("earlier_angles"), arg("earlier_through"), arg("seconds"));
+  m.def("find_lone_hits", &find_lone_hits, arg("ranges"), arg("angles"), arg("sensor"), arg("earlier_ranges"),
+        arg("earlier_angles"), arg("earlier_sensor"), arg("range_min"), arg("range_max"));
 }

@@ -22,4 +22,10 @@ nb::tuple find_moved(In<double, 2> points, In<double, 1> sensor, In<double, 1> a
                      In<double, 2> earlier, In<double, 1> earlier_sensor, In<double, 1> earlier_angles,
                      In<double, 1> earlier_through, double seconds);
 
+// Indices of hits that no beam beside them and not the scan before has seen: those of dust and rain. Poses of the sensors
+// are rows x, y, yaw in one frame, one or one for each beam; without a scan before, its ranges are empty.
+nb::ndarray<nb::numpy, std::int64_t> find_lone_hits(In<double, 1> ranges, In<double, 1> angles, In<double, 2> sensor,
+                                                    In<double, 1> earlier_ranges, In<double, 1> earlier_angles,
+                                                    In<double, 2> earlier_sensor, double range_min, double range_max);
+
 }  // namespace trundle

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from trundle.costmap.layers.lone_hits import LoneHits
 from trundle.errors import SensorWarning
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
 from trundle.observation import Estimate, PoseBuffer, Scan, check_scans
@@ -24,7 +25,7 @@ class ScanFilter:
 
     Scans that are stale, out of order, from the future, or from a lidar that the robot lacks are counted, with one
     `SensorWarning` for each kind. Scans from before the first pose, which were on their way when the run began, are
-    only counted.
+    only counted. Lone hits (see `LoneHits`) become beams that measured nothing.
 
     Args:
         robot: The robot, with its lidars and limits.
@@ -37,6 +38,7 @@ class ScanFilter:
         self._warns = warn
         self._source_timeout = source_timeout
         self._poses = PoseBuffer()
+        self._lone = LoneHits()
         self.reset()
 
     @property
@@ -48,6 +50,7 @@ class ScanFilter:
         """Forget poses and counts."""
         self.counts: Counter[str] = Counter()
         self._poses.clear()
+        self._lone.clear()
         self._time, self._pose = -math.inf, Pose2D(0.0, 0.0)
         self._newest: dict[str, float] = {}
 
@@ -68,6 +71,7 @@ class ScanFilter:
         if moved <= _JUMP_M + limits.linear_speed * seconds and turned <= _JUMP_RAD + limits.angular_speed * seconds:
             return False
         self._poses.clear()
+        self._lone.clear()
         self._poses.add(estimate.time, pose)
         self.warn(
             "jump",
@@ -77,7 +81,7 @@ class ScanFilter:
         return True
 
     def admit(self, scans: Sequence[Scan]) -> Iterator[tuple[Scan, FloatArray]]:
-        """Yield the scans that can be used, each with its sensor's poses in the odom frame.
+        """Yield the scans that can be used, without lone hits, each with its sensor's poses in the odom frame.
 
         The poses have shape (1, 3), or (beams, 3) where the beams are measured one after the other.
 
@@ -87,7 +91,7 @@ class ScanFilter:
         for scan in check_scans(scans):
             poses = self._place(scan)
             if poses is not None:
-                yield scan, poses
+                yield self._lone.without(scan, poses, put=math.nan), poses
 
     def warn(self, kind: str, message: str, *, stacklevel: int = 4) -> None:
         """Count an event, and warn of the first of its kind."""
