@@ -212,7 +212,7 @@ def test_a_planted_error_is_noticed(name, monkeypatch):
     target, where, attribute, plant = PLANTED[name]
     monkeypatch.setattr(where, attribute, plant(getattr(where, attribute)))
     with pytest.raises(AssertionError):
-        play(TARGETS[target].one_round, seed=1, count=200)
+        play(TARGETS[target].one_round, seed=1, count=400)
 
 
 def test_every_target_has_a_planted_error():
