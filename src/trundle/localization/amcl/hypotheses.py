@@ -34,6 +34,7 @@ _RIVAL_M, _RIVAL_RAD = 0.5, 0.35
 _HOPELESS = 0.4
 _DOUBT = 0.8  # of the usual agreement, below which the whole map is searched
 _BETTER = 0.1  # by which a place elsewhere agrees better, so that the state is ambiguous
+_CONTRADICTED = 0.1  # share of beams through what is drawn, below which unmapped things explain a poor agreement
 _MOST = 12
 _NEW = np.diag((0.1**2, 0.1**2, 0.06**2))
 
@@ -184,14 +185,22 @@ class Hypotheses:
     @property
     def is_doubtful(self) -> bool:
         """Whether the main track agrees with the map so badly that it may be elsewhere."""
-        return self.main.score < max(self._settings.lost_below, _DOUBT * self.main.usual_score)
+        return self._is_contradicted and self.main.score < max(
+            self._settings.lost_below, _DOUBT * self.main.usual_score
+        )
+
+    @property
+    def _is_contradicted(self) -> bool:
+        """Whether beams go through what the map draws: those that end too soon met something that is not on it."""
+        return self.main.pierced > _CONTRADICTED
 
     @property
     def state(self) -> LocalizationState:
         """What the tracks say about the robot's place."""
-        if self.confirmed:
-            better = max(self.main.score + _BETTER, _FAR_SCORE)
-            if any(one.is_far and one.scans > 2 and one.score > better for one in self.others):
-                return "ambiguous"
-            return "localized" if self.main.scans == 0 or self.main.score >= self._settings.lost_below else "lost"
-        return "ambiguous" if self.main.score >= self._settings.lost_below else "lost"
+        low = self.main.score < self._settings.lost_below
+        if not self.confirmed:
+            return "lost" if low else "ambiguous"
+        better = max(self.main.score + _BETTER, _FAR_SCORE)
+        if any(one.is_far and one.scans > 2 and one.score > better for one in self.others):
+            return "ambiguous"
+        return "lost" if self.main.scans > 0 and low and self._is_contradicted else "localized"

@@ -24,6 +24,7 @@ _TOLERANCE_M = 0.1  # within which a beam agrees with the map
 _DEPTH_M = 0.2  # behind the map's surface, which is drawn round all of a band of heights
 _JUDGED = 60  # beams that judge a pose
 _SHORT_COUNTS = 0.5  # something that is not on the map is in front of it more often than the robot is lost
+_FEWEST = 0.15  # of the beams: with fewer on the map there is little evidence for anything
 _LONG_S = 12.0
 _USUAL_S = 6.0  # of the average of the fit that a slip of wheels is told by
 _SCORE_S = 0.7  # of the average of agreement: it falls from 0.9 to 0.4 in 0.7 s
@@ -40,6 +41,7 @@ class Track:
         quality: Mean of agreement and fit, likewise: what tracks are compared by.
         fit: How near the beams' ends lie to surfaces, 0 to 1, at the last scan.
         lead: How much better it fits than the main track, on average over the last scans.
+        pierced: Share of beams that go through what the map draws, of those that agree or go through, likewise.
         scans: How many scans it has been compared with.
         travel: How far it was followed [m]; see `Motion.travel`.
         is_far: Whether it comes from the search of the whole map, and needs more evidence to be believed.
@@ -56,6 +58,7 @@ class Track:
     distance: float = 0.0
     independent: float = 0.0
     lead: float = 0.0
+    pierced: float = 0.0
     scans: int = 0
     travel: float = 0.0
     is_far: bool = False
@@ -95,6 +98,7 @@ class Match:
         covariance: Shape (3, 3).
         fit: Mean weight of the beams, 0 to 1.
         agreement: Share of the beams that agree with the map; see `agreements`.
+        pierced: Share of beams that go through what the map draws; see `agreements`.
         distance: Mean distance of the beams' ends from where they are expected [m].
         independent: How far a distance that all beams share can be told from a wrong pose, 0 to 1.
     """
@@ -103,6 +107,7 @@ class Match:
     covariance: FloatArray
     fit: float
     agreement: float
+    pierced: float
     distance: float
     independent: float
 
@@ -128,27 +133,32 @@ def match(
         field_.values, field_.resolution, field_.limit, beams.points, surfaces, poses, poses, information, numbers
     )
     spread = np.linalg.inv(known)
-    shares = agreements(field_, beams, found)
+    shares, pierced = agreements(field_, beams, found)
     count = float(len(beams))
     return [
-        Match(Pose2D(*pose), 0.5 * (one + one.T), row[2] / count, share, row[4], row[5])
-        for pose, one, row, share in zip(found.tolist(), spread, told.tolist(), shares.tolist(), strict=True)
+        Match(Pose2D(*pose), 0.5 * (one + one.T), row[2] / count, share, through, row[4], row[5])
+        for pose, one, row, share, through in zip(
+            found.tolist(), spread, told.tolist(), shares.tolist(), pierced.tolist(), strict=True
+        )
     ]
 
 
-def agreements(field_: MapField, beams: Beams, poses: FloatArray) -> npt.NDArray[np.float64]:
-    """Return which share of the beams agrees with the map from each pose (K, 3), as numbers from 0 to 1.
+def agreements(
+    field_: MapField, beams: Beams, poses: FloatArray
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Return which share of the beams agrees with the map from each pose (K, 3), and which goes through it, 0 to 1.
 
-    A beam that ends before what is on the map counts half: more often something stands there than the robot is lost.
+    In the first, a beam that ends before what is on the map counts half: more often something stands there than the
+    robot is lost. In the second it does not count: only beams that go through what is drawn contradict the map.
     """
     tolerance = max(_TOLERANCE_M, 1.5 * field_.resolution)
     step = -(-len(beams) // _JUDGED)
     sensors, points = np.ascontiguousarray(beams.sensors[::step]), np.ascontiguousarray(beams.points[::step])
     verdicts = judge_beams(field_.values, field_.resolution, sensors, points, poses, tolerance, _DEPTH_M)
     agree, short, through = ((verdicts == kind).sum(axis=1) for kind in range(3))
-    counted = agree + through + _SHORT_COUNTS * short
-    # With few beams on the map there is little evidence for anything.
-    return agree / np.maximum(counted, 0.15 * len(points))
+    fewest = _FEWEST * len(points)
+    shares = agree / np.maximum(agree + through + _SHORT_COUNTS * short, fewest)
+    return shares, through / np.maximum(agree + through, fewest)
 
 
 def update_score(track: Track, found: Match, seconds: float) -> None:
@@ -157,6 +167,7 @@ def update_score(track: Track, found: Match, seconds: float) -> None:
     track.pose, track.covariance = found.pose, found.covariance
     track.score += gain * (found.agreement - track.score)
     track.quality += gain * (0.5 * (found.agreement + found.fit) - track.quality)
+    track.pierced += gain * (found.pierced - track.pierced)
     track.usual_score += (1.0 if track.scans == 0 else 1.0 - math.exp(-seconds / _LONG_S)) * (
         track.score - track.usual_score
     )
