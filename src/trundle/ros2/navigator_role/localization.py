@@ -86,8 +86,9 @@ class ParticleOutput:
 
     def __init__(self, kit: Kit) -> None:
         self._kit = kit
-        wire = kit.context.wire
-        self._outlet = wire.outlet("particle_cloud", PARTICLE_CLOUD, SENSOR) if _can_write(wire) else None
+        wire, has_localizer = kit.context.wire, kit.context.mission.scenario.localizer is not None
+        writes = has_localizer and _can_write(wire)
+        self._outlet = wire.outlet("particle_cloud", PARTICLE_CLOUD, SENSOR) if writes else None
         self._cadence = Cadence(PARTICLES_PERIOD_S)
         self._shown: FloatArray | None = None
 
