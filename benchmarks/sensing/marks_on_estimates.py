@@ -16,9 +16,11 @@ from __future__ import annotations
 
 import argparse
 import math
+import sys
 import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,7 +32,7 @@ from scipy import ndimage
 import trundle
 from trundle.costmap import LETHAL, Costmap
 from trundle.errors import TrundleError
-from trundle.geometry import Goal, Pose2D, Twist2D, wrap_angle
+from trundle.geometry import Goal, Pose2D, wrap_angle
 from trundle.localization import create_localizer
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import OCCUPIED
@@ -40,36 +42,15 @@ from trundle.navigation import Navigator
 from trundle.observation import Estimate, Observation
 from trundle.planning import create_planner
 from trundle.robots import Robot
-from trundle.sim import RobotState
 from trundle.sim.odometry_errors import OdometryErrors
-from trundle.sim.wrapper import SimulatorWrapper
 from trundle.worlds import World
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
+from support.estimates import Watched
 
 WRONG_M = 0.15
 OPTIONS: dict[str, dict[str, Any]] = {kind: {"low_objects": False} for kind in ("warehouse", "office")}
 WANDERS_S = 1.0  # time constant of the error
-
-
-class WatchedSimulator(SimulatorWrapper):
-    """A simulator that keeps the true pose, for the stand-in.
-
-    Attributes:
-        pose: The true pose, map frame.
-    """
-
-    pose = Pose2D(0.0, 0.0)
-
-    def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
-        """Put the robot at rest at `pose`."""
-        state = super().reset(pose, seed=seed)
-        self.pose = state.pose
-        return state
-
-    def step(self, command: Twist2D, dt: float) -> RobotState:
-        """Drive one control period."""
-        state = super().step(command, dt)
-        self.pose = state.pose
-        return state
 
 
 class StandIn:
@@ -83,7 +64,7 @@ class StandIn:
         every: Mean time between two jumps [s].
     """
 
-    def __init__(self, sim: WatchedSimulator, error: float, turn: float, jump: float = 0.0, every: float = 5.0) -> None:
+    def __init__(self, sim: Watched, error: float, turn: float, jump: float = 0.0, every: float = 5.0) -> None:
         self._sim, self._sigma = sim, np.array([error, error, turn])
         self._jump, self._every = jump, every
         self.reset(Pose2D(0.0, 0.0))
@@ -199,7 +180,7 @@ def drive(mission: Mission, robot: Robot, options: argparse.Namespace, *, estima
     began = clock.thread_time()
     looked_s = 0.0
     with trundle.simulate(mission.world, robot, backend=options.backend, lidar=True) as inner:
-        sim = WatchedSimulator(errors.simulate(inner) if estimated else inner)
+        sim = Watched(errors.simulate(inner) if estimated else inner)
         stand_in = StandIn(sim, options.error, math.radians(options.turn), options.jump, options.every)
         named = options.localizer and create_localizer(options.localizer, mission.grid, robot)
         localizer = (named or stand_in) if estimated else None

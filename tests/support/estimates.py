@@ -28,7 +28,7 @@ class Watched(SimulatorWrapper):
 
 
 class StandIn:
-    """The truth with noise at every scan, and with an offset that is drawn anew now and then.
+    """The truth with noise at every scan, and with an offset that changes now and then.
 
     Args:
         sim: Where the truth is.

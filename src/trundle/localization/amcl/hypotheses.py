@@ -2,7 +2,7 @@
 
 One scan never decides. A rival near the main track takes over when it has fitted better over several scans: wheels
 slipped, or the start was off. One that the search of the whole map found has to stay clearly better over some distance
-driven or turned, without a rival of its own. Until then the state is `lost` or `ambiguous`.
+driven or turned, without a rival. Until then the state is `lost` or `ambiguous`.
 """
 
 from __future__ import annotations

@@ -51,7 +51,7 @@ class ParticleCloud:
         return self._base + 7919 * self._draws
 
     def spread(self, poses: list[Pose2D], covariances: list[FloatArray], shares: list[float]) -> None:
-        """Draw the particles anew round poses, with their covariances and shares."""
+        """Draw new particles round poses, with their covariances and shares."""
         count = self._settings.min_particles if len(poses) == 1 else self._settings.max_particles
         parts = []
         for pose, covariance, share in zip(poses, covariances, shares, strict=True):
@@ -74,7 +74,7 @@ class ParticleCloud:
         self.weights = np.full(len(poses), 1.0 / len(poses))
 
     def move(self, motion: Motion) -> None:
-        """Move each particle as the odometry says, with noise of its own."""
+        """Move each particle as the odometry says, each with different noise."""
         self.poses = move_particles(self.poses, motion.numbers, self._alphas, LEAST, self._next())
 
     def weigh(self, beams: Beams) -> None:

@@ -131,7 +131,7 @@ class StateOutput:
 
 
 def _can_write(wire: Wire) -> bool:
-    """Return whether the other side can read particles; without a ROS of its own it takes the type from trundle."""
+    """Return whether the other side can read particles; without ROS it takes the type from trundle."""
     if not wire.transport.has_services:
         learn_particle_cloud(wire.types.codec)
     try:
