@@ -22,6 +22,7 @@ from trundle.observation import LocalizationState
 _SAME_M, _SAME_RAD = 0.08, 0.05  # tracks this near are one
 _LOCAL_SCANS, _LOCAL_LEAD = 3, 0.04
 _LEAD_GAIN = 0.35
+_LESS_AGREEMENT = -0.03  # a place that fits better although it agrees less fits by chance
 _START_SCANS = 30
 _DROP, _CLEAR_LEAD = 0.08, 0.25
 _FAR_TRAVEL_M = 0.6  # the robot sees other things by then; turning by 1.2 rad counts as much
@@ -59,10 +60,14 @@ class Hypotheses:
         self.main = Track(Pose2D(0.0, 0.0), np.eye(3))
         self.others: list[Track] = []
         self.confirmed = True
+        self._unsure = False  # whether a start that was wrong has left several places near it
+        self._earned = False  # whether the main track has agreed with the map for long
 
     def start(self, pose: Pose2D, covariance: FloatArray, *, confirmed: bool) -> None:
         """Start over with one track."""
         self.main, self.others, self.confirmed = Track(pose, covariance), [], confirmed
+        self._unsure = False
+        self._earned = False
 
     @property
     def tracks(self) -> list[Track]:
@@ -88,7 +93,8 @@ class Hypotheses:
         for track, one in zip(tracks, found, strict=False):
             update_score(track, one, seconds)
         for track in self.others:
-            track.lead += _LEAD_GAIN * (track.fit - self.main.fit - track.lead)
+            track.lead += _LEAD_GAIN * (track.merit - self.main.merit - track.lead)
+            track.agrees_more += _LEAD_GAIN * (track.agreement - self.main.agreement - track.agrees_more)
         if idea is not None:
             self._consider(found[-1], is_far=False)
 
@@ -102,7 +108,7 @@ class Hypotheses:
     def _consider(self, found: Match, *, is_far: bool) -> None:
         if any(track.is_near(found.pose, _SAME_M, _SAME_RAD) for track in self.tracks):
             return
-        if not is_far and found.fit < self.main.fit + 0.5 * _LOCAL_LEAD:
+        if not is_far and found.merit < self.main.merit + 0.5 * _LOCAL_LEAD:
             return
         if is_far and found.agreement < _HOPELESS:
             return
@@ -116,14 +122,20 @@ class Hypotheses:
         """Drop tracks that are beaten, and let the best one take over where it may; return whether one has."""
         self._merge()
         main = self.main
+        self._earned = self._earned or (main.scans > _START_SCANS and main.score > _FAR_SCORE)
+        if self._earned and self._unsure and main.travel > _FAR_TRAVEL_M:
+            self._unsure = any(not one.is_far for one in self._rivals(main))
         self.others = [track for track in self.others if not self._is_beaten(track)]
         for track in sorted(self.others, key=lambda one: -one.quality):
             if self._may_take_over(track):
                 was_far = track.is_far
                 if not was_far:
+                    self._unsure = self._unsure or (not self._earned and self.main.agreement < _HOPELESS)
+                    track.broken = self.main.broken
                     track.usual_score = max(track.usual_score, self.main.usual_score)
                 self._take_over(track)
                 if was_far:
+                    self._earned = False
                     self.confirmed = not self._rivals(track)
                 return True
         if not self.confirmed:
@@ -139,16 +151,22 @@ class Hypotheses:
     def _is_beaten(self, track: Track) -> bool:
         if track.is_far:
             return track.score < _HOPELESS or (track.scans > 5 and track.score < self.main.score - 0.25)
-        return track.scans > 5 and track.lead < 0.02
+        far_off = not self.main.is_near(track.pose, _RIVAL_M, _RIVAL_RAD)
+        return track.scans > 5 and track.lead < (-_RIVAL if self._unsure and far_off else 0.02)
 
     def _may_take_over(self, track: Track) -> bool:
         if not track.is_far:
             # Where the main track fits as ever, another place only looks alike: its wheels have not slipped.
             dropped = self.main.scans < _START_SCANS or self.main.fit < self.main.usual - _DROP
-            return track.scans >= _LOCAL_SCANS and track.lead > (_LOCAL_LEAD if dropped else _CLEAR_LEAD)
+            return (
+                track.scans >= _LOCAL_SCANS
+                and track.lead > (_LOCAL_LEAD if dropped else _CLEAR_LEAD)
+                and track.agrees_more > _LESS_AGREEMENT
+            )
         return (
             self.confirmed
             and self.is_doubtful
+            and (self.main.broken is not None or not self._earned)
             and track.travel >= _FAR_TRAVEL_M
             and track.scans >= 5
             and track.score >= _FAR_SCORE
@@ -159,11 +177,11 @@ class Hypotheses:
     def _take_over(self, track: Track) -> None:
         self.others = [one for one in self.others if one is not track]
         if track.is_far and not self.confirmed:
-            self.main.lead = self.main.fit - track.fit
+            self.main.lead = self.main.merit - track.merit
             self.others.append(self.main)
         self.main = track
         for one in self.others:
-            one.lead = one.fit - track.fit
+            one.lead = one.merit - track.merit
 
     def _rivals(self, track: Track) -> list[Track]:
         """Tracks elsewhere that agree with the map nearly as well."""
@@ -204,5 +222,7 @@ class Hypotheses:
             return "lost" if low else "ambiguous"
         better = max(self.main.score + _BETTER, _FAR_SCORE)
         if any(one.is_far and one.scans > 2 and one.score > better for one in self.others):
+            return "ambiguous"
+        if self._unsure and any(not one.is_far for one in self._rivals(self.main)):
             return "ambiguous"
         return "lost" if self.main.scans > 0 and low and self._is_contradicted else "localized"
