@@ -24,7 +24,7 @@ _LOCAL_SCANS, _LOCAL_LEAD = 3, 0.04
 _LEAD_GAIN = 0.35
 _LESS_AGREEMENT = -0.03  # a place that fits better although it agrees less fits by chance
 _START_SCANS = 30
-_DROP, _CLEAR_LEAD = 0.08, 0.25
+_CLEAR_LEAD = 0.25
 _FAR_TRAVEL_M = 0.6  # the robot sees other things by then; turning by 1.2 rad counts as much
 _FAR_LEAD = 0.15
 _FAR_SCORE = 0.6
@@ -157,7 +157,7 @@ class Hypotheses:
     def _may_take_over(self, track: Track) -> bool:
         if not track.is_far:
             # Where the main track fits as ever, another place only looks alike: its wheels have not slipped.
-            dropped = self.main.scans < _START_SCANS or self.main.fit < self.main.usual - _DROP
+            dropped = self.main.scans < _START_SCANS or self._has_broken
             return (
                 track.scans >= _LOCAL_SCANS
                 and track.lead > (_LOCAL_LEAD if dropped else _CLEAR_LEAD)
@@ -166,11 +166,10 @@ class Hypotheses:
         return (
             self.confirmed
             and self.is_doubtful
-            and (self.main.broken is not None or not self._earned)
             and track.travel >= _FAR_TRAVEL_M
             and track.scans >= 5
             and track.score >= _FAR_SCORE
-            and track.quality > self.main.quality + _FAR_LEAD
+            and track.standing > self.main.standing + _FAR_LEAD
             and not [one for one in self._rivals(track) if one is not self.main]
         )
 
@@ -191,7 +190,7 @@ class Hypotheses:
             one
             for one, margin in zip(self.tracks, margins, strict=True)
             if one is not track
-            and one.quality > track.quality - margin
+            and one.standing > track.standing - margin
             and not one.is_near(track.pose, _RIVAL_M, _RIVAL_RAD)
         ]
 
@@ -205,9 +204,15 @@ class Hypotheses:
     @property
     def is_doubtful(self) -> bool:
         """Whether the main track agrees with the map so badly that it may be elsewhere."""
-        return self._is_contradicted and self.main.score < max(
-            self._settings.lost_below, _DOUBT * self.main.usual_score
-        )
+        low = self._settings.lost_below
+        if self._has_broken:
+            low = max(low, _DOUBT * self.main.usual_score)
+        return self._is_contradicted and self.main.score < low
+
+    @property
+    def _has_broken(self) -> bool:
+        """Whether the robot may have been carried away, or was never where it was believed to be."""
+        return self.main.broken is not None or not self._earned
 
     @property
     def _is_contradicted(self) -> bool:
@@ -220,8 +225,8 @@ class Hypotheses:
         low = self.main.score < self._settings.lost_below
         if not self.confirmed:
             return "lost" if low else "ambiguous"
-        better = max(self.main.score + _BETTER, _FAR_SCORE)
-        if any(one.is_far and one.scans > 2 and one.score > better for one in self.others):
+        better = max(self.main.standing + _BETTER, _FAR_SCORE)
+        if self._has_broken and any(one.is_far and one.scans > 2 and one.standing > better for one in self.others):
             return "ambiguous"
         if self._unsure and any(not one.is_far for one in self._rivals(self.main)):
             return "ambiguous"

@@ -22,6 +22,7 @@ _WIDE_M = 0.4  # at first, of a pose that may be some decimetres off
 _ITERATIONS = 8
 _TOLERANCE_M = 0.1  # within which a beam agrees with the map
 _DEPTH_M = 0.2  # behind the map's surface, which is drawn round all of a band of heights
+_UNSEEN_COSTS = 0.3
 _AGREEMENT = 0.8  # its part in what poses are compared by
 _JUDGED = 60  # beams that judge a pose
 _CONTRADICTION = 4.0
@@ -95,6 +96,11 @@ class Track:
         )
         self.covariance = jacobian @ self.covariance @ jacobian.T + noise
         self.travel += motion.travel
+
+    @property
+    def standing(self) -> float:
+        """What places are compared by: of one found by a search, much that it takes for unseen counts against it."""
+        return self.quality - (_UNSEEN_COSTS * self.pierced if self.is_far else 0.0)
 
     def is_near(self, other: Pose2D, metres: float, radians: float) -> bool:
         """Return whether another pose is within these distances."""
