@@ -24,6 +24,9 @@ _LOCAL_SCANS, _LOCAL_LEAD = 3, 0.04
 _LEAD_GAIN = 0.35
 _LESS_AGREEMENT = -0.03  # a place that fits better although it agrees less fits by chance
 _START_SCANS = 30
+_BEATEN, _LONG_LEAD, _SURE_M = 0.08, 0.03, 2.0
+"""Agreement over some seconds by which places near a start that was wrong are told apart, and how far that takes."""
+
 _CLEAR_LEAD = 0.25
 _FAR_TRAVEL_M = 0.6  # the robot sees other things by then; turning by 1.2 rad counts as much
 _FAR_LEAD = 0.15
@@ -123,8 +126,8 @@ class Hypotheses:
         self._merge()
         main = self.main
         self._earned = self._earned or (main.scans > _START_SCANS and main.score > _FAR_SCORE)
-        if self._earned and self._unsure and main.travel > _FAR_TRAVEL_M:
-            self._unsure = any(not one.is_far for one in self._rivals(main))
+        if self._unsure and main.scans > _START_SCANS and main.travel > _SURE_M:
+            self._unsure = any(not one.is_far and self._is_elsewhere(one) for one in self.others)
         self.others = [track for track in self.others if not self._is_beaten(track)]
         for track in sorted(self.others, key=lambda one: -one.quality):
             if self._may_take_over(track):
@@ -151,11 +154,17 @@ class Hypotheses:
     def _is_beaten(self, track: Track) -> bool:
         if track.is_far:
             return track.score < _HOPELESS or (track.scans > 5 and track.score < self.main.score - 0.25)
-        far_off = not self.main.is_near(track.pose, _RIVAL_M, _RIVAL_RAD)
-        return track.scans > 5 and track.lead < (-_RIVAL if self._unsure and far_off else 0.02)
+        if self._unsure and self._is_elsewhere(track):
+            return track.scans > 5 and track.usual_score < self.main.usual_score - _BEATEN
+        return track.scans > 5 and track.lead < 0.02
+
+    def _is_elsewhere(self, track: Track) -> bool:
+        return not self.main.is_near(track.pose, _RIVAL_M, _RIVAL_RAD)
 
     def _may_take_over(self, track: Track) -> bool:
         if not track.is_far:
+            if self._unsure and self._is_elsewhere(track):
+                return track.travel > _FAR_TRAVEL_M and track.usual_score > self.main.usual_score + _LONG_LEAD
             # Where the main track fits as ever, another place only looks alike: its wheels have not slipped.
             dropped = self.main.scans < _START_SCANS or self._has_broken
             return (
@@ -228,6 +237,6 @@ class Hypotheses:
         better = max(self.main.standing + _BETTER, _FAR_SCORE)
         if self._has_broken and any(one.is_far and one.scans > 2 and one.standing > better for one in self.others):
             return "ambiguous"
-        if self._unsure and any(not one.is_far for one in self._rivals(self.main)):
+        if self._unsure and any(not one.is_far and self._is_elsewhere(one) for one in self.others):
             return "ambiguous"
         return "lost" if self.main.scans > 0 and low and self._is_contradicted else "localized"
