@@ -198,8 +198,10 @@ class AmclLocalizer(Localizer):
     def _search(self, beams: Beams, time: float) -> None:
         tracks, field = self._tracks, self._field
         main = tracks.main
-        if tracks.confirmed and time >= self._next_near and (not self._settled or main.agreement < _WORSE):
+        worse = not self._settled or tracks.is_new or main.agreement < _WORSE
+        if tracks.confirmed and time >= self._next_near and worse:
             metres, radians = (_NEAR_M, _NEAR_RAD) if self._settled else self._start_window()
+            tracks.is_new = False
             found = search_near(field, beams, main.pose, metres, radians)
             tracks.propose(beams, found, is_far=False)
             self._settled = True
@@ -276,13 +278,9 @@ class AmclLocalizer(Localizer):
         particles[:, 2] = cloud.poses[:, 2] + origin.yaw
         particles[:, 3] = cloud.weights
         particles.flags.writeable = False
-        tracks = self._tracks.tracks
-        total = sum(max(track.score, 1e-3) for track in tracks)
         hypotheses = tuple(
-            Hypothesis(
-                field.to_map(track.pose), max(track.score, 1e-3) / total, field.covariance_to_map(track.covariance)
-            )
-            for track in tracks
+            Hypothesis(field.to_map(track.pose), share, field.covariance_to_map(track.covariance))
+            for track, share in self._tracks.places()
         )
         self._last = particles, hypotheses
         return self._last

@@ -22,6 +22,8 @@ from trundle.observation import LocalizationState
 _SAME_M, _SAME_RAD = 0.08, 0.05  # tracks this near are one
 _LOCAL_SCANS, _LOCAL_LEAD = 3, 0.04
 _LEAD_GAIN = 0.35
+_LEAST_FIT = 0.28  # of fewer beams something that is not on the map makes as good a fit: boxes round the robot
+_PER_METRE = 0.2  # of quality, for a place nearer by a metre
 _LESS_AGREEMENT = -0.03  # a place that fits better although it agrees less fits by chance
 _START_SCANS = 30
 _BEATEN, _LONG_LEAD, _SURE_M = 0.08, 0.03, 2.0
@@ -56,6 +58,7 @@ class Hypotheses:
         main: The track that is believed, or the best of those that are not confirmed.
         others: Its rivals.
         confirmed: Whether `main` has been told apart from all others, or was given.
+        is_new: Whether `main` was found elsewhere, and what is near it has not been searched yet.
     """
 
     def __init__(self, field: MapField, settings: AmclSettings) -> None:
@@ -65,17 +68,30 @@ class Hypotheses:
         self.confirmed = True
         self._unsure = False  # whether a start that was wrong has left several places near it
         self._earned = False  # whether the main track has agreed with the map for long
+        self.is_new = False
 
     def start(self, pose: Pose2D, covariance: FloatArray, *, confirmed: bool) -> None:
         """Start over with one track."""
         self.main, self.others, self.confirmed = Track(pose, covariance), [], confirmed
-        self._unsure = False
-        self._earned = False
+        self._unsure = self._earned = self.is_new = False
 
     @property
     def tracks(self) -> list[Track]:
         """All tracks, the main one first."""
         return [self.main, *self.others]
+
+    def places(self) -> list[tuple[Track, float]]:
+        """Tracks that lie apart, best first, with the share of each; those near another count as its own."""
+        kept: list[tuple[Track, float]] = []
+        total = sum(max(track.score, 1e-3) for track in self.tracks)
+        for track in self.tracks:
+            share = max(track.score, 1e-3) / total
+            near = [index for index, (one, _) in enumerate(kept) if one.is_near(track.pose, _RIVAL_M, _RIVAL_RAD)]
+            if near:
+                kept[near[0]] = (kept[near[0]][0], kept[near[0]][1] + share)
+            else:
+                kept.append((track, share))
+        return [kept[0], *sorted(kept[1:], key=lambda one: -one[1])]
 
     def follow(self, motion: Motion) -> None:
         """Move all tracks by the odometry."""
@@ -129,16 +145,16 @@ class Hypotheses:
         if self._unsure and main.scans > _START_SCANS and main.travel > _SURE_M:
             self._unsure = any(not one.is_far and self._is_elsewhere(one) for one in self.others)
         self.others = [track for track in self.others if not self._is_beaten(track)]
-        for track in sorted(self.others, key=lambda one: -one.quality):
+        for track in sorted(self.others, key=self._order):
             if self._may_take_over(track):
                 was_far = track.is_far
                 if not was_far:
-                    self._unsure = self._unsure or (not self._earned and self.main.agreement < _HOPELESS)
+                    self._unsure = self._unsure or self._has_broken
                     track.broken = self.main.broken
                     track.usual_score = max(track.usual_score, self.main.usual_score)
                 self._take_over(track)
                 if was_far:
-                    self._earned = False
+                    self._earned, self._unsure, self.is_new = False, True, True
                     self.confirmed = not self._rivals(track)
                 return True
         if not self.confirmed:
@@ -149,7 +165,12 @@ class Hypotheses:
             rivals = self._rivals(main)
             if main.scans > 3 and main.travel >= _FAR_TRAVEL_M and main.score >= _FAR_SCORE and not rivals:
                 self.confirmed, self.others = True, []
+                self._unsure = self.is_new = True
         return False
+
+    def _order(self, track: Track) -> float:
+        """What rivals are tried by: a slip is rather short than long."""
+        return _PER_METRE * self.main.pose.distance_to(track.pose) * (not track.is_far) - track.quality
 
     def _is_beaten(self, track: Track) -> bool:
         if track.is_far:
@@ -163,6 +184,8 @@ class Hypotheses:
 
     def _may_take_over(self, track: Track) -> bool:
         if not track.is_far:
+            if track.usual < _LEAST_FIT:
+                return False
             if self._unsure and self._is_elsewhere(track):
                 return track.travel > _FAR_TRAVEL_M and track.usual_score > self.main.usual_score + _LONG_LEAD
             # Where the main track fits as ever, another place only looks alike: its wheels have not slipped.
