@@ -8,6 +8,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from trundle.errors import SensorWarning
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
@@ -34,6 +35,10 @@ class Beams:
 
     def __len__(self) -> int:
         return len(self.points)
+
+    def only(self, which: npt.NDArray[np.bool_]) -> Beams:
+        """Return some of them, by a mask (N,)."""
+        return Beams(np.ascontiguousarray(self.points[which]), np.ascontiguousarray(self.sensors[which]))
 
 
 class BeamPicker:

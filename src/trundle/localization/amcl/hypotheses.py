@@ -38,6 +38,7 @@ _RIVAL, _RIVAL_LATER, _LATER_M = 0.12, 0.05, 3.0
 
 _RIVAL_M, _RIVAL_RAD = 0.5, 0.35
 _HOPELESS = 0.4
+_CERTAIN = 0.85
 _DOUBT = 0.8  # of the usual agreement, below which the whole map is searched
 _BETTER = 0.1  # by which a place elsewhere agrees better, so that the state is ambiguous
 _CONTRADICTED = 0.1
@@ -99,7 +100,14 @@ class Hypotheses:
             track.follow(motion, self._settings)
 
     def compare(
-        self, beams: Beams, seconds: float, idea: Pose2D | None, targets: FloatArray | None, *, wide: bool
+        self,
+        beams: Beams,
+        seconds: float,
+        idea: Pose2D | None,
+        targets: FloatArray | None,
+        *,
+        wide: bool,
+        judged: Beams | None = None,
     ) -> None:
         """Match a scan from all tracks, and from one more pose, which becomes a track where it fits better."""
         tracks = self.tracks
@@ -108,7 +116,7 @@ class Hypotheses:
         starts, covariances = [track.pose for track in tracks], [track.covariance for track in tracks]
         if idea is not None:
             starts, covariances = [*starts, idea], [*covariances, _NEW]
-        found = match(self._field, beams, starts, covariances, self._settings, wide=wide, targets=targets)
+        found = match(self._field, beams, starts, covariances, self._settings, wide=wide, targets=targets, judged=judged)
         for track, one in zip(tracks, found, strict=False):
             update_score(track, one, seconds)
         for track in self.others:
@@ -240,6 +248,19 @@ class Hypotheses:
         if self._has_broken:
             low = max(low, _DOUBT * self.main.usual_score)
         return self._is_contradicted and self.main.score < low
+
+    @property
+    def is_certain(self) -> bool:
+        """Whether the main track has agreed with the map for long, and nothing says that it may be elsewhere."""
+        main = self.main
+        return (
+            self.confirmed
+            and self._earned
+            and not self._unsure
+            and main.broken is None
+            and min(main.score, main.usual_score) > _CERTAIN
+            and main.usual > _LEAST_FIT
+        )
 
     @property
     def _has_broken(self) -> bool:

@@ -144,8 +144,12 @@ def match(
     *,
     wide: bool,
     targets: FloatArray | None = None,
+    judged: Beams | None = None,
 ) -> list[Match]:
-    """Match a scan from several starts, each of which is its own prior; `targets` (N,) are those of the first."""
+    """Match a scan from several starts, each of which is its own prior; `targets` (N,) are those of the first.
+
+    `judged` are the beams that judge the poses, if not the same.
+    """
     poses = np.array([start.as_tuple() for start in starts])
     information = np.linalg.inv(np.array(covariances, dtype=np.float64)).astype(np.float64, copy=False)
     numbers = np.array((_WIDE_M if wide else _WIDTH_M, _WIDTH_M, settings.match_noise, MOST_INFORMATIVE, _ITERATIONS))
@@ -156,7 +160,7 @@ def match(
         field_.values, field_.resolution, field_.limit, beams.points, surfaces, poses, poses, information, numbers
     )
     spread = np.linalg.inv(known)
-    shares, pierced = agreements(field_, beams, found)
+    shares, pierced = agreements(field_, beams if judged is None else judged, found)
     count = float(len(beams))
     return [
         Match(Pose2D(*pose), 0.5 * (one + one.T), row[2] / count, share, through, row[4], row[5])
