@@ -49,6 +49,7 @@ class Track:
         fit: How near the beams' ends lie to surfaces, 0 to 1, at the last scan.
         lead: How much better it fits than the main track, on average over the last scans.
         agrees_more: The same of agreement alone.
+        recent: The fit on average over some tenths of a second.
         broken: Fit that it had when it fell at once: the robot may have been carried away. None while all is well.
         pierced: Share of beams that go through what the map draws, of those that agree or go through, likewise.
         scans: How many scans it has been compared with.

@@ -60,7 +60,7 @@ class UnseenSurfaces:
         return beams if seen.all() or seen.sum() < _FEWEST else beams.only(seen)
 
     def learn(self, beams: Beams, pose: Pose2D, travel: float) -> None:
-        """Take which surfaces beams went through, from a pose that is known well; `travel` is what it was driven [m]."""
+        """Take which surfaces beams went through, from a pose known well that was followed for `travel` [m]."""
         if abs(travel - self._travel) < _STEP_M:
             return
         self._travel = travel
@@ -85,8 +85,10 @@ class UnseenSurfaces:
                 self._unseen[y, x] = unseen & (self._occupied[y, x] != 0)
         self.any = self.any or bool(unseen.any())
 
-    def _cast(self, cells: npt.NDArray[np.uint8], beams: Beams, pose: Pose2D) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """How far each beam is free of some cells [m], its length [m], and where it meets the first, a little inside."""
+    def _cast(
+        self, cells: npt.NDArray[np.uint8], beams: Beams, pose: Pose2D
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """How far each beam is free of some cells [m], its length [m], and where it meets the first."""
         sensors, points = pose.transform_points(beams.sensors), pose.transform_points(beams.points)
         ways = points - sensors
         length = np.hypot(ways[:, 0], ways[:, 1])
