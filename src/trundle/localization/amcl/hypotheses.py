@@ -22,7 +22,7 @@ from trundle.observation import LocalizationState
 _SAME_M, _SAME_RAD = 0.08, 0.05  # tracks this near are one
 _LOCAL_SCANS, _LOCAL_LEAD = 3, 0.04
 _LEAD_GAIN = 0.35
-_GOOD = 0.8  # agreement of a start that is not given up for one that agrees alike
+_GOOD = 0.8  # agreement of a place that is not given up for one that agrees alike
 _LEAST_FIT, _FAR_FIT = 0.28, 0.4
 """Least fit of places nearby and elsewhere: boxes round the robot make as good a fit by chance."""
 
@@ -207,7 +207,8 @@ class Hypotheses:
             if self._earned and self._is_elsewhere(track) and track.travel < _FAR_TRAVEL_M:
                 return False  # no slip of wheels is that long
             # Where the main track fits as ever, another place only looks alike: its wheels have not slipped.
-            dropped = self._has_broken and (self._earned or self.main.score < _GOOD)
+            agreed = self.main.score if self._is_elsewhere(track) else self.main.agreement
+            dropped = self._has_broken and agreed < _GOOD
             return (
                 track.scans >= _LOCAL_SCANS
                 and track.lead > (_LOCAL_LEAD if dropped else _CLEAR_LEAD)
