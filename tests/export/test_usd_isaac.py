@@ -182,7 +182,9 @@ def test_a_world_for_isaac_sim_has_light_and_settings_of_its_physics(scene, tmp_
 def test_without_a_profile_there_is_none_of_it(scene, tmp_path):
     stage = scene_stage(scene)
     words = {name for prim in stage.Traverse() for name in prim.GetPropertyNames()}
-    assert not [name for name in words if name.startswith(("physxScene", "physxArticulation", "physxRigidBody", "physxContact"))]
+    assert not [
+        name for name in words if name.startswith(("physxScene", "physxArticulation", "physxRigidBody", "physxContact"))
+    ]
     assert not [prim for prim in stage.Traverse() if prim.HasAPI(UsdLux.LightAPI)]
     assert not robot_stage(scene.robot).GetDefaultPrim().HasAttribute("xformOp:translate")
 
