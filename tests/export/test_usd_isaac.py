@@ -76,7 +76,7 @@ def test_the_robot_stands_at_the_start_and_all_its_joints_hold_its_own_bodies(sc
     roots = [str(prim.GetPath()) for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.ArticulationRootAPI)]
     assert roots == ["/World/nova_carter/base_link"]
     joints = [prim for prim in stage.Traverse() if prim.IsA(UsdPhysics.Joint)]
-    assert len(joints) == 6
+    assert len(joints) == 7
     for joint in joints:
         for end in (UsdPhysics.Joint(joint).GetBody0Rel(), UsdPhysics.Joint(joint).GetBody1Rel()):
             (body,) = end.GetTargets()
@@ -132,6 +132,13 @@ def test_every_body_leaves_solids_slowly_and_reports_its_contacts(name, tmp_path
         assert {"PhysxRigidBodyAPI", "PhysxContactReportAPI"} <= set(schemas), prim.GetPath()
         assert prim.GetAttribute("physxRigidBody:maxDepenetrationVelocity").Get() == pytest.approx(0.1)
         assert prim.GetAttribute("physxContactReport:threshold").Get() == 0.0
+
+
+def test_the_spring_of_the_casters_frame_has_no_limits_that_physx_cannot_keep(tmp_path):
+    stage = Usd.Stage.Open(str(export_robot(Robot.load("nova_carter"), tmp_path / "robot.usd", profile="isaac")))
+    joint = UsdPhysics.RevoluteJoint(stage.GetPrimAtPath("/nova_carter/joints/joint_caster_base"))
+    assert (joint.GetLowerLimitAttr().Get(), joint.GetUpperLimitAttr().Get()) == (-math.inf, math.inf)
+    assert UsdPhysics.DriveAPI.Get(joint.GetPrim(), "angular").GetStiffnessAttr().Get() == pytest.approx(100.0)
 
 
 @pytest.mark.parametrize("name", robot_names())
