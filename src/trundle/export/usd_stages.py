@@ -148,8 +148,8 @@ class _Writer:
         joint = UsdPhysics.RevoluteJoint.Define(self.stage, path)
         joint.CreateAxisAttr(_axis(model.jnt_axis[index]) or "X")
         prim = joint.GetPrim()
-        # PhysX's own schemas are not in usd-core; their attributes can still be written. PhysX of Isaac Sim 6 reads only
-        # those of the axis: without armature the casters chatter, and a spin's rate varies by a tenth.
+        # PhysX's own schemas are not in usd-core; their attributes can still be written. PhysX of Isaac Sim 6 reads
+        # only those of the axis: without armature the casters chatter, and a spin's rate varies by a tenth.
         prim.AddAppliedSchema("PhysxJointAPI")
         prim.AddAppliedSchema("PhysxJointAxisAPI:angular")
         degree_of_freedom = int(model.jnt_dofadr[index])
