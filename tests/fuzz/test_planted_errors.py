@@ -207,6 +207,7 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "beams of a scan": ("localization", fuzz_localization, "pick_beams", part(1, lambda sensors: sensors + 1e-3)),
     "surfaces that are expected": ("localization", fuzz_localization, "expect_surfaces", one_more),
     "surfaces that are learned": ("localization", fuzz_localization, "learn_surfaces", learned_twice),
+    "places on a map": ("localization", fuzz_localization, "search_poses", part(1, lambda scores: scores + 1.0)),
     "peak of particles": ("localization", fuzz_localization, "peak_particle", scaled(1e-3)),
     "pictures": ("zbuffer", fuzz_zbuffer, "draw_triangles", part(1, lambda depths: depths * 1.001)),
     "row filters": ("png_filter", fuzz_png_filter, "png_unfilter", last_cell_changed),
