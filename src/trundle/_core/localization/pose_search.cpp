@@ -285,8 +285,8 @@ nb::tuple search_poses(In<std::uint8_t, 2> table, In<std::uint8_t, 2> allowed, d
     };
     const std::int32_t low[2] = {cell(w[0], cols), cell(w[2], rows)}, high[2] = {cell(w[1], cols), cell(w[3], rows)};
     const std::int32_t widest = std::max(high[0] - low[0], high[1] - low[1]) + 1;
-    int levels = 1;
-    while (levels < kMostLevels && (std::int32_t{1} << levels) <= widest) ++levels;
+    int levels = 1;  // a few roots on each side of a small window: each level costs a pass over the table
+    while (levels < kMostLevels && (std::int32_t{4} << levels) <= widest) ++levels;
     const auto turns = static_cast<std::int32_t>(std::max(1.0, std::ceil((w[5] - w[4]) / s[0] + 0.5)));
     std::vector<Turned> turned(static_cast<std::size_t>(turns));
     std::vector<double> yaws;

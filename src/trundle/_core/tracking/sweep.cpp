@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "shared/bearing.hpp"
+
 namespace trundle::tracking {
 namespace {
 
@@ -33,7 +35,7 @@ double apart(double a, double b) {
 
 // Any angle as one of 0 to 1 turn; 0 for what is no number.
 double wrapped(double angle) {
-  double rest = std::fmod(angle, kTurn);
+  double rest = std::abs(angle) < kTurn ? angle : std::fmod(angle, kTurn);  // which is exact, and slow
   if (rest < 0.0) {
     rest += kTurn;
   }
@@ -64,7 +66,7 @@ Sight View::judge(Point point, double margin) const {
     return Sight::kNothing;
   }
   const double dx = point.x - sensor.x, dy = point.y - sensor.y;
-  const double bearing = turned(std::atan2(dy, dx) - zero + kTie);
+  const double bearing = turned(bearing_of(dy, dx) - zero + kTie);
   if (!std::isfinite(bearing)) {
     return Sight::kNothing;
   }
@@ -95,7 +97,7 @@ bool View::faces(Point point) const {
   if (bearings.empty()) {
     return false;
   }
-  const double bearing = turned(std::atan2(point.y - sensor.y, point.x - sensor.x) - zero + kTie);
+  const double bearing = turned(bearing_of(point.y - sensor.y, point.x - sensor.x) - zero + kTie);
   return bearing <= bearings.back() + kOffBeam * spacing || bearing >= kTurn - kOffBeam * spacing;
 }
 
@@ -147,7 +149,7 @@ void Sweep::take(const Scan &scan, double max_range, const std::vector<Point> &b
     bearing_[i] = direction, range_[i] = reach;
     if (scan.pose_count > 1) {
       const double dx = end_[i].x - view.sensor.x, dy = end_[i].y - view.sensor.y;
-      bearing_[i] = std::atan2(dy, dx), range_[i] = std::sqrt(dx * dx + dy * dy);
+      bearing_[i] = bearing_of(dy, dx), range_[i] = std::sqrt(dx * dx + dy * dy);
     }
   }
   order(scan, view);
