@@ -78,7 +78,7 @@ class SensedPoints:
     """
 
     def __init__(self, footprint: Footprint) -> None:
-        self._body = Edges(footprint).sides + (0.0, 0.0, _BODY_M)
+        self._body = np.add(Edges(footprint).sides, (0.0, 0.0, _BODY_M))
         self._poses = PoseBuffer()
         self._lone = LoneHits()
         self.clear()
