@@ -14,6 +14,7 @@ constexpr double kHalfTurn = 3.14159265358979323846;
 constexpr double kTurn = 2.0 * kHalfTurn;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::ptrdiff_t kAside = 2;   // beams that are looked at on both sides
+constexpr double kAcross = 0.7;  // of the margin, across beams that see past a point
 constexpr double kOffBeam = 1.01;      // spacings that a point may be off the nearest beam
 constexpr double kTie = 1e-9;          // so that the first beam's own direction is not a whole turn
 constexpr double kGrazing = kHalfTurn / 18.0;
@@ -79,18 +80,22 @@ Sight View::judge(Point point, double margin) const {
     }
   }
   const double distance = std::sqrt(dx * dx + dy * dy);
-  if (through[beam] > distance + margin) {
-    return Sight::kThrough;
+  const bool sees_past = through[beam] > distance + margin;
+  // The noise of a hit that was seen from elsewhere lies across these beams: close to the sensor it crosses many of them.
+  const double near = (sees_past ? kAcross : 1.0) * margin + 0.5 * spacing * distance;
+  std::ptrdiff_t aside = kAside;
+  if (sees_past) {
+    const double across = std::ceil(near / (spacing * distance)), most = 0.5 * static_cast<double>(beams);
+    aside = std::max(aside, static_cast<std::ptrdiff_t>(across < most ? across : most));
   }
-  const double near = margin + 0.5 * spacing * distance;
-  for (std::ptrdiff_t index = beam - kAside; index <= beam + kAside; ++index) {
+  for (std::ptrdiff_t index = beam - aside; index <= beam + aside; ++index) {
     const Point &end = ends[index >= 0 && index < beams ? index : around(index, beams)];
     const double ex = end.x - point.x, ey = end.y - point.y;
     if (ex * ex + ey * ey < near * near) {
       return Sight::kThere;
     }
   }
-  return Sight::kNothing;
+  return sees_past ? Sight::kThrough : Sight::kNothing;
 }
 
 bool View::faces(Point point) const {
