@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from trundle.errors import InputError, SensorWarning
-from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry import FloatArray, Pose2D, wrap_angle
 from trundle.localization.amcl.beams import BeamPicker, Beams
 from trundle.localization.amcl.hypotheses import Hypotheses
 from trundle.localization.amcl.map_field import MapField
@@ -123,7 +123,8 @@ class AmclLocalizer(Localizer):
         self._tracks.start(pose, covariance, confirmed=confirmed)
         self._cloud.spread([pose], [covariance], [1.0])
         self._started = _deviations(covariance)
-        self._odometry: Pose2D | None = None  # at the last update
+        self._odometry: Pose2D | None = None  # up to which tracks and particles are moved
+        self._matched: Pose2D | None = None  # odometry at the last scan that was used
         self._time = 0.0  # of the last update
         self._surfaces.clear()
         self._unseen.clear()
@@ -149,7 +150,8 @@ class AmclLocalizer(Localizer):
         if self._odometry is None:
             self._odometry, self._time = observation.odometry, observation.time
         motion = self._bias.corrected(Motion.between(self._odometry, observation.odometry))
-        beams = self._picker.pick(observation) if observation.scans and self._is_due(motion) else None
+        due = observation.scans and self._is_due(observation.odometry)
+        beams = self._picker.pick(observation) if due else None
         if beams is None or len(beams) < _FEW_BEAMS:
             if motion.travel > _BLIND_M:  # the next scan is far: a long motion is no single turn and distance
                 self._tracks.follow(motion)
@@ -159,13 +161,16 @@ class AmclLocalizer(Localizer):
             return self._report(observation, motion)
         self._take(beams, motion, observation.time)
         self._odometry, self._time = observation.odometry, observation.time
+        self._matched = observation.odometry
         return self._report(observation, None)
 
-    def _is_due(self, motion: Motion) -> bool:
-        settings = self.settings
-        if settings.update_min_d == settings.update_min_a == 0.0 or not self._settled:
+    def _is_due(self, odometry: Pose2D) -> bool:
+        """Whether the robot has moved enough since the last scan that was used, by the settings."""
+        settings, last = self.settings, self._matched
+        if settings.update_min_d == settings.update_min_a == 0.0 or not self._settled or last is None:
             return True
-        return abs(motion.distance) >= settings.update_min_d or abs(motion.delta.yaw) >= settings.update_min_a
+        turned = abs(wrap_angle(odometry.yaw - last.yaw))
+        return odometry.distance_to(last) >= settings.update_min_d or turned >= settings.update_min_a
 
     def _bridge_jump(self, observation: Observation) -> None:
         """Go on where the robot was, less certain: how it moved is not known."""

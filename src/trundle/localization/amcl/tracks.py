@@ -152,19 +152,18 @@ def match(
     `judged` are the beams that judge the poses, if not the same.
     """
     poses = np.array([start.as_tuple() for start in starts])
-    information = np.linalg.inv(np.array(covariances, dtype=np.float64)).astype(np.float64, copy=False)
     numbers = np.array((_WIDE_M if wide else _WIDTH_M, _WIDTH_M, settings.match_noise, MOST_INFORMATIVE, _ITERATIONS))
     surfaces = np.zeros((len(poses), len(beams)))
     if targets is not None:
         surfaces[0] = targets
-    found, known, told = match_scan(
-        field_.values, field_.resolution, field_.limit, beams.points, surfaces, poses, poses, information, numbers
+    found, spread, told = match_scan(
+        *(field_.values, field_.resolution, field_.limit, beams.points, surfaces),
+        *(poses, poses, np.array(covariances, dtype=np.float64), numbers),
     )
-    spread = np.linalg.inv(known)
     shares, pierced = agreements(field_, beams if judged is None else judged, found)
     count = float(len(beams))
     return [
-        Match(Pose2D(*pose), 0.5 * (one + one.T), row[2] / count, share, through, row[4], row[5])
+        Match(Pose2D(*pose), one, row[2] / count, share, through, row[4], row[5])
         for pose, one, row, share, through in zip(
             found.tolist(), spread, told.tolist(), shares.tolist(), pierced.tolist(), strict=True
         )
@@ -184,7 +183,8 @@ def agreements(
     step = -(-len(beams) // _JUDGED)
     sensors, points = np.ascontiguousarray(beams.sensors[::step]), np.ascontiguousarray(beams.points[::step])
     verdicts = judge_beams(field_.values, field_.resolution, sensors, points, poses, tolerance, _DEPTH_M)
-    agree, short, through = ((verdicts == kind).sum(axis=1) for kind in range(3))
+    counts = [[row.count(kind) for kind in range(3)] for row in map(bytes, verdicts)]
+    agree, short, through = np.array(counts, dtype=np.float64).reshape(-1, 3).T
     fewest = _FEWEST * len(points)
     shares = agree / np.maximum(agree + _CONTRADICTION * np.minimum(short, through), fewest)
     return shares, through / np.maximum(agree + through, fewest)
