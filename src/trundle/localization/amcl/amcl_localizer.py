@@ -24,7 +24,6 @@ from trundle.localization.amcl.particle_cloud import ParticleCloud
 from trundle.localization.amcl.search import search_map, search_near
 from trundle.localization.amcl.seen_surfaces import SeenSurfaces
 from trundle.localization.amcl.settings import AmclSettings
-from trundle.localization.amcl.unseen_surfaces import UnseenSurfaces
 from trundle.localization.localizer import Localizer, check_covariance
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import OCCUPIED_FROM
@@ -73,7 +72,6 @@ class AmclLocalizer(Localizer):
         self._cloud = ParticleCloud(self._field, self.settings)
         self._bias = OdometryBias()
         self._surfaces = SeenSurfaces(self._field)
-        self._unseen = UnseenSurfaces(self._field)
         self._tracks = Hypotheses(self._field, self.settings)
         rows, cols = self._field.shape
         middle = Pose2D(0.5 * cols * self._field.resolution, 0.5 * rows * self._field.resolution)
@@ -127,7 +125,6 @@ class AmclLocalizer(Localizer):
         self._matched: Pose2D | None = None  # odometry at the last scan that was used
         self._time = 0.0  # of the last update
         self._surfaces.clear()
-        self._unseen.clear()
         self._bias.clear()
         self._settled = False  # whether the start has been looked at
         self._next_near = self._next_map = -math.inf
@@ -189,14 +186,11 @@ class AmclLocalizer(Localizer):
         seconds = time - self._time
         wide = not self._settled or tracks.main.agreement < _WORSE
         if tracks.confirmed or tracks.main.scans:
-            judged = self._unseen.judging(beams, expected) if tracks.confirmed else beams
-            targets = self._surfaces.targets(beams, expected) if tracks.confirmed else None
+            targets = self._surfaces.targets(beams, tracks.main.pose) if tracks.confirmed else None
             idea = cloud.best() if tracks.confirmed else None
-            tracks.compare(beams, seconds, idea=idea, targets=targets, wide=wide, judged=judged)
+            tracks.compare(beams, seconds, idea=idea, targets=targets, wide=wide)
         self._search(beams, time)
         if tracks.decide() or not tracks.confirmed:
-            if not tracks.main.is_near(before.pose, _NEAR_M, math.pi):
-                self._unseen.clear()  # it was learnt from another place
             self._spread_particles()
         else:
             cloud.resample(tracks.main.pose)
@@ -205,16 +199,12 @@ class AmclLocalizer(Localizer):
             self._bias.learn(motion, expected.inverse() @ main.pose)
             if main.scans % _LEARN_EVERY == 0:
                 self._surfaces.learn(beams, main.pose, main.distance, main.independent)
-                if tracks.is_certain:
-                    self._unseen.learn(beams, main.pose, main.travel)
 
     def _search(self, beams: Beams, time: float) -> None:
         tracks, field = self._tracks, self._field
         main = tracks.main
-        worse = not self._settled or tracks.is_new or main.agreement < _WORSE
-        if tracks.confirmed and time >= self._next_near and worse:
+        if tracks.confirmed and time >= self._next_near and (not self._settled or main.agreement < _WORSE):
             metres, radians = (_NEAR_M, _NEAR_RAD) if self._settled else self._start_window()
-            tracks.is_new = False
             found = search_near(field, beams, main.pose, metres, radians)
             tracks.propose(beams, found, is_far=False)
             self._settled = True
@@ -228,6 +218,7 @@ class AmclLocalizer(Localizer):
                 tracks.start(found[0], _JUMP, confirmed=False)
                 tracks.compare(beams, 0.0, idea=None, targets=None, wide=True)
             tracks.propose(beams, found, is_far=True)
+            tracks.note_search()
             self._next_map = time + self._map_wait
             self._map_wait = min(_MAP_SELDOM_S, 1.3 * self._map_wait)
 

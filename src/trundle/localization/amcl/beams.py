@@ -8,7 +8,6 @@ from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from trundle._core import pick_beams
 from trundle.errors import SensorWarning
@@ -36,10 +35,6 @@ class Beams:
 
     def __len__(self) -> int:
         return len(self.points)
-
-    def only(self, which: npt.NDArray[np.bool_]) -> Beams:
-        """Return some of them, by a mask (N,)."""
-        return Beams(np.ascontiguousarray(self.points[which]), np.ascontiguousarray(self.sensors[which]))
 
 
 class BeamPicker:
