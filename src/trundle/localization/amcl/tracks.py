@@ -161,7 +161,7 @@ def agreements(field_: MapField, beams: Beams, poses: FloatArray) -> list[tuple[
     agree, short, through = np.array(counts, dtype=np.float64).reshape(-1, 3).T
     fewest = _FEWEST * len(points)
     shares = agree / np.maximum(agree + through + _SHORT_COUNTS * short, fewest)
-    excused = agree / np.maximum(agree + _BOTH_COUNT * np.minimum(short, through), fewest)
+    excused = np.maximum(shares, agree / np.maximum(agree + _BOTH_COUNT * np.minimum(short, through), fewest))
     pierced = through / np.maximum(agree + through, _FEWEST_TO_CONTRADICT * len(points))
     return list(zip(shares.tolist(), excused.tolist(), pierced.tolist(), strict=True))
 
