@@ -30,7 +30,7 @@ def main(arguments: Sequence[str]) -> int:
         help="is_running() is false after N simulated seconds (120)",
     )  # fmt: skip
     parser.add_argument(
-        "--timeout", type=_positive, default=1800.0, metavar="N", help="end the script after N seconds (1800)"
+        "--timeout", type=_positive, default=900.0, metavar="N", help="end the script after N seconds (900)"
     )
     parser.add_argument(
         "--api", type=int, choices=(5, 6), default=6, help="5: leave out the classes that Isaac Sim 5.1 lacks"

@@ -5,11 +5,12 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from pxr import Gf, Usd, UsdGeom, UsdLux, UsdPhysics
+from pxr import Usd, UsdGeom, UsdLux
 
 from trundle.export.usd import export_robot
 from trundle.robots import Robot
 from trundle.sim.isaac.assets import ENVIRONMENTS, ROBOTS
+from trundle.testing.isaac.stage import add_ground_plane
 from trundle.usd.write import write_world
 from trundle.worlds import World
 
@@ -37,15 +38,7 @@ def write_ground(path: Path) -> None:
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
     stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, "/World").GetPrim())
     UsdLux.DistantLight.Define(stage, "/World/defaultDistantLight").CreateIntensityAttr(1000.0)
-    UsdGeom.Xform.Define(stage, "/World/GroundPlane")
-    plane = UsdGeom.Plane.Define(stage, "/World/GroundPlane/CollisionPlane")
-    plane.CreateAxisAttr(UsdGeom.Tokens.z)
-    plane.CreatePurposeAttr(UsdGeom.Tokens.guide)
-    UsdPhysics.CollisionAPI.Apply(plane.GetPrim())
-    grid = UsdGeom.Mesh.Define(stage, "/World/GroundPlane/CollisionMesh")
-    grid.CreatePointsAttr([Gf.Vec3f(x, y, 0.0) for x, y in ((-50, -50), (50, -50), (50, 50), (-50, 50))])
-    grid.CreateFaceVertexCountsAttr([4])
-    grid.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
+    add_ground_plane(stage, "/World/GroundPlane")
     stage.GetRootLayer().Save()
 
 

@@ -106,7 +106,9 @@ def _tell() -> None:
     module = sys.modules.get("trundle.testing.isaac.nothing")
     called = [name for name in getattr(module, "called", ()) if not name.startswith(QUIET)]
     if called:
-        _end(f"without Isaac Sim these calls did nothing: {', '.join(called)}")
+        # What was called of what came of a call is not said again.
+        first = dict.fromkeys(name.partition("()")[0] for name in called)
+        _end(f"without Isaac Sim these calls do nothing: {', '.join(first)}")
 
 
 QUIET = (

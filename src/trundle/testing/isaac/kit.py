@@ -9,8 +9,10 @@ import sys
 import types
 import weakref
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
+from trundle.testing.isaac.modules import extension_paths
 from trundle.testing.isaac.nothing import Nothing
 
 STOPPED = "omni.timeline.stop"
@@ -112,7 +114,8 @@ class Settings:
         """Set a value."""
         self._values[path.strip("/")] = value
 
-    set_bool = set_int = set_float = set_string = set_default = set
+    set_bool = set_int = set_float = set_string = set
+    set_default = set_default_bool = set_default_int = set_default_float = set_default_string = set
 
     def get_as_bool(self, path: str) -> bool:
         """Return a value as bool."""
@@ -200,6 +203,15 @@ class Extensions:
         except ModuleNotFoundError:
             return False
 
+    def get_enabled_extension_id(self, name: str) -> str:
+        """Return the identifier of an extension: its name."""
+        return name
+
+    def get_extension_path(self, name: str) -> str:
+        """Return the folder of an extension of NVIDIA's wheels; empty for one of Kit."""
+        found = (Path(path).parent for path in extension_paths())
+        return next((str(folder) for folder in found if folder.name == name), "")
+
     def __getattr__(self, name: str) -> Nothing:
         return getattr(Nothing("omni.kit.app.IExtensionManager"), name)
 
@@ -239,7 +251,7 @@ class App:
         self.closed = False
         self.rendering_dt = 1.0 / 60.0
         self._left = 0.0
-        self._updates_after_end = 0
+        self._idle = 0
         self.step: Callable[[float], None] = lambda _: None
         self.physics_dt: Callable[[], float] = lambda: 1.0 / 60.0
         self.synchronize: Callable[[], None] = lambda: None
@@ -250,22 +262,26 @@ class App:
         return not self.closed and self.simulated < self.seconds - 1e-9
 
     def count(self, dt: float) -> None:
-        """Count simulated time.
+        """Count a physics step.
 
         Raises:
             EndedError: If the script has gone on for long without asking whether the application runs.
         """
-        self.simulated += dt
+        self._idle = 0
         self.timeline.time += dt
+        self._count(dt)
+
+    def _count(self, dt: float) -> None:
+        self.simulated += dt
         if self.simulated > 10.0 * self.seconds + 60.0:
             raise EndedError
 
     def update(self) -> None:
         """Run the loop once: as many physics steps as fit into a frame while it plays, then the subscribers."""
-        if not self.is_running():
-            self._updates_after_end += 1
-            if self._updates_after_end > 100_000:
-                raise EndedError
+        self._idle += 1
+        if self._idle > 1:
+            # A script that only draws has to end as well; one frame between steps takes no time.
+            self._count(self.rendering_dt)
         if self.timeline.is_playing() and self.settings.get_as_bool("/app/player/playSimulations"):
             dt = self.physics_dt()
             self._left += self.rendering_dt

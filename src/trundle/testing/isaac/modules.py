@@ -65,7 +65,8 @@ class Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     ) -> importlib.machinery.ModuleSpec | None:
         """Find a module."""
         top = fullname.partition(".")[0]
-        if not self.started and (top in _NEEDS_APPLICATION or fullname.startswith("isaacsim.")):
+        early = "omni.isaac.kit".startswith(fullname)
+        if not self.started and not early and (top in _NEEDS_APPLICATION or fullname.startswith("isaacsim.")):
             raise ModuleNotFoundError(
                 f"No module named {fullname!r}: it can only be imported after SimulationApp is created", name=fullname
             )

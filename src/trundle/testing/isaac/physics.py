@@ -48,6 +48,7 @@ class Engine:
         self._app, self._context = app, context
         # It would like a Warp without CUDA.
         warnings.filterwarnings("ignore", message="ovphysx is in CPU-only mode")
+        ovphysx.set_log_level(ovphysx.LogLevel.ERROR)
         PhysX.set_cpu_mode(True)
         ovphysx.set_global_config(ovphysx.GlobalConfigKey.NUM_THREADS, 0)
         self._physx = PhysX()
@@ -62,6 +63,7 @@ class Engine:
         self._numbers: dict[str, int] = {}
         self._names: list[str] = []
         self._changed = self._writing = False
+        self._moved: Sdf.Layer | None = None
         self.runs = 0
         self.steps = 0
         context.watchers.append(self._watch)
@@ -90,6 +92,7 @@ class Engine:
         file.unlink()
         self._paths = ovstage.PathDictionary(self._stage)
         self._known: dict[int, str] = {}
+        self._frames = {path: _frame(stage, path, self._bodies) for path in self._bodies}
         self._poses = self.bind(self._bodies, TensorType.RIGID_BODY_POSE) if self._bodies else None
         self._changed = False
 
@@ -155,23 +158,26 @@ class Engine:
             return
         poses = np.zeros(self._poses.shape, np.float32)
         self._poses.read(poses)
+        world = dict(zip(self._poses.prim_paths, map(_matrix, poses.tolist()), strict=True))
         layer = self._results(stage)
         with self._quietly(), Sdf.ChangeBlock():
-            for path, (x, y, z, qx, qy, qz, qw) in zip(self._poses.prim_paths, poses.tolist(), strict=True):
-                prim = stage.GetPrimAtPath(path)
-                if not prim:
+            for path, (above, between, scale) in self._frames.items():
+                if path not in world or not stage.GetPrimAtPath(path):
                     continue
-                scale = Gf.Vec3d(*(v.GetLength() for v in UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(0).ExtractRotationMatrix()))
-                matrix = Gf.Matrix4d().SetScale(scale) * Gf.Matrix4d().SetRotate(Gf.Quatd(qw, qx, qy, qz))
-                matrix.SetTranslateOnly(Gf.Vec3d(x, y, z))
-                spec = Sdf.CreatePrimInLayer(layer, path)
-                name = f"{path}.xformOp:transform:physics"
-                attribute = layer.GetAttributeAtPath(name)
-                if attribute is None:
-                    attribute = Sdf.AttributeSpec(spec, "xformOp:transform:physics", Sdf.ValueTypeNames.Matrix4d)
-                    order = Sdf.AttributeSpec(spec, "xformOpOrder", Sdf.ValueTypeNames.TokenArray, Sdf.VariabilityUniform)
-                    order.default = ["!resetXformStack!", "xformOp:transform:physics"]
-                attribute.default = matrix
+                local = world[path] * (between * world.get(above, Gf.Matrix4d(1.0))).GetInverse()
+                prim = Sdf.CreatePrimInLayer(layer, path)
+                values = {
+                    "xformOp:translate": (Sdf.ValueTypeNames.Double3, local.ExtractTranslation()),
+                    "xformOp:orient": (Sdf.ValueTypeNames.Quatd, local.RemoveScaleShear().ExtractRotationQuat()),
+                    "xformOp:scale": (Sdf.ValueTypeNames.Double3, scale),
+                }
+                for name, (kind, value) in values.items():
+                    given = prim.attributes.get(name) or Sdf.AttributeSpec(prim, name, kind)
+                    given.default = value
+                order = prim.attributes.get("xformOpOrder") or Sdf.AttributeSpec(
+                    prim, "xformOpOrder", Sdf.ValueTypeNames.TokenArray, Sdf.VariabilityUniform
+                )
+                order.default = list(values)
 
     def contact_report(self) -> tuple[list[types.SimpleNamespace], list[types.SimpleNamespace]]:
         """Return what touches since the last step: headers and points, as omni.physx does."""
@@ -231,7 +237,10 @@ class Engine:
             return [path for group in result.groups for path in self._paths.get_path_strings(group.prim_list)]
 
     def _results(self, stage: Usd.Stage) -> Sdf.Layer:
-        return stage.GetSessionLayer()
+        if self._moved is None or self._moved.identifier not in stage.GetSessionLayer().subLayerPaths:
+            self._moved = Sdf.Layer.CreateAnonymous("moved.usda")
+            stage.GetSessionLayer().subLayerPaths.insert(0, self._moved.identifier)
+        return self._moved
 
     @contextmanager
     def _quietly(self) -> Iterator[None]:
@@ -308,24 +317,29 @@ class Engine:
         }  # fmt: skip
 
     def _query(self, *, prim_id: int, articulation_fn: Callable[[Any], None], **_: object) -> None:
-        """Describe an articulation of the stage, before there is physics."""
-        from isaacsim.core.experimental.prims.impl import _usd_articulation
-
+        """Describe an articulation of the stage, before there is physics: its bodies, from the root outwards."""
         stage = self._context.get_stage()
-        links, joints, dofs, _ = _usd_articulation._query_articulation_metadata_from_usd(stage, str(self.name(prim_id)))
-        # Joints of the tree, one for each link but the root, which comes first.
-        rows = itertools.zip_longest(links, [None, *joints])
-        articulation_fn(
+        joints = [UsdPhysics.Joint(prim) for prim in stage.Traverse() if prim.IsA(UsdPhysics.Joint)]
+        ends = {
+            number: [str(body.GetTargets()[0]) if body.GetTargets() else "" for body in (joint.GetBody0Rel(), joint.GetBody1Rel())]
+            for number, joint in enumerate(joints)
+        }  # fmt: skip
+        reached = {str(self.name(prim_id)): UsdPhysics.Joint()}
+        for body in (queue := list(reached)):
+            # Those of one body come by the names of the next, as PhysX has them.
+            beside = [(pair[1 - pair.index(body)], number) for number, pair in enumerate(ends.values()) if body in pair]
+            for other, number in sorted(beside):
+                if other and other not in reached:
+                    reached[other] = joints[number]
+                    queue.append(other)
+        links = [
             types.SimpleNamespace(
-                links=[
-                    types.SimpleNamespace(
-                        rigid_body=link, rigid_body_name=link or "", joint=joint, joint_name=joint or "",
-                        joint_dof=int(joint in dofs),
-                    )
-                    for link, joint in rows
-                ]
+                rigid_body=True, rigid_body_name=body, joint=bool(joint), joint_name=str(joint.GetPath()) if joint else "",
+                joint_dof=int(bool(joint) and not joint.GetPrim().IsA(UsdPhysics.FixedJoint)),
             )
-        )  # fmt: skip
+            for body, joint in reached.items()
+        ]  # fmt: skip
+        articulation_fn(types.SimpleNamespace(links=links))
 
 
 class PhysicsScenes:
@@ -333,7 +347,7 @@ class PhysicsScenes:
 
     def __init__(self, app: App, context: Context, engine: Engine) -> None:
         self._app, self._context, self._engine = app, context, engine
-        self._next = itertools.count()
+        self._own = itertools.count(-1, -1)
         self._last = 0
         self.reset()
         context.watchers.append(self._watch)
@@ -341,7 +355,7 @@ class PhysicsScenes:
     def reset(self) -> None:
         """Forget the callbacks."""
         self._added: list[Callable[[str], None]] = []
-        self._deleted: list[Callable[[str], None]] = []
+        self._deleted: dict[int, Callable[[str], None]] = {}
 
     def register_physics_scene_addition_callback(self, function: Callable[[str], None]) -> None:
         """Call a function with the path of each physics scene, of those that are there too."""
@@ -352,8 +366,8 @@ class PhysicsScenes:
                 function(str(prim.GetPath()))
 
     def register_deletion_callback(self, function: Callable[[str], None]) -> None:
-        """Call a function with the path of each prim that is removed."""
-        self._deleted.append(function)
+        """Call a function with the path of each prim that is removed; its number is that of the next callback."""
+        self._deleted[next(self._own) if function.__name__ == "remove_physics_scene" else self._last] = function
 
     def cleanup_invalid_physics_scenes(self) -> list[str]:
         """Return the scenes that are gone: those that are removed are told of at once."""
@@ -383,9 +397,9 @@ class PhysicsScenes:
         """Set the next callback's number."""
         self._last = value
 
-    def deregister_callback(self, _: int) -> bool:
-        """Whether a callback of this number was here: they are forgotten by `reset`."""
-        return True
+    def deregister_callback(self, number: int) -> bool:
+        """Forget a callback for deletions: whether there was one of this number."""
+        return self._deleted.pop(number, None) is not None
 
     def scene(self, path: str) -> types.SimpleNamespace:
         """Return the physics scene at a path, which is made where there is none."""
@@ -406,7 +420,7 @@ class PhysicsScenes:
                 continue
             prim = stage.GetPrimAtPath(path)
             if not prim:
-                for function in list(self._deleted):
+                for function in list(self._deleted.values()):
                     self._call(function, str(path))
                 continue
             for part in Usd.PrimRange(prim):
@@ -418,7 +432,25 @@ class PhysicsScenes:
         try:
             function(path)
         except ReferenceError:
-            self._deleted.remove(function)
+            self._deleted = {number: kept for number, kept in self._deleted.items() if kept is not function}
+
+
+def _frame(stage: Usd.Stage, path: str, bodies: list[str]) -> tuple[str, Gf.Matrix4d, Gf.Vec3d]:
+    """The nearest body above a body, the transform from its parent to that (or to the world), and its scale."""
+    body = stage.GetPrimAtPath(path)
+    parent = body.GetParent()
+    above = next((name for name in map(str, Sdf.Path(path).GetParentPath().GetPrefixes()[::-1]) if name in bodies), "")
+    between = UsdGeom.Xformable(parent).ComputeLocalToWorldTransform(0) if parent.IsA(UsdGeom.Xformable) else Gf.Matrix4d(1.0)
+    if above:
+        between *= UsdGeom.Xformable(stage.GetPrimAtPath(above)).ComputeLocalToWorldTransform(0).RemoveScaleShear().GetInverse()
+    local = UsdGeom.Xformable(body).GetLocalTransformation()
+    return above, between, Gf.Vec3d(*(local.GetRow3(axis).GetLength() for axis in range(3)))
+
+
+def _matrix(pose: list[float]) -> Gf.Matrix4d:
+    x, y, z, qx, qy, qz, qw = pose
+    matrix = Gf.Matrix4d().SetRotate(Gf.Quatd(qw, qx, qy, qz))
+    return matrix.SetTranslateOnly(Gf.Vec3d(x, y, z))
 
 
 def _moves(prim: Usd.Prim) -> bool:

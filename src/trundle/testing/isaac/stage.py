@@ -8,7 +8,7 @@ import types
 from collections.abc import Callable
 from typing import Any, Literal
 
-from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdUtils
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils
 
 from trundle.testing.isaac.kit import Event, Events
 from trundle.testing.isaac.nothing import Nothing
@@ -94,6 +94,8 @@ class Context:
     def _open(self, stage: Usd.Stage) -> bool:
         self._close()
         self._stage = stage
+        with Usd.EditContext(stage, stage.GetSessionLayer()):
+            UsdGeom.Camera.Define(stage, "/OmniverseKit_Persp")
         UsdUtils.StageCache.Get().Insert(stage)
         self._notices = Tf.Notice.Register(Usd.Notice.ObjectsChanged, lambda notice, _: self._tell(notice), stage)
         self._send(StageEvent.OPENED)
@@ -154,6 +156,8 @@ class Context:
                 keys["stage"].GetPrimAtPath(keys["prim_path"]).GetReferences().AddReference(keys["reference"])
             elif name == "ChangeProperty":
                 context.get_stage().GetPropertyAtPath(str(keys["prop_path"])).Set(keys["value"])
+            elif name == "CreateMdlMaterialPrim":
+                _add_material(context.get_stage(), str(keys["mtl_path"]), keys["mtl_url"], keys["mtl_name"])
             else:
                 Nothing(f"omni.kit.commands.execute({name!r})")()
             return Nothing("omni.kit.commands")
@@ -165,6 +169,7 @@ class Context:
                 "get_context_from_stage": lambda stage: context if stage is context.get_stage() else None,
                 "check_ancestral": lambda prim: False, "resolve_paths": lambda *_: None,
                 "get_world_transform_matrix": transform,
+                "get_shader_from_material": lambda prim, *_, **__: prim.GetChild("Shader"),
                 "get_local_transform_matrix": lambda prim, *_: UsdGeom.Xformable(prim).GetLocalTransformation(),
                 "set_prop_val": lambda prop, value, *_: prop.Set(value),
             },
@@ -192,6 +197,34 @@ class Context:
             ]  # fmt: skip
             found = [prim for prim in wanted if prim]
         return [str(prim.GetPath()) for prim in found if not kind or _is_kind(prim, kind)]
+
+
+def add_ground_plane(
+    stage: Usd.Stage, path: str, axis: str = "Z", size: float = 50.0, position: Any = (0.0, 0.0, 0.0), color: Any = None
+) -> str:
+    """Add a plane without end that collides, and a square that is seen; PhysicsSchemaTools.addGroundPlane."""
+    UsdGeom.XformCommonAPI(UsdGeom.Xform.Define(stage, path)).SetTranslate(Gf.Vec3d(*position))
+    plane = UsdGeom.Plane.Define(stage, f"{path}/geom")
+    plane.CreateAxisAttr(axis)
+    plane.CreatePurposeAttr(UsdGeom.Tokens.guide)
+    UsdPhysics.CollisionAPI.Apply(plane.GetPrim())
+    square = UsdGeom.Mesh.Define(stage, f"{path}/CollisionMesh")
+    square.CreatePointsAttr([Gf.Vec3f(x * size, y * size, 0.0) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
+    square.CreateFaceVertexCountsAttr([4])
+    square.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
+    square.CreateDisplayColorAttr([Gf.Vec3f(*(color or (0.5, 0.5, 0.5)))])
+    return path
+
+
+def _add_material(stage: Usd.Stage, path: str, url: str, name: str) -> None:
+    """Add a material whose shader is of MDL, NVIDIA's language."""
+    material = UsdShade.Material.Define(stage, path)
+    shader = UsdShade.Shader.Define(stage, f"{path}/Shader")
+    shader.SetSourceAsset(url, "mdl")
+    shader.SetSourceAssetSubIdentifier(name, "mdl")
+    shader.CreateOutput("out", Sdf.ValueTypeNames.Token)
+    for output in (material.CreateSurfaceOutput, material.CreateDisplacementOutput, material.CreateVolumeOutput):
+        output("mdl").ConnectToSource(shader.ConnectableAPI(), "out")
 
 
 def _is_kind(prim: Usd.Prim, kind: str) -> bool:

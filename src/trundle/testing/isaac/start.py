@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import builtins
+import contextlib
 import importlib
 import math
+import os
 import sys
 import types
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 from trundle.testing.isaac.kit import App
@@ -49,11 +53,12 @@ def _start(app: App, finder: Finder) -> None:
     import pxr
     import warp
 
-    warp.config.quiet = True
-    warp.init()
+    warp.config.log_level = warp.LOG_ERROR
+    with _silence():
+        warp.init()
     from trundle.testing.isaac import tensors
     from trundle.testing.isaac.physics import Engine, PhysicsScenes
-    from trundle.testing.isaac.stage import Context, physx_schema
+    from trundle.testing.isaac.stage import Context, add_ground_plane, physx_schema
 
     context = Context(app.events)
     engine = Engine(app, context)
@@ -61,6 +66,7 @@ def _start(app: App, finder: Finder) -> None:
     _add_to_pxr(pxr, "PhysxSchema", physx_schema())
     tools = types.ModuleType("pxr.PhysicsSchemaTools")
     tools.intToSdfPath, tools.sdfPathToInt = engine.name, engine.number  # type: ignore[attr-defined]
+    tools.addGroundPlane = add_ground_plane  # type: ignore[attr-defined]
     _add_to_pxr(pxr, "PhysicsSchemaTools", tools)
     provided = {
         **context.modules(), **engine.modules(), **tensors.modules(engine, context),
@@ -74,7 +80,7 @@ def _start(app: App, finder: Finder) -> None:
             )
         },
         "isaacsim.core.experimental.prims.bindings": {"_prims_reader": Nothing("isaacsim.core.experimental.prims.bindings")},
-        "omni.replicator.core": _replicator(),
+        **_replicator(),
         "isaacsim.storage": {}, "isaacsim.storage.native": _storage(app),
         "torch": {"Tensor": type("Tensor", (), {}), "device": type("device", (), {})},
     }  # fmt: skip
@@ -89,12 +95,26 @@ def _start(app: App, finder: Finder) -> None:
     app.kept = (stop, closing)
 
 
+@contextlib.contextmanager
+def _silence() -> Iterator[None]:
+    """Keep from standard error what libraries write there directly: Warp warns of a missing GPU in any case."""
+    sys.stderr.flush()
+    kept = os.dup(2)
+    with Path(os.devnull).open("wb") as nowhere:
+        os.dup2(nowhere.fileno(), 2)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+
+
 def _add_to_pxr(pxr: types.ModuleType, name: str, module: types.ModuleType) -> None:
     sys.modules[f"pxr.{name}"] = module
     setattr(pxr, name, module)
 
 
-def _replicator() -> dict[str, object]:
+def _replicator() -> dict[str, dict[str, object]]:
     """omni.replicator.core: cameras whose pictures never come."""
 
     class Annotator:
@@ -115,14 +135,12 @@ def _replicator() -> dict[str, object]:
     def render_product(camera: str, resolution: tuple[int, int]) -> types.SimpleNamespace:
         return types.SimpleNamespace(path=f"/Render{camera}", destroy=lambda: None)
 
-    create = types.SimpleNamespace(render_product=render_product)
-    return {"Annotator": Annotator, "AnnotatorRegistry": AnnotatorRegistry, "create": create}
+    members: dict[str, object] = {"Annotator": Annotator, "AnnotatorRegistry": AnnotatorRegistry}
+    return {"omni.replicator.core": members, "omni.replicator.core.create": {"render_product": render_product}}
 
 
 def _storage(app: App) -> dict[str, object]:
     """isaacsim.storage.native: the assets lie in a folder."""
-    from pathlib import Path
-
     def get_assets_root_path(*, skip_check: bool = False) -> str:
         return str(app.settings.get("/persistent/isaac/asset_root/default"))
 
