@@ -17,7 +17,9 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.mark.parametrize("generation", [5, 6])
 def test_the_checklist_passes_but_for_what_is_not_there(isaac: Callable[..., Any], generation: int) -> None:
-    done = isaac("--api", generation, "--seconds", 1000, "-m", "trundle", "doctor", "--backend", "isaac", "--headless", "--json")
+    done = isaac(
+        "--api", generation, "--seconds", 1000, "-m", "trundle", "doctor", "--backend", "isaac", "--headless", "--json"
+    )
     checks = {check["name"]: check for check in json.loads(done.stdout)["checks"]}
     assert [name for name, check in checks.items() if check["status"] == "pass"] == [
         "python", "kernels", "isaac sim", "start", "drive", "interface", "step", "mission", "contact", "close",

@@ -28,14 +28,14 @@ def write(folder: Path, text: str, begin: str = BEGIN) -> Path:
         (["--assets", "nowhere", __file__], "--assets nowhere: it has no subfolder Isaac"),
     ],
 )
-def test_what_is_missing_is_one_message(
-    arguments: list[str], says: str, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_missing_is_one_message(arguments: list[str], says: str, capfd: pytest.CaptureFixture[str]) -> None:
     assert runner.main(arguments) == 2
     assert says in capfd.readouterr().err
-    
 
-@pytest.mark.parametrize("arguments", [[], ["--seconds", "-1", "x.py"], ["--seconds", "nan", "x.py"], ["--api", "4", "x.py"]])
+
+@pytest.mark.parametrize(
+    "arguments", [[], ["--seconds", "-1", "x.py"], ["--seconds", "nan", "x.py"], ["--api", "4", "x.py"]]
+)
 def test_a_wrong_command_line_is_explained(arguments: list[str], capfd: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
         runner.main(arguments)

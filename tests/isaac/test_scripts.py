@@ -82,3 +82,8 @@ def test_navigate_reaches_the_goal(run: Callable[..., str]) -> None:
     assert reached == "True"
     assert math.dist((float(x), float(y)), (1.1, -5.0)) < 0.2
     assert float(seconds) < 60.0
+
+
+@pytest.mark.parametrize("name", ["old_names", "timeline", "experimental"])
+def test_other_styles_of_scripts_do_what_they_check_themselves(run: Callable[..., str], name: str) -> None:
+    assert run(name).splitlines()[-1] == "done"

@@ -29,7 +29,9 @@ def test_both_adapters_do_the_same_bit_for_bit(reports: dict[int, Any]) -> None:
     assert {**reports[5], "generation": 6} == reports[6]
 
 
-@pytest.mark.parametrize(("command", "metres", "radians"), [("straight", 0.01, 0.01), ("turn", 0.02, 0.09), ("curve", 0.03, 0.04)])
+@pytest.mark.parametrize(
+    ("command", "metres", "radians"), [("straight", 0.01, 0.01), ("turn", 0.02, 0.09), ("curve", 0.03, 0.04)]
+)
 def test_it_drives_as_the_kinematic_model_does(report: Any, command: str, metres: float, radians: float) -> None:
     found, expected = report["found"][command], report["expected"][command]
     assert math.dist(found["pose"][:2], expected["pose"][:2]) < metres

@@ -33,9 +33,7 @@ for number, (row, column) in enumerate(list(zip(rows, columns))[:20]):
         FixedCuboid(
             prim_path=f"/World/Cells/cell_{number}",
             name=f"cell_{number}",
-            position=np.array(
-                [origin[0] + (column + 0.5) * resolution, origin[1] + (row + 0.5) * resolution, 0.25]
-            ),
+            position=np.array([origin[0] + (column + 0.5) * resolution, origin[1] + (row + 0.5) * resolution, 0.25]),
             scale=np.array([resolution, resolution, 0.5]),
             color=np.array([0.8, 0.2, 0.2]),
         )

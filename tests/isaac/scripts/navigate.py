@@ -27,7 +27,7 @@ with open("task.yaml") as file:
 resolution, origin = info["resolution"], info["origin"]
 image = np.flipud(np.array(Image.open(info["image"]).convert("L")))
 blocked = image < 250
-cells = int(math.ceil(ROBOT_RADIUS / resolution))
+cells = math.ceil(ROBOT_RADIUS / resolution)
 y, x = np.ogrid[-cells : cells + 1, -cells : cells + 1]
 blocked = binary_dilation(blocked, structure=x * x + y * y <= cells * cells)
 

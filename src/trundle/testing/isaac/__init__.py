@@ -6,7 +6,8 @@ PhysX. What lies between them in Isaac Sim, the Kit application, is stood in for
 
 - `kit`: the application, its loop, timeline, events and settings (`isaacsim.SimulationApp`, `carb`, `omni.kit.app`);
 - `stage`: the open stage (`omni.usd`), the schemas' Python classes (`pxr.PhysxSchema`) and Fabric (`usdrt`);
-- `physics`: PhysX, and its callbacks and contact report (`omni.physics.core`, `omni.physx`);
+- `interfaces`, `scenes`: PhysX' callbacks and contact report (`omni.physics.core`, `omni.physx`), and the compiled part
+  of the simulation manager; `physics` runs PhysX itself;
 - `tensors`: views of articulations and bodies (`omni.physics.tensors`);
 - `nothing`: everything else of `carb` and `omni`, which does nothing; the runner lists what was called of it.
 

@@ -12,9 +12,9 @@ from pathlib import Path
 
 from trundle.testing.isaac import environment
 
-_DESCRIPTION = """Run a script for Isaac Sim, unmodified, without Isaac Sim: NVIDIA's own 6.2 Python classes and PhysX on
-the CPU, in a Python 3.12 that --build puts into the user's cache. Nothing is rendered. Other arguments are the script's;
-so is everything after `--`."""
+_DESCRIPTION = """Run a script for Isaac Sim, unmodified, without Isaac Sim: NVIDIA's own 6.2 Python classes and PhysX
+on the CPU, in a Python 3.12 that --build puts into the user's cache. Nothing is rendered. Other arguments are the
+script's; so is everything after `--`."""
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -22,6 +22,7 @@ def write_assets(folder: Path) -> None:
     for name, below in ROBOTS.items():
         (folder / below).parent.mkdir(parents=True, exist_ok=True)
         export_robot(Robot.load(name), folder / below, profile="isaac")
+    _name_chassis(folder / ROBOTS["nova_carter"])
     warehouse = World.generate("warehouse")
     for below in ENVIRONMENTS.values():
         if "Simple_Warehouse" in below:
@@ -29,6 +30,16 @@ def write_assets(folder: Path) -> None:
             write_world(warehouse, folder / below, profile="isaac")
     (folder / GROUND).parent.mkdir(parents=True, exist_ok=True)
     write_ground(folder / GROUND)
+
+
+def _name_chassis(path: Path) -> None:
+    """Name Nova Carter's chassis as NVIDIA does, for scripts that look for it."""
+    stage = Usd.Stage.Open(str(path))
+    editor = Usd.NamespaceEditor(stage)
+    body = stage.GetDefaultPrim().GetPath().AppendChild("base_link")
+    editor.MovePrimAtPath(body, body.ReplaceName("chassis_link"))
+    editor.ApplyEdits()
+    stage.GetRootLayer().Save()
 
 
 def write_ground(path: Path) -> None:

@@ -89,16 +89,17 @@ def build() -> Environment:
 
 def _folder() -> Path:
     cache = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(cache, "trundle", "isaac", _hash([REQUIREMENTS], f"{platform.machine()} {platform.libc_ver()}"))
+    return Path(cache, "trundle", "isaac")
 
 
 def _prefix() -> Path:
-    return _folder() / "python"
+    """The Python, of its packages and of the machine's libraries."""
+    return _folder() / f"python-{_hash([REQUIREMENTS], f'{platform.machine()} {platform.libc_ver()}')}"
 
 
 def _failure() -> Path:
     """The file that keeps why the last build failed."""
-    return _folder() / "failed"
+    return _folder() / f"{_prefix().name}.failed"
 
 
 def _kernels() -> Path:
@@ -201,7 +202,9 @@ def _check_machine() -> str:
         raise UnavailableError(f"PhysX' wheels are for Linux on x86-64, not for {sys.platform} on {platform.machine()}")
     name, version = platform.libc_ver()
     if name != "glibc" or tuple(map(int, version.split(".")[:2])) < (2, 35):
-        raise UnavailableError(f"PhysX' wheels need glibc 2.35 or later, and here is {name or 'another C library'} {version}")
+        raise UnavailableError(
+            f"PhysX' wheels need glibc 2.35 or later, and here is {name or 'another C library'} {version}"
+        )
     with contextlib.suppress(OSError):
         if " avx " not in Path("/proc/cpuinfo").read_text(encoding="utf-8").replace("\n", " "):
             raise UnavailableError("PhysX needs a CPU with AVX")

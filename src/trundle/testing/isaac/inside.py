@@ -63,7 +63,7 @@ def main(kernels: str, *arguments: str) -> int:
             return end.code or 0
         print(end.code, file=sys.stderr)
         return 1
-    except BaseException as error:
+    except BaseException as error:  # noqa: BLE001 - as Python does with any
         traceback.print_exception(type(error), error, _of_script(error.__traceback__))
         return 130 if isinstance(error, KeyboardInterrupt) else 1
     return 0
@@ -75,7 +75,7 @@ def _run(script: str) -> None:
         import runpy
 
         module = sys.argv.pop(1)
-        sys.path.insert(0, os.getcwd())
+        sys.path.insert(0, str(Path.cwd()))
         runpy.run_module(module, run_name="__main__", alter_sys=True)
         return
     import types
@@ -112,7 +112,8 @@ def _tell() -> None:
 
 
 QUIET = (
-    "omni.kit.commands.register", "carb.get_framework", "omni.timeline.ITimeline.set_", "omni.timeline.ITimeline.commit",
+    "omni.kit.commands.register", "carb.get_framework", "omni.timeline.ITimeline.set_",
+    "omni.timeline.ITimeline.commit",
     "omni.usd.UsdContext.disable_save", "omni.usd.UsdContext.enable_save", "usdrt.",
 )  # fmt: skip
 """Calls of NVIDIA's own classes that have no effect on physics."""

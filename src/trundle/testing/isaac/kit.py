@@ -10,7 +10,7 @@ import types
 import weakref
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from trundle.testing.isaac.modules import extension_paths
 from trundle.testing.isaac.nothing import Nothing
@@ -321,8 +321,11 @@ class App:
         log = {f"log_{level}": (lambda *_: None) for level in ("info", "verbose")}
         log |= {f"log_{level}": _logger(level) for level in ("warn", "error", "fatal")}
         vector = {f"{kind}{n}": _vector for kind in ("Float", "Double", "Int", "Uint") for n in (2, 3, 4)}
-        get_settings = {"get_settings": lambda: settings, "acquire_settings_interface": lambda: settings}
-        dispatcher = {"get_eventdispatcher": lambda: app.events}
+        get_settings: dict[str, object] = {
+            "get_settings": lambda: settings,
+            "acquire_settings_interface": lambda: settings,
+        }
+        dispatcher: dict[str, object] = {"get_eventdispatcher": lambda: app.events}
         return {
             "carb": {**log, **vector},
             "carb.settings": {**get_settings, "ISettings": Settings},
@@ -344,7 +347,7 @@ class App:
         app, starts = self, itertools.count()
 
         class SimulationApp:
-            DEFAULT_LAUNCHER_CONFIG: dict[str, object] = {"headless": True, "width": 1280, "height": 720}
+            DEFAULT_LAUNCHER_CONFIG: ClassVar[dict[str, object]] = {"headless": True, "width": 1280, "height": 720}
 
             def __init__(self, launch_config: dict[str, object] | None = None, experience: str = "") -> None:
                 if next(starts):

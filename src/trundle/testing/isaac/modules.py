@@ -26,6 +26,7 @@ RENAMED = {
     "omni.isaac.core.articulations": "isaacsim.core.prims",
     "omni.isaac.core": "isaacsim.core.api",
     "omni.isaac.wheeled_robots": "isaacsim.robot.wheeled_robots",
+    "omni.isaac.debug_draw": "isaacsim.util.debug_draw",
 }
 """Names of Isaac Sim 4.2 and before, which 5.1 accepts; longer names first."""
 
@@ -72,6 +73,10 @@ class Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
             )
         if any(fullname == name or fullname.startswith(f"{name}.") for name in self.hidden):
             raise ModuleNotFoundError(f"No module named {fullname!r}", name=fullname)
+        if fullname == "isaacsim.sensors":
+            raise ModuleNotFoundError(
+                f"No module named {fullname!r}: there is no renderer without Isaac Sim", name=fullname
+            )
         if fullname in self.known or is_open(fullname) or new_name(fullname):
             return importlib.machinery.ModuleSpec(fullname, self, is_package=True)
         return None
@@ -127,9 +132,9 @@ class _Renamed(ModuleType):
 
 
 def is_open(name: str) -> bool:
-    """Whether a module has everything: those of Kit, and the compiled parts of NVIDIA's extensions."""
+    """Whether a module has everything: those of Kit, those that draw, and the compiled parts of NVIDIA's extensions."""
     parts = name.split(".")
-    return parts[0] in ROOTS or (parts[0] == "isaacsim" and "bindings" in parts)
+    return parts[0] in ROOTS or (parts[0] == "isaacsim" and ("bindings" in parts or parts[1:2] in (["util"], ["gui"])))
 
 
 def new_name(name: str) -> str | None:

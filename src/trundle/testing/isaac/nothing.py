@@ -26,7 +26,7 @@ class Nothing:
         self.__dict__[name] = made
         return made
 
-    def __call__(self, *_: object, **__: object) -> Nothing:
+    def __call__(self, *_: object, **__: object) -> Nothing:  # noqa: D102
         called[self._name] = called.get(self._name, 0) + 1
         return Nothing(f"{self._name}()")
 

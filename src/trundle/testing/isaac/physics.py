@@ -1,26 +1,23 @@
-"""Stands in for omni.physx and omni.physics.core: they pass the stage to PhysX, which ovphysx runs on the CPU."""
+"""The physics of Isaac Sim: PhysX, which ovphysx runs on the CPU, with the stage that is open."""
 
 from __future__ import annotations
 
-import enum
-import itertools
 import tempfile
 import types
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import ovphysx
-import ovstage
-from ovphysx import PhysX
-from ovphysx.types import ObjectScope, SimObjectType, TensorType
+import ovphysx  # pyright: ignore[reportMissingImports]
+import ovstage  # pyright: ignore[reportMissingImports]
+from ovphysx import PhysX  # pyright: ignore[reportMissingImports]
+from ovphysx.types import ObjectScope, SimObjectType, TensorType  # pyright: ignore[reportMissingImports]
 from pxr import Gf, Plug, Sdf, Usd, UsdGeom, UsdPhysics
 
-from trundle.testing.isaac.kit import App, Subscription
-from trundle.testing.isaac.nothing import Nothing
+from trundle.testing.isaac.kit import App
 from trundle.testing.isaac.stage import Context
 
 _KEPT = (
@@ -48,21 +45,22 @@ class Engine:
         self._app, self._context = app, context
         # It would like a Warp without CUDA.
         warnings.filterwarnings("ignore", message="ovphysx is in CPU-only mode")
-        ovphysx.set_log_level(ovphysx.LogLevel.ERROR)
         PhysX.set_cpu_mode(True)
         ovphysx.set_global_config(ovphysx.GlobalConfigKey.NUM_THREADS, 0)
         self._physx = PhysX()
-        import physx_usd_schemas
+        ovphysx.set_log_level(ovphysx.LogLevel.ERROR)
+        import physx_usd_schemas  # pyright: ignore[reportMissingImports]
 
         physx_usd_schemas.register_all()
         Plug.Registry().RegisterPlugins(str(ovphysx.newton_schema_root()))
         schemas = [*map(str, physx_usd_schemas.schema_paths()), str(ovphysx.newton_schema_root())]
         ovstage.population.register_usd_schemas(schemas)
         self._folder = tempfile.TemporaryDirectory(prefix="trundle-isaac-")
-        self._stage: ovstage.Stage | None = None
+        self._stage: Any = None
         self._numbers: dict[str, int] = {}
         self._names: list[str] = []
         self._changed = self._writing = False
+        self._targets: dict[str, float] = {}
         self._moved: Sdf.Layer | None = None
         self.runs = 0
         self.steps = 0
@@ -78,7 +76,7 @@ class Engine:
         """Give PhysX the stage."""
         if self.loaded:
             return
-        stage = self._context.get_stage()
+        stage = self._context.stage
         self._bodies = [
             str(prim.GetPath()) for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI) and _moves(prim)
         ]
@@ -110,6 +108,17 @@ class Engine:
 
     def flush(self) -> None:
         """Load the stage again if it was changed since, and let everything go on from where it is."""
+        self._reload()
+        targets, self._targets = self._targets, {}
+        for path in self._articulations() if targets and self.loaded else ():
+            binding = self.bind([path], TensorType.ARTICULATION_DOF_VELOCITY_TARGET)
+            values = self.read(path, TensorType.ARTICULATION_DOF_VELOCITY_TARGET)
+            for number, name in enumerate(binding.dof_names):
+                values[0, number] = targets.get(name, values[0, number])
+            binding.write(values)
+            binding.destroy()
+
+    def _reload(self) -> None:
         if not (self.loaded and self._changed):
             return
         self.synchronize()
@@ -158,7 +167,7 @@ class Engine:
             return
         poses = np.zeros(self._poses.shape, np.float32)
         self._poses.read(poses)
-        world = dict(zip(self._poses.prim_paths, map(_matrix, poses.tolist()), strict=True))
+        world = dict(zip(self._poses.prim_paths, [_matrix(pose) for pose in poses], strict=True))
         layer = self._results(stage)
         with self._quietly(), Sdf.ChangeBlock():
             for path, (above, between, scale) in self._frames.items():
@@ -187,18 +196,20 @@ class Engine:
             kinds = values["Type"].reshape(-1)
             positions, first = values["PointPosition"].reshape(-1, 3), 0
             for row in range(kinds.size):
-                body, collider, own = (int(values[name].reshape(-1)[row]) for name in ("OtherBody", "OtherCollider", "Collider"))
+                body, collider, own = (
+                    int(values[name].reshape(-1)[row]) for name in ("OtherBody", "OtherCollider", "Collider")
+                )
                 count = int(values["PointCount"].reshape(-1)[row])
                 headers.append(
                     types.SimpleNamespace(
-                        type=f"ContactEventType.{_CONTACT_TYPES[int(kinds[row])]}", stage_id=self._context.get_stage_id(),
+                        type=f"ContactEventType.{_CONTACT_TYPES[int(kinds[row])]}",
                         actor0=self.number(path), collider0=self.number(self._path(own)),
                         actor1=self.number(self._path(body)), collider1=self.number(self._path(collider)),
                         contact_data_offset=len(points), num_contact_data=count,
                     )
                 )  # fmt: skip
-                for position in positions[first : first + count]:
-                    points.append(types.SimpleNamespace(position=Gf.Vec3f(*map(float, position))))
+                found = (Gf.Vec3f(*map(float, position)) for position in positions[first : first + count])
+                points += [types.SimpleNamespace(position=position) for position in found]
                 first += count
         return headers, points
 
@@ -237,10 +248,11 @@ class Engine:
             return [path for group in result.groups for path in self._paths.get_path_strings(group.prim_list)]
 
     def _results(self, stage: Usd.Stage) -> Sdf.Layer:
-        if self._moved is None or self._moved.identifier not in stage.GetSessionLayer().subLayerPaths:
-            self._moved = Sdf.Layer.CreateAnonymous("moved.usda")
-            stage.GetSessionLayer().subLayerPaths.insert(0, self._moved.identifier)
-        return self._moved
+        moved = self._moved
+        if moved is None or moved.identifier not in stage.GetSessionLayer().subLayerPaths:
+            moved = self._moved = Sdf.Layer.CreateAnonymous("moved.usda")
+            stage.GetSessionLayer().subLayerPaths.insert(0, moved.identifier)
+        return moved
 
     @contextmanager
     def _quietly(self) -> Iterator[None]:
@@ -252,187 +264,19 @@ class Engine:
 
     def _watch(self, notice: Usd.Notice.ObjectsChanged) -> None:
         """Note a change of the stage that concerns physics."""
-        if self._writing or self._changed or not self.loaded:
+        if self._writing or not self.loaded:
             return
-        stage = self._context.get_stage()
-        for path in notice.GetResyncedPaths():
+        stage = self._context.stage
+        for path in [*notice.GetResyncedPaths(), *notice.GetChangedInfoOnlyPaths()]:
             prim = stage.GetPrimAtPath(path.GetPrimPath())
-            gone = not prim and any(Sdf.Path(body).HasPrefix(path) for body in self._bodies)
-            if gone or (prim and any(_is_physical(part) for part in Usd.PrimRange(prim))):
+            if not path.IsPropertyPath():
+                gone = not prim and any(Sdf.Path(body).HasPrefix(path) for body in self._bodies)
+                if gone or (prim and any(_is_physical(part) for part in Usd.PrimRange(prim))):
+                    self._changed = True
+            elif path.name == "drive:angular:physics:targetVelocity":
+                self._targets[prim.GetName()] = float(np.radians(stage.GetAttributeAtPath(path).Get() or 0.0))
+            elif path.name.startswith(("physics:", "physx", "drive:")):
                 self._changed = True
-        for path in notice.GetChangedInfoOnlyPaths():
-            if path.name.startswith(("physics:", "physx", "drive:")):
-                self._changed = True
-
-    def modules(self) -> dict[str, dict[str, object]]:
-        """Return the members of the modules that this file stands in for."""
-        events, engine = self._app.events, self
-
-        def on_step(on_update: Callable[..., Any], pre_step: bool = False, order: int = 0) -> Subscription:
-            return events.subscribe("physics.before" if pre_step else "physics.after", on_update, order)
-
-        def on_step_alone(function: Callable[[float], Any]) -> Subscription:
-            return events.subscribe("physics.after", lambda dt, _: function(dt))
-
-        def on_contact(function: Callable[..., Any]) -> Subscription:
-            return events.subscribe("physics.after", lambda dt, _: function(*engine.contact_report()))
-
-        def simulate(dt: float, time: float) -> None:
-            engine.step(dt)
-
-        core = types.SimpleNamespace(
-            simulate=simulate, flush_changes=self.flush, subscribe_physics_on_step_events=on_step,
-            fetch_results=lambda: None, check_results=lambda: True,
-        )  # fmt: skip
-        update = types.SimpleNamespace(
-            force_load_physics_from_usd=self.load, start_simulation=lambda: None, on_update=lambda *_: None,
-            reset_simulation=self.unload,
-        )  # fmt: skip
-        registry = types.SimpleNamespace(
-            get_simulation_ids=lambda: [1], get_simulation_name=lambda _: "PhysX", is_simulation_active=lambda _: True,
-            subscribe_simulation_registry_events=lambda _: None, activate_simulation=lambda _: None,
-            deactivate_simulation=lambda _: None, get_simulation=lambda _: None,
-        )  # fmt: skip
-        simulation = types.SimpleNamespace(
-            get_contact_report=self.contact_report, subscribe_contact_report_events=on_contact, flush_changes=self.flush,
-            simulate=simulate, fetch_results=lambda: None,
-        )  # fmt: skip
-        physx = types.SimpleNamespace(
-            subscribe_physics_step_events=on_step_alone, force_load_physics_from_usd=self.load,
-            start_simulation=lambda: None, update_simulation=simulate, update_transformations=lambda *_, **__: None,
-            release_physics_objects=self.unload,
-        )  # fmt: skip
-        query = types.SimpleNamespace(query_prim=self._query)
-        return {
-            "omni.physics.core": {
-                "get_physics_simulation_interface": lambda: core, "get_physics_interface": lambda: registry,
-                "get_physics_stage_update_interface": lambda: update,
-                "SimulationRegistryEventType": enum.Enum("SimulationRegistryEventType", "SIMULATION_ACTIVATED SIMULATION_DEACTIVATED"),
-            },
-            "omni.physx": {
-                "get_physx_simulation_interface": lambda: simulation, "get_physx_interface": lambda: physx,
-                "IPhysxSimulation": simulation, "acquire_physx_interface": lambda: physx, "get_physx_property_query_interface": lambda: query,
-            },
-            "omni.physxfabric": {"get_physx_fabric_interface": lambda: Nothing("omni.physxfabric.IPhysxFabric")},
-        }  # fmt: skip
-
-    def _query(self, *, prim_id: int, articulation_fn: Callable[[Any], None], **_: object) -> None:
-        """Describe an articulation of the stage, before there is physics: its bodies, from the root outwards."""
-        stage = self._context.get_stage()
-        joints = [UsdPhysics.Joint(prim) for prim in stage.Traverse() if prim.IsA(UsdPhysics.Joint)]
-        ends = {
-            number: [str(body.GetTargets()[0]) if body.GetTargets() else "" for body in (joint.GetBody0Rel(), joint.GetBody1Rel())]
-            for number, joint in enumerate(joints)
-        }  # fmt: skip
-        reached = {str(self.name(prim_id)): UsdPhysics.Joint()}
-        for body in (queue := list(reached)):
-            # Those of one body come by the names of the next, as PhysX has them.
-            beside = [(pair[1 - pair.index(body)], number) for number, pair in enumerate(ends.values()) if body in pair]
-            for other, number in sorted(beside):
-                if other and other not in reached:
-                    reached[other] = joints[number]
-                    queue.append(other)
-        links = [
-            types.SimpleNamespace(
-                rigid_body=True, rigid_body_name=body, joint=bool(joint), joint_name=str(joint.GetPath()) if joint else "",
-                joint_dof=int(bool(joint) and not joint.GetPrim().IsA(UsdPhysics.FixedJoint)),
-            )
-            for body, joint in reached.items()
-        ]  # fmt: skip
-        articulation_fn(types.SimpleNamespace(links=links))
-
-
-class PhysicsScenes:
-    """The compiled part of isaacsim.core.simulation_manager: it watches the stage for physics scenes and deletions."""
-
-    def __init__(self, app: App, context: Context, engine: Engine) -> None:
-        self._app, self._context, self._engine = app, context, engine
-        self._own = itertools.count(-1, -1)
-        self._last = 0
-        self.reset()
-        context.watchers.append(self._watch)
-
-    def reset(self) -> None:
-        """Forget the callbacks."""
-        self._added: list[Callable[[str], None]] = []
-        self._deleted: dict[int, Callable[[str], None]] = {}
-
-    def register_physics_scene_addition_callback(self, function: Callable[[str], None]) -> None:
-        """Call a function with the path of each physics scene, of those that are there too."""
-        self._added.append(function)
-        stage = self._context.get_stage()
-        for prim in stage.Traverse() if stage else ():
-            if prim.IsA(UsdPhysics.Scene):
-                function(str(prim.GetPath()))
-
-    def register_deletion_callback(self, function: Callable[[str], None]) -> None:
-        """Call a function with the path of each prim that is removed; its number is that of the next callback."""
-        self._deleted[next(self._own) if function.__name__ == "remove_physics_scene" else self._last] = function
-
-    def cleanup_invalid_physics_scenes(self) -> list[str]:
-        """Return the scenes that are gone: those that are removed are told of at once."""
-        return []
-
-    def get_simulation_time(self) -> float:
-        """Return the simulated time [s]."""
-        return self._app.timeline.time
-
-    def get_num_physics_steps(self) -> int:
-        """Return the number of steps."""
-        return self._engine.steps
-
-    def is_simulating(self) -> bool:
-        """Whether the timeline plays."""
-        return self._app.timeline.is_playing()
-
-    def is_paused(self) -> bool:
-        """Whether it is paused."""
-        return not self._app.timeline.is_playing() and not self._app.timeline.is_stopped()
-
-    def get_callback_iter(self) -> int:
-        """Return the next callback's number."""
-        return self._last
-
-    def set_callback_iter(self, value: int) -> None:
-        """Set the next callback's number."""
-        self._last = value
-
-    def deregister_callback(self, number: int) -> bool:
-        """Forget a callback for deletions: whether there was one of this number."""
-        return self._deleted.pop(number, None) is not None
-
-    def scene(self, path: str) -> types.SimpleNamespace:
-        """Return the physics scene at a path, which is made where there is none."""
-        UsdPhysics.Scene.Define(self._context.get_stage(), path)
-        return types.SimpleNamespace(path=path)
-
-    def paths(self, _: int | None) -> list[str]:
-        """Return the paths of all physics scenes."""
-        return [str(prim.GetPath()) for prim in self._context.get_stage().Traverse() if prim.IsA(UsdPhysics.Scene)]
-
-    def __getattr__(self, name: str) -> Nothing:
-        return getattr(Nothing("isaacsim.core.simulation_manager.bindings"), name)
-
-    def _watch(self, notice: Usd.Notice.ObjectsChanged) -> None:
-        stage = self._context.get_stage()
-        for path in notice.GetResyncedPaths():
-            if not path.IsPrimPath():
-                continue
-            prim = stage.GetPrimAtPath(path)
-            if not prim:
-                for function in list(self._deleted.values()):
-                    self._call(function, str(path))
-                continue
-            for part in Usd.PrimRange(prim):
-                if part.IsA(UsdPhysics.Scene):
-                    for function in list(self._added):
-                        self._call(function, str(part.GetPath()))
-
-    def _call(self, function: Callable[[str], None], path: str) -> None:
-        try:
-            function(path)
-        except ReferenceError:
-            self._deleted = {number: kept for number, kept in self._deleted.items() if kept is not function}
 
 
 def _frame(stage: Usd.Stage, path: str, bodies: list[str]) -> tuple[str, Gf.Matrix4d, Gf.Vec3d]:
@@ -440,15 +284,22 @@ def _frame(stage: Usd.Stage, path: str, bodies: list[str]) -> tuple[str, Gf.Matr
     body = stage.GetPrimAtPath(path)
     parent = body.GetParent()
     above = next((name for name in map(str, Sdf.Path(path).GetParentPath().GetPrefixes()[::-1]) if name in bodies), "")
-    between = UsdGeom.Xformable(parent).ComputeLocalToWorldTransform(0) if parent.IsA(UsdGeom.Xformable) else Gf.Matrix4d(1.0)
+    between = (
+        UsdGeom.Xformable(parent).ComputeLocalToWorldTransform(0) if parent.IsA(UsdGeom.Xformable) else Gf.Matrix4d(1.0)
+    )
     if above:
-        between *= UsdGeom.Xformable(stage.GetPrimAtPath(above)).ComputeLocalToWorldTransform(0).RemoveScaleShear().GetInverse()
+        between *= (
+            UsdGeom.Xformable(stage.GetPrimAtPath(above))
+            .ComputeLocalToWorldTransform(0)
+            .RemoveScaleShear()
+            .GetInverse()
+        )
     local = UsdGeom.Xformable(body).GetLocalTransformation()
     return above, between, Gf.Vec3d(*(local.GetRow3(axis).GetLength() for axis in range(3)))
 
 
-def _matrix(pose: list[float]) -> Gf.Matrix4d:
-    x, y, z, qx, qy, qz, qw = pose
+def _matrix(pose: np.ndarray) -> Gf.Matrix4d:
+    x, y, z, qx, qy, qz, qw = map(float, pose)
     matrix = Gf.Matrix4d().SetRotate(Gf.Quatd(qw, qx, qy, qz))
     return matrix.SetTranslateOnly(Gf.Vec3d(x, y, z))
 
@@ -463,5 +314,3 @@ def _is_physical(prim: Usd.Prim) -> bool:
         prim.HasAPI(UsdPhysics.RigidBodyAPI) or prim.HasAPI(UsdPhysics.CollisionAPI) or prim.IsA(UsdPhysics.Joint)
         or prim.IsA(UsdPhysics.Scene)
     )  # fmt: skip
-
-

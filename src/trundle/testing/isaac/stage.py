@@ -42,6 +42,13 @@ class Context:
         """Return the open stage."""
         return self._stage
 
+    @property
+    def stage(self) -> Usd.Stage:
+        """The open stage, where there must be one."""
+        if self._stage is None:
+            raise RuntimeError("no stage is open; open one, or create one with create_new_stage")
+        return self._stage
+
     def get_stage_id(self) -> int:
         """Return its number in USD's cache."""
         return 0 if self._stage is None else UsdUtils.StageCache.Get().Insert(self._stage).ToLongInt()
@@ -130,7 +137,7 @@ class Context:
 
             def do(self) -> None:
                 for path in self._paths:
-                    (self._stage or context.get_stage()).RemovePrim(path)
+                    (self._stage or context.stage).RemovePrim(path)
 
         class MovePrimCommand:
             def __init__(self, path_from: str, path_to: str, **_: object) -> None:
@@ -138,10 +145,14 @@ class Context:
                 self._edit.Add(str(path_from), str(path_to))
 
             def do(self) -> bool:
-                return context.get_stage().GetRootLayer().Apply(self._edit)
+                return context.stage.GetRootLayer().Apply(self._edit)
 
         def free_path(stage: Usd.Stage, path: str, prepend_default_prim: bool = True) -> str:
-            if prepend_default_prim and stage.HasDefaultPrim() and not path.startswith(str(top := stage.GetDefaultPrim().GetPath())):
+            if (
+                prepend_default_prim
+                and stage.HasDefaultPrim()
+                and not path.startswith(str(top := stage.GetDefaultPrim().GetPath()))
+            ):
                 path = f"{top}{path}"
             taken = [path, *(f"{path}_{n:02}" for n in range(1, 10_000))]
             return next(name for name in taken if not stage.GetPrimAtPath(name))
@@ -155,9 +166,9 @@ class Context:
             elif name == "AddReference":
                 keys["stage"].GetPrimAtPath(keys["prim_path"]).GetReferences().AddReference(keys["reference"])
             elif name == "ChangeProperty":
-                context.get_stage().GetPropertyAtPath(str(keys["prop_path"])).Set(keys["value"])
+                context.stage.GetPropertyAtPath(str(keys["prop_path"])).Set(keys["value"])
             elif name == "CreateMdlMaterialPrim":
-                _add_material(context.get_stage(), str(keys["mtl_path"]), keys["mtl_url"], keys["mtl_name"])
+                _add_material(context.stage, str(keys["mtl_path"]), keys["mtl_url"], keys["mtl_name"])
             else:
                 Nothing(f"omni.kit.commands.execute({name!r})")()
             return Nothing("omni.kit.commands")
@@ -165,7 +176,8 @@ class Context:
         assembler = types.SimpleNamespace(check_layers=lambda *_: {"ret_val": False})
         return {
             "omni.usd": {
-                "get_context": lambda *_: context, "UsdContext": Context, "StageEventType": StageEvent, "get_stage_next_free_path": free_path,
+                "get_context": lambda *_: context, "UsdContext": Context, "StageEventType": StageEvent,
+                "get_stage_next_free_path": free_path,
                 "get_context_from_stage": lambda stage: context if stage is context.get_stage() else None,
                 "check_ancestral": lambda prim: False, "resolve_paths": lambda *_: None,
                 "get_world_transform_matrix": transform,
@@ -178,7 +190,7 @@ class Context:
             "omni.kit.commands": {"Command": type("Command", (), {}), "execute": execute},
             "omni.metrics.assembler.core": {"get_metrics_assembler_interface": lambda: assembler},
             "isaacsim.core.utils.bindings._isaac_utils": {
-                "_find_matching_prim_paths": lambda pattern, *kind: self.match(pattern, str(kind[-1] if len(kind) > 1 else "")),
+                "_find_matching_prim_paths": lambda pattern, _, kind="": self.match(pattern, kind),
                 "transforms": Nothing("isaacsim.core.utils.bindings.transforms"),
             },
             **_fabric(context),
@@ -299,7 +311,9 @@ class _Schema:
 
     def _properties(self) -> list[str]:
         registry = Usd.SchemaRegistry()
-        definition = registry.FindAppliedAPIPrimDefinition(self.schema) or registry.FindConcretePrimDefinition(self.schema)
+        definition = registry.FindAppliedAPIPrimDefinition(self.schema) or registry.FindConcretePrimDefinition(
+            self.schema
+        )
         names = definition.GetPropertyNames() if definition else []
         return [name.replace("__INSTANCE_NAME__", self._instance) for name in names]
 
@@ -318,11 +332,14 @@ def physx_schema() -> types.ModuleType:
             return made
 
     def accept(method: Callable[..., Any]) -> Callable[..., Any]:
-        def call(prim: Usd.Prim, schema: Any, *rest: Any) -> Any:
-            return method(prim, getattr(schema, "schema", schema), *rest)
-
-        return call
+        return lambda *arguments: method(*(_schema_name(argument) for argument in arguments))
 
     for name in ("HasAPI", "ApplyAPI", "RemoveAPI", "CanApplyAPI", "IsA"):
         setattr(Usd.Prim, name, accept(getattr(Usd.Prim, name)))
+    for name in ("IsMultipleApplyAPISchema", "IsAppliedAPISchema"):
+        setattr(Usd.SchemaRegistry, name, staticmethod(accept(getattr(Usd.SchemaRegistry, name))))
     return Module("pxr.PhysxSchema")
+
+
+def _schema_name(argument: Any) -> Any:
+    return argument.schema if isinstance(argument, type) and issubclass(argument, _Schema) else argument

@@ -1,4 +1,4 @@
-"""Puts the stand-ins into a Python that has NVIDIA's packages: it starts as Isaac Sim's own, without the application."""
+"""Puts the stand-ins into a Python with NVIDIA's packages, which then starts as Isaac Sim's own does."""
 
 from __future__ import annotations
 
@@ -51,13 +51,14 @@ def install(*, assets: str, seconds: float = math.inf, generation: int = 6) -> A
 def _start(app: App, finder: Finder) -> None:
     """Start what SimulationApp starts: USD, PhysX, and the extension of the simulation manager."""
     import pxr
-    import warp
 
+    warp: Any = importlib.import_module("warp")
     warp.config.log_level = warp.LOG_ERROR
     with _silence():
         warp.init()
-    from trundle.testing.isaac import tensors
-    from trundle.testing.isaac.physics import Engine, PhysicsScenes
+    from trundle.testing.isaac import interfaces, tensors
+    from trundle.testing.isaac.physics import Engine
+    from trundle.testing.isaac.scenes import PhysicsScenes
     from trundle.testing.isaac.stage import Context, add_ground_plane, physx_schema
 
     context = Context(app.events)
@@ -69,7 +70,7 @@ def _start(app: App, finder: Finder) -> None:
     tools.addGroundPlane = add_ground_plane  # type: ignore[attr-defined]
     _add_to_pxr(pxr, "PhysicsSchemaTools", tools)
     provided = {
-        **context.modules(), **engine.modules(), **tensors.modules(engine, context),
+        **context.modules(), **interfaces.modules(app, context, engine), **tensors.modules(engine, context),
         # The compiled half of two extensions.
         "isaacsim.core.simulation_manager.bindings": {
             "_simulation_manager": types.SimpleNamespace(
@@ -79,7 +80,7 @@ def _start(app: App, finder: Finder) -> None:
                 get_physics_scene_paths=scenes.paths,
             )
         },
-        "isaacsim.core.experimental.prims.bindings": {"_prims_reader": Nothing("isaacsim.core.experimental.prims.bindings")},
+        "isaacsim.core.experimental.prims.bindings": {"_prims_reader": Nothing("prims_reader")},
         **_replicator(),
         "isaacsim.storage": {}, "isaacsim.storage.native": _storage(app),
         "torch": {"Tensor": type("Tensor", (), {}), "device": type("device", (), {})},
@@ -141,6 +142,7 @@ def _replicator() -> dict[str, dict[str, object]]:
 
 def _storage(app: App) -> dict[str, object]:
     """isaacsim.storage.native: the assets lie in a folder."""
+
     def get_assets_root_path(*, skip_check: bool = False) -> str:
         return str(app.settings.get("/persistent/isaac/asset_root/default"))
 

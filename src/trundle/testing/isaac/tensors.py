@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import enum
+import importlib
 import types
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from ovphysx.types import TensorType
+from ovphysx.types import TensorType  # pyright: ignore[reportMissingImports]
 from pxr import Usd, UsdPhysics
 
 from trundle.testing.isaac.physics import Engine
@@ -144,7 +145,10 @@ class ArticulationView(View):
         self.dof_paths = [[str(found[name].GetPath()) for name in dofs] for found in prims]
         self.link_paths = [[str(found[name].GetPath()) for name in links] for found in prims]
         kinds = [_joint_type(prims[0].get(name)) for name in joints]
-        dof_kinds = [DofType.Translation if _joint_type(prims[0][name]) is JointType.Prismatic else DofType.Rotation for name in dofs]
+        dof_kinds = [
+            DofType.Translation if _joint_type(prims[0][name]) is JointType.Prismatic else DofType.Rotation
+            for name in dofs
+        ]
         self.shared_metatype = types.SimpleNamespace(
             link_names=links, link_count=len(links), link_indices=_numbered(links),
             joint_names=joints, joint_count=len(joints), joint_indices=_numbered(joints), joint_types=kinds,
@@ -163,7 +167,7 @@ class ArticulationView(View):
 
     def _parts(self, root: str) -> dict[str, Usd.Prim]:
         """Bodies and joints of the articulation by name: those of the tree that its root or a parent of it spans."""
-        prim = self._stage.get_stage().GetPrimAtPath(root)
+        prim = self._stage.stage.GetPrimAtPath(root)
         if prim.HasAPI(UsdPhysics.RigidBodyAPI) or prim.IsA(UsdPhysics.Joint):
             prim = prim.GetParent()
         found: dict[str, Usd.Prim] = {}
@@ -214,7 +218,7 @@ class SimulationView:
         self._engine.flush()
         patterns = [pattern] if isinstance(pattern, str) else list(pattern)
         paths = [path for one in patterns for path in self._stage.match(one)]
-        stage = self._stage.get_stage()
+        stage = self._stage.stage
         paths = [path for path in paths if stage.GetPrimAtPath(path).HasAPI(api)]
         return kind(self._engine, self._stage, paths, prefix, names, self._convert) if paths else None
 
@@ -240,8 +244,7 @@ def to_numpy(data: Any) -> np.ndarray:
 def _frontend(name: str) -> Callable[[np.ndarray], Any]:
     if name == "numpy":
         return lambda values: values
-    import warp
-
+    warp: Any = importlib.import_module("warp")
     kinds = {"f": warp.float32, "u": warp.uint8, "i": warp.int32}
     return lambda values: warp.array(values, dtype=kinds[values.dtype.kind], device="cpu")
 
