@@ -298,7 +298,7 @@ def _frame(stage: Usd.Stage, path: str, bodies: list[str]) -> tuple[str, Gf.Matr
     return above, between, Gf.Vec3d(*(local.GetRow3(axis).GetLength() for axis in range(3)))
 
 
-def _matrix(pose: np.ndarray) -> Gf.Matrix4d:
+def _matrix(pose: Any) -> Gf.Matrix4d:
     x, y, z, qx, qy, qz, qw = map(float, pose)
     matrix = Gf.Matrix4d().SetRotate(Gf.Quatd(qw, qx, qy, qz))
     return matrix.SetTranslateOnly(Gf.Vec3d(x, y, z))
