@@ -90,6 +90,7 @@ class Engine:
         file.unlink()
         self._paths = ovstage.PathDictionary(self._stage)
         self._known: dict[int, str] = {}
+        self._tokens: dict[int, str] = {}
         self._frames = {path: _frame(stage, path, self._bodies) for path in self._bodies}
         self._poses = self.bind(self._bodies, TensorType.RIGID_BODY_POSE) if self._bodies else None
         self._changed = False
@@ -231,9 +232,15 @@ class Engine:
             return found
         names = [f"contactEvent{name}" for name in _CONTACT]
         with self._physx.read_sync(SimObjectType.CONTACT_SENSOR, names) as result:
+            lists: dict[int, list[str]] = {}
             for group in result.groups:
-                name = self._paths.token_to_string(group.attribute).removeprefix("contactEvent")
-                for path, tensor in zip(self._paths.get_path_strings(group.prim_list), group.tensors, strict=True):
+                if group.attribute not in self._tokens:
+                    token = self._paths.token_to_string(group.attribute)
+                    self._tokens[group.attribute] = token.removeprefix("contactEvent")
+                name = self._tokens[group.attribute]
+                if group.prim_list not in lists:
+                    lists[group.prim_list] = self._paths.get_path_strings(group.prim_list)
+                for path, tensor in zip(lists[group.prim_list], group.tensors, strict=True):
                     found.setdefault(path, {})[name] = tensor.numpy().copy()
         return {path: values for path, values in found.items() if len(values) == len(_CONTACT)}
 
