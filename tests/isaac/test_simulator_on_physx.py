@@ -30,7 +30,7 @@ def test_both_adapters_do_the_same_bit_for_bit(reports: dict[int, Any]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("command", "metres", "radians"), [("straight", 0.01, 0.01), ("turn", 0.02, 0.09), ("curve", 0.03, 0.04)]
+    ("command", "metres", "radians"), [("straight", 0.005, 0.002), ("turn", 0.006, 0.03), ("curve", 0.015, 0.02)]
 )
 def test_it_drives_as_the_kinematic_model_does(report: Any, command: str, metres: float, radians: float) -> None:
     found, expected = report["found"][command], report["expected"][command]
@@ -59,5 +59,12 @@ def test_it_touches_the_wall_where_its_front_gets_there(report: Any) -> None:
     assert 1.0 < time < 2.5
 
 
+def test_a_start_inside_the_wall_names_it_and_throws_nothing(report: Any) -> None:
+    names, pose = report["inside"]
+    assert names == ["wall"]
+    assert pose == pytest.approx((2.8, 0.0, 0.0), abs=1e-6)
+
+
 def test_the_joints_are_those_of_the_robot(report: Any) -> None:
-    assert {"joint_wheel_left", "joint_wheel_right", "joint_swing_left"} <= {*report["joints"]}
+    assert {"joint_wheel_left", "joint_wheel_right", "joint_caster_base"} <= {*report["joints"]}
+    assert len(report["joints"]) == 7

@@ -40,7 +40,7 @@ with simulate(room, robot, backend="isaac", headless=True) as simulator:
         if state.contacts:
             touched = [state.time, sorted({contact.other for contact in state.contacts}), state.contacts[0].x]
             break
-    inside = simulator.reset(Pose2D(2.7, 0.0))
+    inside = simulator.reset(Pose2D(2.8, 0.0))
     report = {
         "generation": simulator.application.generation,
         "joints": simulator.joint_names(),
