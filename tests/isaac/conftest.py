@@ -50,7 +50,7 @@ def program(isaac: Callable[..., Any]) -> Callable[..., Any]:
     """Runs one of `programs`, and gives what it prints as its last line of JSON."""
 
     def run(name: str, *arguments: object, **options: Any) -> Any:
-        done = isaac(*arguments, HERE / "programs" / f"{name}.py", "--seconds", 2000, **options)
+        done = isaac("--seconds", 2000, HERE / "programs" / f"{name}.py", *arguments, **options)
         assert done.returncode == 0, done.stdout + done.stderr
         return json.loads(done.stdout.splitlines()[-1])
 
