@@ -4,7 +4,8 @@
 DifferentialController, SimulationManager and the stage utilities are NVIDIA's, from its wheels; the physics is
 PhysX. What lies between them in Isaac Sim, the Kit application, is stood in for by the modules of this package:
 
-- `kit`: the application, its loop, timeline, events and settings (`isaacsim.SimulationApp`, `carb`, `omni.kit.app`);
+- `kit`, `events`: the application, its loop, timeline, events and settings (`isaacsim.SimulationApp`, `carb`,
+  `omni.kit.app`);
 - `stage`: the open stage (`omni.usd`), the schemas' Python classes (`pxr.PhysxSchema`) and Fabric (`usdrt`);
 - `interfaces`, `scenes`: PhysX' callbacks and contact report (`omni.physics.core`, `omni.physx`), and the compiled part
   of the simulation manager; `physics` runs PhysX itself;

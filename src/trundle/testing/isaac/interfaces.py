@@ -9,7 +9,8 @@ from typing import Any
 
 from pxr import UsdPhysics
 
-from trundle.testing.isaac.kit import App, Subscription
+from trundle.testing.isaac.events import Subscription
+from trundle.testing.isaac.kit import App
 from trundle.testing.isaac.nothing import Nothing
 from trundle.testing.isaac.physics import Engine
 from trundle.testing.isaac.stage import Context

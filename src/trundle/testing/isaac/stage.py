@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils
 
-from trundle.testing.isaac.kit import Event, Events
+from trundle.testing.isaac.events import Event, Events
 from trundle.testing.isaac.nothing import Nothing
 
 
