@@ -4,6 +4,7 @@
 # make test-wheels  build wheels, install each into an empty environment of every Python here, and run the demo
 # make test-ray  install Ray, then run the tests of evaluations on a cluster, where there is no network but loopback
 # make test-ros2  build real ROS 2 environments in ~/.cache/trundle, once, and run the tests against them, the long ones too
+# make test-isaac  put NVIDIA's packages into a Python 3.12 in ~/.cache/trundle, once, and run Isaac Sim's classes there
 # make check  lint, types, layers
 # make fuzz   random examples for every property test and every kernel, FUZZ_SECONDS each (10, about twelve minutes in all)
 # make docs   build the site of guides and API reference into site/; BUILDER=zensical builds it with MkDocs' successor
@@ -39,7 +40,7 @@ HANGS := --timeout 600
 KERNELS := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*/*.cpp)
 SOURCES := $(KERNELS) $(wildcard src/trundle/_core/*/*.hpp) CMakeLists.txt
 
-.PHONY: demo quick test test-wheels test-ray test-ros2 ros2-env fuzz check size docs web build setup dev clean
+.PHONY: demo quick test test-wheels test-ray test-ros2 ros2-env test-isaac fuzz check size docs web build setup dev clean
 
 demo: setup
 	$(BIN)/trundle demo
@@ -49,7 +50,7 @@ quick: dev
 	$(BIN)/python -m pytest $(HANGS) -n 2 --dist loadfile @tests/quick/files.txt
 
 test: dev
-	$(BIN)/python -m pytest $(HANGS) -n 2 --dist loadfile -m "not wheel and not ray and not ros2"
+	$(BIN)/python -m pytest $(HANGS) -n 2 --dist loadfile -m "not wheel and not ray and not ros2 and not isaac"
 
 # Builds wheels without the compiled files of this folder: minutes.
 test-wheels: dev
@@ -66,6 +67,11 @@ test-ros2: dev ros2-env
 # Wheels of ROS, and messages compiled with them: minutes. Where it cannot be built, it says why, and so do the tests skipped.
 ros2-env: dev
 	@$(BIN)/python scripts/ros2_env.py || true
+
+# NVIDIA's packages (600 MB), and the kernels for them: minutes. Where it cannot be built, it says why, and so do the tests skipped.
+test-isaac: dev
+	@$(BIN)/python -m trundle.testing.isaac --build || true
+	$(BIN)/python -m pytest $(HANGS) -n 2 --dist worksteal tests/isaac
 
 fuzz: dev
 	$(BIN)/python -m pytest -n 2 --explore --explore-seconds $(FUZZ_SECONDS)

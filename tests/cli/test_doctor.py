@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from support.command_line import Trundle
-from trundle.doctor import check_machine
+from trundle.doctor import check_machine, machine
 from trundle.errors import RobotWarning
 from trundle.extras import EXTRAS, install_line
 from trundle.robots import Robot
@@ -243,3 +243,20 @@ def test_a_robot_without_lidars_is_said_to_sense_nothing(trundle: Trundle, tmp_p
     robot.write_text(describe_robot(Robot.load("nova_carter").model_copy(update={"lidars": {}})))
     done = trundle("doctor", "robot", str(robot), "--backend", "kinematic")
     assert "no lidar: it does not sense obstacles" in done.out
+
+
+@pytest.mark.parametrize(("installed", "status"), [((), "missing"), (("isaacsim-extscache-kit",), "missing")])
+def test_an_isaac_sim_of_pypi_alone_lacks_two_packages(
+    monkeypatch: pytest.MonkeyPatch, installed: tuple[str, ...], status: str
+) -> None:
+    there = {"isaacsim-kernel", *installed}
+    monkeypatch.setattr(machine, "_version", lambda name: "6.2.0.0" if name in there else "")
+    checks = {check.name: check for check in check_machine("isaac")}
+    assert checks["packages"].status == status
+    for name in ("isaacsim-extscache-kit", "isaacsim-extscache-kit-sdk"):
+        assert (f"no {name}," in checks["packages"].detail.replace(" and no ", ", no ") + ",") == (name not in there)
+
+
+def test_an_isaac_sim_in_a_folder_is_not_asked_for_packages(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(machine, "_version", lambda _: "")
+    assert "packages" not in {check.name for check in check_machine("isaac")}

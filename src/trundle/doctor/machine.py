@@ -43,6 +43,9 @@ ISAAC = "isaac"
 _NO_RAY_TRACING = re.compile(r"\b(P100|V100|A100|A30|H100|H200|GH200|B200|GB200)\b")
 """Data-centre GPUs without RT cores, which Isaac Sim does not support."""
 
+_KIT_PACKAGES = ("isaacsim-extscache-kit", "isaacsim-extscache-kit-sdk")
+"""What an Isaac Sim of pip lacks if it came from PyPI alone."""
+
 _BOX = Solid("box", Box((0.5, 2.0, 1.0)), Pose3D((0.0, -5.0, 0.5)))
 """Far from the robot's other checks; the robot drives into it to check contacts."""
 
@@ -58,6 +61,7 @@ def check_machine(backend: str | None = None) -> Iterator[MachineCheck]:
     yield _attempt("kernels", _check_kernels)
     if backend == ISAAC:
         yield _attempt("isaac sim", _check_isaac)
+        yield from _check_packages()
         yield _check_no_other_usd()
         yield _check_gpu()
         return
@@ -186,6 +190,22 @@ def _check_isaac() -> str:
 
     check_installation()
     return f"Isaac Sim {installed_version() or '(the version is known once it runs)'}, for this Python"
+
+
+def _check_packages() -> Iterator[MachineCheck]:
+    """Check that an Isaac Sim of pip has Kit's extensions, which only NVIDIA's own package index has."""
+    if not _version("isaacsim-kernel"):
+        return
+    lacking = [name for name in _KIT_PACKAGES if not _version(name)]
+    if lacking:
+        yield MachineCheck(
+            "packages",
+            "missing",
+            f"no {' and no '.join(lacking)}, with Kit's extensions (omni.usd and others): Isaac Sim does not start "
+            "unless it can fetch them. They are in NVIDIA's package index: pip install 'isaacsim[all,extscache]'",
+        )
+    else:
+        yield MachineCheck("packages", "pass", f"{' and '.join(_KIT_PACKAGES)}, with Kit's extensions")
 
 
 def _check_no_other_usd() -> MachineCheck:

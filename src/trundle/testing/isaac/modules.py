@@ -1,0 +1,155 @@
+"""How the modules of Isaac Sim are found: NVIDIA's sources, the stand-ins, and nothing for the rest of Kit."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.abc
+import importlib.machinery
+import sys
+from collections.abc import Mapping
+from importlib.metadata import distribution
+from pathlib import Path
+from types import ModuleType
+
+from trundle.testing.isaac.nothing import Nothing
+
+ROOTS = ("carb", "omni", "usdrt", "Semantics", "nest_asyncio", "osqp")
+"""Packages of Kit and of its environment; any module of them can be imported."""
+
+RENAMED = {
+    "omni.isaac.kit": "isaacsim",
+    "omni.isaac.core.utils.nucleus": "isaacsim.storage.native",
+    "isaacsim.core.utils.nucleus": "isaacsim.storage.native",
+    "omni.isaac.nucleus": "isaacsim.storage.native",
+    "omni.isaac.core.utils": "isaacsim.core.utils",
+    "omni.isaac.core.prims": "isaacsim.core.prims",
+    "omni.isaac.core.articulations": "isaacsim.core.prims",
+    "omni.isaac.core": "isaacsim.core.api",
+    "omni.isaac.wheeled_robots": "isaacsim.robot.wheeled_robots",
+    "omni.isaac.debug_draw": "isaacsim.util.debug_draw",
+}
+"""Names of Isaac Sim 4.2 and before, which 5.1 accepts; longer names first."""
+
+RENAMED_CLASSES = {
+    "omni.isaac.core.articulations": {"Articulation": "SingleArticulation", "ArticulationView": "Articulation"},
+    "omni.isaac.core.prims": {
+        "XFormPrim": "SingleXFormPrim", "XFormPrimView": "XFormPrim", "RigidPrim": "SingleRigidPrim",
+        "RigidPrimView": "RigidPrim", "GeometryPrim": "SingleGeometryPrim", "GeometryPrimView": "GeometryPrim",
+    },
+}  # fmt: skip
+"""Classes whose names changed their meaning with the module's."""
+
+_NEEDS_APPLICATION = ("omni", "pxr", "carb", "usdrt")
+
+
+class Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Finds the modules of Isaac Sim.
+
+    Args:
+        hidden: Modules that this Isaac Sim does not have.
+
+    Attributes:
+        started: Whether SimulationApp runs. Before that nothing but it can be imported.
+    """
+
+    def __init__(self, hidden: tuple[str, ...] = ()) -> None:
+        self.started = False
+        self.hidden = hidden
+        self.known: dict[str, Mapping[str, object]] = {}
+
+    def provide(self, name: str, members: Mapping[str, object]) -> None:
+        """Give a module these members; any other is NVIDIA's or nothing."""
+        self.known[name] = members
+
+    def find_spec(
+        self, fullname: str, path: object = None, target: ModuleType | None = None
+    ) -> importlib.machinery.ModuleSpec | None:
+        """Find a module."""
+        top = fullname.partition(".")[0]
+        early = "omni.isaac.kit".startswith(fullname)
+        if not self.started and not early and (top in _NEEDS_APPLICATION or fullname.startswith("isaacsim.")):
+            raise ModuleNotFoundError(
+                f"No module named {fullname!r}: it can only be imported after SimulationApp is created", name=fullname
+            )
+        if any(fullname == name or fullname.startswith(f"{name}.") for name in self.hidden):
+            raise ModuleNotFoundError(f"No module named {fullname!r}", name=fullname)
+        if fullname == "isaacsim.sensors":
+            raise ModuleNotFoundError(
+                f"No module named {fullname!r}: there is no renderer without Isaac Sim", name=fullname
+            )
+        if fullname in self.known or is_open(fullname) or new_name(fullname):
+            return importlib.machinery.ModuleSpec(fullname, self, is_package=True)
+        return None
+
+    def create_module(self, spec: importlib.machinery.ModuleSpec) -> ModuleType:
+        """Make the module; of the modules that do nothing, every attribute is there."""
+        renamed = new_name(spec.name)
+        if renamed:
+            return _Renamed(spec.name, importlib.import_module(renamed))
+        if not is_open(spec.name):
+            return ModuleType(spec.name)
+        module = _Open(spec.name)
+        module.finder = self
+        return module
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Fill the module."""
+        vars(module).update(self.known.get(module.__name__, {}))
+        module.__path__ = extension_paths() if module.__name__ == "isaacsim" else []
+        parent, _, name = module.__name__.rpartition(".")
+        if parent in sys.modules:
+            setattr(sys.modules[parent], name, module)
+
+
+class _Open(ModuleType):
+    """A module that has everything."""
+
+    finder: Finder
+
+    def __getattr__(self, name: str) -> object:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        full = f"{self.__name__}.{name}"
+        # Kit imports its extensions' modules by itself: scripts use omni.timeline after `import omni`.
+        if full in self.finder.known:
+            return importlib.import_module(full)
+        made = Nothing(full)
+        setattr(self, name, made)
+        return made
+
+
+class _Renamed(ModuleType):
+    """An old name of a module."""
+
+    def __init__(self, name: str, real: ModuleType) -> None:
+        super().__init__(name)
+        self._real = real
+
+    def __getattr__(self, name: str) -> object:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return getattr(self._real, RENAMED_CLASSES.get(self.__name__, {}).get(name, name))
+
+
+def is_open(name: str) -> bool:
+    """Whether a module has everything: those of Kit, those that draw, and the compiled parts of NVIDIA's extensions."""
+    parts = name.split(".")
+    return parts[0] in ROOTS or (parts[0] == "isaacsim" and ("bindings" in parts or parts[1:2] in (["util"], ["gui"])))
+
+
+def new_name(name: str) -> str | None:
+    """Return the present name of a module of an old Isaac Sim; None for a present name."""
+    for old, new in RENAMED.items():
+        if name == old or name.startswith(f"{old}."):
+            return new + name.removeprefix(old)
+    return None
+
+
+def extension_paths() -> list[str]:
+    """Return the folders of NVIDIA's extensions, as `isaacsim` is spread over them."""
+    found: list[str] = []
+    for package in ("isaacsim-core", "isaacsim-robot"):
+        root = Path(str(distribution(package).locate_file("isaacsim")))
+        found += sorted(str(path) for path in root.glob("exts*/isaacsim.*/isaacsim"))
+    # Each folder once: both packages are installed in one place.
+    return list(dict.fromkeys(found))
