@@ -51,6 +51,16 @@ EXTRAS = {
         {"ray": "ray", "pyarrow": "pyarrow", "cloudpickle": "cloudpickle"},
     ),
     "pandas": Extra("tables of trajectories", {"pandas": "pandas"}),
+    "physx": Extra(
+        "--backend physx: NVIDIA PhysX on the CPU, under NVIDIA's licence",
+        {
+            "ovphysx": "ovphysx",
+            "ovstage": "ovstage",
+            "physx-usd-schemas": "physx_usd_schemas",
+            "usd-core": "pxr.Usd",
+            "scipy": "scipy.spatial",
+        },
+    ),
     "bench": Extra(
         "the comparisons in benchmarks/",
         {

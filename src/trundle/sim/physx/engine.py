@@ -1,0 +1,177 @@
+"""ovphysx, NVIDIA's PhysX as a Python package: whether it runs on this machine, and its start in this process."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import logging
+import platform
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from trundle.errors import InputError, MissingExtraError
+from trundle.extras import EXTRAS, install_line
+
+if TYPE_CHECKING:
+    from ovphysx import PhysX
+
+EXTRA = "physx"
+SERIES = "0.7."
+"""The ovphysx that this is written for: it calls itself alpha, and 0.7 replaced the interface of 0.6."""
+
+_GLIBC = (2, 35)
+_CPU_INFO = Path("/proc/cpuinfo")
+_SCHEMAS = ("PhysxSchema", "OmniUsdPhysicsDeformableSchema")
+_LOG = "trundle.sim.physx.ovphysx"
+"""Logger that gets the messages of the engine."""
+
+_log = logging.getLogger(_LOG)
+_registered = False
+
+
+def check_installation() -> str:
+    """Check that ovphysx can run here, without importing it.
+
+    Returns:
+        Its version.
+
+    Raises:
+        InputError: If this machine is not one that it is built for, or it is of another version.
+        MissingExtraError: If it is not installed.
+    """
+    _check_machine()
+    try:
+        found = {name: importlib.metadata.version(name) for name in EXTRAS[EXTRA].modules}
+    except importlib.metadata.PackageNotFoundError as error:
+        line = f"{install_line(EXTRA)} (about 350 MB; NVIDIA's licence applies, see docs/simulation.md)"
+        raise MissingExtraError("backend physx", error.name or "ovphysx", line) from error
+    version = found["ovphysx"]
+    if not version.startswith(SERIES):
+        raise InputError(
+            f"ovphysx {version} is installed, and backend physx is written for {SERIES}x; install that with: "
+            f"{install_line(EXTRA)}"
+        )
+    return version
+
+
+def _check_machine() -> None:
+    """Check the operating system, the processor and the C library, before a library fails to load.
+
+    Raises:
+        InputError: If one is not supported.
+    """
+    advice = "use backend mujoco or kinematic"
+    machine = platform.machine()
+    if sys.platform != "linux" or machine.lower() not in ("x86_64", "amd64"):
+        system = {"darwin": "macOS", "win32": "Windows", "linux": "Linux"}.get(sys.platform, sys.platform)
+        raise InputError(
+            f"backend physx runs on Linux with an x86-64 processor; this is {system} on {machine}: {advice}"
+        )
+    library, version = platform.libc_ver()
+    if library != "glibc":
+        raise InputError(f"backend physx needs glibc, which this Linux does not have (musl?): {advice}")
+    if tuple(int(part) for part in version.split(".")[:2]) < _GLIBC:
+        raise InputError(
+            f"backend physx needs glibc {_GLIBC[0]}.{_GLIBC[1]} or later, as in Ubuntu 22.04; this is {version}: {advice}"
+        )
+    if not _has_avx():
+        raise InputError(f"backend physx needs a processor with AVX, which this one lacks: {advice}")
+
+
+def _has_avx() -> bool:
+    try:
+        text = _CPU_INFO.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return True  # not to be known here; the library says so itself
+    flags = next((line for line in text.splitlines() if line.startswith("flags")), None)
+    return flags is None or "avx" in flags.split()
+
+
+def start_engine() -> PhysX:
+    """Start an engine, on the CPU and on the calling thread alone.
+
+    Raises:
+        InputError: If it cannot run here, or this process has used it on a GPU.
+        MissingExtraError: If it is not installed.
+    """
+    check_installation()
+    try:
+        import ovphysx
+
+        _silence_warp()
+        from ovphysx import PhysX
+    except (ImportError, OSError, RuntimeError) as error:
+        raise InputError(f"backend physx: ovphysx cannot be loaded: {error}") from error
+    _set_up(ovphysx)
+    engine = PhysX()
+    # The last engine that is closed takes this with it.
+    ovphysx.enable_default_log_output(False)
+    ovphysx.enable_python_logging(_LOG, min_severity=ovphysx.LogLevel.WARNING)
+    return engine
+
+
+def _silence_warp() -> None:
+    """Keep Warp, in whose arrays ovphysx hands out numbers, from telling which devices it has found."""
+    if "warp" not in sys.modules:
+        import warp
+
+        warp.config.log_level = warp.LOG_ERROR
+
+
+def _set_up(ovphysx: Any) -> None:
+    """Set what holds for the whole process, before its first engine.
+
+    Raises:
+        InputError: If this process has used PhysX on a GPU.
+    """
+    global _registered
+    if not _registered:
+        try:
+            ovphysx.PhysX.set_cpu_mode(True)
+        except RuntimeError as error:
+            raise InputError(
+                f"this process already runs PhysX on a GPU, and backend physx needs it on the CPU: {error}"
+            ) from error
+        import ovstage
+
+        ovstage.population.register_usd_schemas(_schema_folders())
+        _registered = True
+    # One robot is too little work for a pool of threads: with the default of 8 a step takes 25 times as long.
+    ovphysx.set_global_config(ovphysx.GlobalConfigKey.NUM_THREADS, 0)
+
+
+def _schema_folders() -> list[str]:
+    """Folders of the PhysX schemas, without which a stage would lose its PhysX attributes.
+
+    Their package is not imported: that registers them with usd-core.
+    """
+    package = importlib.metadata.distribution("physx-usd-schemas")
+    return [str(package.locate_file(f"physx_usd_schemas/{name}/resources")) for name in _SCHEMAS]
+
+
+class _Collector(logging.Handler):
+    def __init__(self) -> None:
+        super().__init__(logging.ERROR)
+        self.messages: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.messages.append(" ".join(record.getMessage().split()))
+
+
+@contextmanager
+def collected_errors() -> Iterator[list[str]]:
+    """Collect what the engine logs as errors while the block runs."""
+    collector = _Collector()
+    before = _log.propagate
+    _log.addHandler(collector)
+    _log.propagate = False
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)
+            yield collector.messages
+    finally:
+        _log.propagate = before
+        _log.removeHandler(collector)

@@ -1,0 +1,401 @@
+"""`PhysxSimulator`: the robot in NVIDIA PhysX, the physics of Isaac Sim, on the CPU and without its application."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Self
+
+import numpy as np
+
+from trundle.errors import InputError, SimulationError
+from trundle.geometry import FloatArray, Pose2D, Pose3D, Twist2D, integrate_twist, wrap_angle
+from trundle.geometry.solids import Solid
+from trundle.robots import Robot, WheelSpeeds
+from trundle.sim.lidar import LidarChoice, LidarSet, SceneBeams
+from trundle.sim.movers import MoverField
+from trundle.sim.physx.contacts import ContactReader
+from trundle.sim.physx.engine import check_installation
+from trundle.sim.physx.files import choose_files, write_scene
+from trundle.sim.physx.stage import RunningStage
+from trundle.sim.ramp import CommandRamp, Motion, count_steps
+from trundle.sim.simulator import Simulator
+from trundle.sim.state import Contact, RobotState, Substep
+from trundle.usd import GROUND_OFFSET, TIMESTEP
+from trundle.values import check_seed
+from trundle.worlds import World
+
+_SETTLE_S = 0.5
+_LARGEST_FALL = 0.1
+"""Largest drop while settling [m]; a robot that falls farther has no floor under it."""
+
+_LARGEST_TURN = 1.5
+"""Largest rotation of a wheel [rad] between two readings: angles are wrapped at a full turn."""
+
+_MOST_STEPS = 10
+"""Physics steps between two readings of the wheels, whose odometry is an arc in between: 50 ms are 0.01 mm off."""
+
+
+class PhysxSimulator(Simulator):
+    """Drives a robot through a stage in NVIDIA PhysX.
+
+    The limits of the robot are applied at every physics step, and its wheels are driven by PhysX's velocity drives.
+    The stage is the world and the robot as trundle writes them for Isaac Sim, or USD files of the user. A run is the
+    same to the last bit each time on one machine.
+
+    Args:
+        world: The world; contacts are reported with its solids, cells and movers by name.
+        robot: The robot.
+        lidar: Lidars to simulate: all of the robot's, none, or those named. Their beams meet the world's solids; in an
+            environment the colliders of its USD file, where they stand at the start.
+        environment: An environment of Isaac Sim by name (`warehouse_with_forklifts`) whose file is on this machine, or
+            a USD file. If None, the world as USD. Its frame is the map frame.
+        robot_usd: The robot's USD file. If None, trundle's own model of the robot.
+        physics_dt: Length of a physics step [s].
+        assets_root: Folder that contains Isaac/Environments. If None, TRUNDLE_ISAAC_ASSETS.
+        ground_offset: Initial height [m] of the robot above z = 0, from which it settles.
+
+    Attributes:
+        on_substep: Called with a `Substep` after every physics step; None by default.
+
+    Raises:
+        InputError: If an option is out of range, a file is missing, or PhysX cannot run here.
+        MissingExtraError: If ovphysx or usd-core is not installed.
+        UnknownNameError: If there is no such environment, or the robot has no lidar of a chosen name.
+        WorldError: If the stage cannot be simulated: not in metres with z up, or without a collider.
+        RobotError: If the robot's USD lacks the joints of its wheels.
+        SimulationError: If there is no floor under the robot.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        robot: Robot,
+        *,
+        lidar: LidarChoice = False,
+        environment: str | None = None,
+        robot_usd: str | None = None,
+        physics_dt: float = TIMESTEP,
+        assets_root: str | None = None,
+        ground_offset: float = GROUND_OFFSET,
+    ) -> None:
+        if not 0.0 < physics_dt <= 0.02:
+            raise InputError(f"physics_dt {physics_dt} s is out of range; use more than 0 and at most 0.02")
+        if not 0.0 <= ground_offset <= 10.0:
+            raise InputError(f"ground_offset {ground_offset} m is out of range; use 0 to 10")
+        files = choose_files(robot, environment=environment, robot_usd=robot_usd, assets_root=assets_root)
+        check_installation()
+        self._robot = robot
+        self._physics_dt = physics_dt
+        self._ground_offset = ground_offset
+        self._ramp = CommandRamp(robot, physics_dt)
+        self._field = MoverField(world, robot) if world.movers else None
+        solids = world
+        if files.environment is not None and (lidar or not world.solids):
+            solids = replace(World.load(files.environment), seeds=world.seeds, movers=world.movers)
+        self._world = self._first_world = solids
+        self._beams = SceneBeams(solids, self._field)
+        self._lidars = LidarSet(robot, lidar, self._beams.cast)
+        self._beams.prepare(self._lidars.heights)
+        self._stage: RunningStage | None = None
+        self._rest = Pose3D((0.0, 0.0, ground_offset))
+        self._pairs = 1
+        wheel = max(abs(speed) for speed in robot.drive.wheel_speeds(_fastest(robot)))
+        self._steps_between = max(1, min(_MOST_STEPS, math.floor(_LARGEST_TURN / (wheel * physics_dt))))
+        self.on_substep: Callable[[Substep], None] | None = None
+        self._folder = TemporaryDirectory(prefix="trundle-")
+        try:
+            scene = write_scene(
+                Path(self._folder.name), world, robot, files, self._field, height=ground_offset, timestep=physics_dt
+            )
+            self._scene, self._pairs = scene, len(scene.wheels) // 2
+            self._contacts = ContactReader(scene, solids)
+            self._stage = RunningStage(scene)
+            self._measure_root()
+            self.reset(Pose2D(*world.seeds[0]) if world.seeds else Pose2D(0.0, 0.0))
+        except BaseException:
+            self.close()
+            raise
+
+    def _measure_root(self) -> None:
+        """Find the articulation's root, which need not be base_link: the robot's prim is, and stands at the origin.
+
+        Raises:
+            SimulationError: If it is far from it.
+        """
+        attachment = self._running.attachment
+        at_root, _, _ = attachment.root()
+        self._T_root_base = at_root.inverse() @ Pose3D((0.0, 0.0, self._ground_offset))
+        self._T_base_root = self._T_root_base.inverse()
+        self._centre = attachment.centre_of_mass(self._scene.root)
+        x, y, _ = self._T_base_root.position
+        if math.hypot(x, y) > self._robot.circumscribed_radius:
+            raise SimulationError(
+                f"the root of the robot's articulation is {math.hypot(x, y):.2f} m away from its prim: is it a body of "
+                "the robot, and is the robot's prim at base_link?"
+            )
+
+    @property
+    def robot(self) -> Robot:
+        """The simulated robot."""
+        return self._robot
+
+    @property
+    def world(self) -> World | None:
+        """The world, with what was added since the reset; None in an environment whose solids were not read."""
+        return self._world
+
+    @property
+    def timestep(self) -> float:
+        """Length of a physics step [s]."""
+        return self._physics_dt
+
+    def watch_substeps(self, watch: Callable[[Substep], None] | None) -> bool:
+        """Call `watch` after every physics step from now on, or no longer (None)."""
+        self.on_substep = watch
+        return True
+
+    def joint_names(self) -> list[str]:
+        """Return the names of the joints that PhysX moves, in its order."""
+        return self._check_open().attachment.joint_names()
+
+    def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
+        """Put the robot at rest at `pose` (map frame) and set the time to 0. The same seed gives the same run.
+
+        The robot is put at the ground offset and settles on the floor, which does not count as simulated time. A pose
+        inside a solid is accepted; the state's contacts then name the solid.
+
+        Raises:
+            SimulationError: If it was closed, or there is no floor under the robot.
+        """
+        stage = self._check_open()
+        pose, seed = Pose2D.of(pose), check_seed(seed)
+        attachment = stage.begin()
+        self._contacts.attached()
+        if self._world is not self._first_world:
+            self._change_world(self._first_world)
+        if self._field is not None:
+            # Before the robot: a mover that is parked in it makes its pose NaN.
+            self._field.reset(seed, pose)
+            attachment.put_movers(self._field.state)
+        start = Pose3D.planar(pose.x, pose.y, self._ground_offset, pose.yaw)
+        attachment.place_root(start @ self._T_base_root)
+        self._told = Motion(0.0, 0.0, 0.0, 0.0)
+        self._ramp.reset()
+        self._lidars.reset(seed)
+        touched: dict[tuple[str, str], Contact] = {}
+        # Contacts first, as a robot that starts in a solid is pushed out of it while it settles.
+        attachment.step(self._physics_dt)
+        self._contacts.read(attachment, touched)
+        for _ in range(round(_SETTLE_S / self._physics_dt)):
+            attachment.step(self._physics_dt)
+        self._check_stands()
+        self._contacts.find_floor(attachment)
+        self._contacts.read(attachment, touched)
+        self._come_to_rest(None if touched else pose)
+        self._steps = 0
+        self._turned = (0.0, 0.0)
+        self._odometry = (pose.x, pose.y, pose.yaw)
+        return self._state(touched, since=-1.0, at_rest=True)
+
+    def place(self, pose: Pose2D) -> RobotState:
+        """Put the robot at rest at `pose` (map frame); time, wheels and odometry stay as they are.
+
+        Raises:
+            SimulationError: If it was closed.
+        """
+        stage = self._check_open()
+        pose = Pose2D.of(pose)
+        self._told = Motion(0.0, 0.0, 0.0, 0.0)
+        self._ramp.reset()
+        attachment = stage.attachment
+        self._drive(self._told)
+        self._stand_at(pose)
+        # Contacts are known after a step, which must not move it.
+        attachment.step(self._physics_dt)
+        touched: dict[tuple[str, str], Contact] = {}
+        self._contacts.read(attachment, touched)
+        self._stand_at(pose)
+        return self._state(touched, since=self._steps * self._physics_dt, at_rest=True)
+
+    def add_solid(self, solid: Solid) -> None:
+        """Put a solid into the running stage until the next reset.
+
+        Raises:
+            WorldError: If the world has a solid or a mover of that name, or PhysX refuses it.
+        """
+        stage = self._check_open()
+        world = self._world or World("added", ())
+        changed = replace(world, solids=(*world.solids, solid))
+        stage.add(solid)
+        self._change_world(changed if self._world is not None else None, named=changed)
+
+    def _change_world(self, world: World | None, named: World | None = None) -> None:
+        self._world = world
+        if named is None:
+            named = world or World("none", ())
+        self._contacts.change_world(named, self._running.added)
+        self._beams.change_world(named)
+
+    def step(self, command: Twist2D, dt: float) -> RobotState:
+        """Drive one control period of `dt` [s], a multiple of the physics step, with a commanded twist.
+
+        Raises:
+            SimulationError: If it was closed, or the physics diverged.
+            InputError: If `dt` is not a multiple of the physics step.
+        """
+        attachment, timestep = self._check_open().attachment, self._physics_dt
+        since = self._steps * timestep
+        motions = self._ramp.advance(command, count_steps(dt, timestep))
+        touched: dict[tuple[str, str], Contact] = {}
+        for number, motion in enumerate(motions, 1):
+            if motion is not self._told:
+                self._drive(motion)
+            if self._field is not None:
+                attachment.aim_movers(self._field.advance((self._steps + 1) * timestep, self._robot_motion))
+            attachment.step(timestep)
+            self._steps += 1
+            self._contacts.read(attachment, touched)
+            if number % self._steps_between == 0 and number < len(motions):
+                self._follow_wheels(attachment.wheels()[0])
+            if self.on_substep is not None:
+                self._report(self.on_substep)
+        return self._state(touched, since)
+
+    def _drive(self, motion: Motion) -> None:
+        self._told = motion
+        self._running.attachment.set_speeds((motion.left, motion.right) * self._pairs)
+
+    def _report(self, watch: Callable[[Substep], None]) -> None:
+        angles, speeds = self._running.attachment.wheels()
+        self._follow_wheels(angles)
+        pose, twist, _ = self._motion()
+        watch(Substep(self._steps * self._physics_dt, pose, twist, WheelSpeeds(*self._turned), WheelSpeeds(*speeds)))
+
+    def close(self) -> None:
+        """Release the engine; closing twice does nothing."""
+        stage, self._stage = self._stage, None
+        try:
+            if stage is not None:
+                stage.close()
+        finally:
+            self._folder.cleanup()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _check_open(self) -> RunningStage:
+        if self._stage is None:
+            raise SimulationError("this simulator was closed; make a new one with trundle.simulate")
+        return self._stage
+
+    @property
+    def _running(self) -> RunningStage:
+        return self._check_open()
+
+    def _check_stands(self) -> None:
+        """Check that the robot has not fallen.
+
+        Raises:
+            SimulationError: If it has.
+        """
+        fell = self._ground_offset - (self._body()[0] @ self._T_root_base).position[2]
+        if fell > self._ground_offset + _LARGEST_FALL:
+            raise SimulationError(
+                f"the robot fell {fell:.2f} m in {_SETTLE_S} s: there is no collider under it. Start it above the "
+                f"floor (ground_offset, now {self._ground_offset:g} m), and check that its floor has a collider"
+            )
+
+    def _come_to_rest(self, pose: Pose2D | None) -> None:
+        """Stop the robot where it has settled, but exactly at a pose if one is given."""
+        T_world_base = self._body()[0] @ self._T_root_base
+        x, y, _ = T_world_base.position
+        if pose is None:
+            self._put(T_world_base)
+            return
+        self._rest = Pose3D.planar(x, y, 0.0, T_world_base.yaw()).inverse() @ T_world_base
+        self._stand_at(pose)
+
+    def _stand_at(self, pose: Pose2D) -> None:
+        """Put the robot at a pose, at rest, as high and as tilted as it has settled."""
+        self._put(Pose3D.planar(pose.x, pose.y, 0.0, pose.yaw) @ self._rest)
+
+    def _put(self, T_world_base: Pose3D) -> None:
+        attachment = self._running.attachment
+        attachment.place_root(T_world_base @ self._T_base_root)
+        attachment.stop_joints()
+        self._angles = attachment.wheels()[0]
+
+    def _body(self) -> tuple[Pose3D, FloatArray, FloatArray]:
+        """Pose and velocities of the articulation's root; see `Attachment.root`.
+
+        Raises:
+            SimulationError: If the physics diverged.
+        """
+        try:
+            return self._running.attachment.root()
+        except InputError as error:
+            raise SimulationError(
+                f"the physics diverged: {error}; use a smaller physics_dt than {self._physics_dt} s, and check the "
+                "robot's masses and colliders"
+            ) from error
+
+    def _motion(self) -> tuple[Pose2D, Twist2D, float]:
+        """Pose and twist of base_link, and its tilt [rad]."""
+        T_world_root, linear, angular = self._body()
+        T_world_base = T_world_root @ self._T_root_base
+        arm = np.array(T_world_base.position) - T_world_root.transform_points([self._centre])[0]
+        vx, vy, _ = (linear + np.cross(angular, arm)).tolist()
+        x, y, _ = T_world_base.position
+        yaw = T_world_base.yaw()
+        _, qx, qy, _ = T_world_base.quaternion
+        tilt = math.acos(max(-1.0, 1.0 - 2.0 * (qx * qx + qy * qy)))
+        return Pose2D(x, y, yaw), Twist2D(vx * math.cos(yaw) + vy * math.sin(yaw), float(angular[2])), tilt
+
+    def _robot_motion(self) -> tuple[Pose2D, float]:
+        pose, twist, _ = self._motion()
+        return pose, twist.v
+
+    def _follow_wheels(self, angles: tuple[float, float]) -> None:
+        """Add the wheels' rotation since the last reading; angles that are wrapped at a full turn are unwrapped."""
+        by_left, by_right = (math.remainder(new - old, math.tau) for new, old in zip(angles, self._angles, strict=True))
+        self._angles = angles
+        self._turned = (self._turned[0] + by_left, self._turned[1] + by_right)
+        radius, track = self._robot.drive.wheel_radius, self._robot.drive.track_width
+        x, y, yaw = integrate_twist(
+            *self._odometry, radius * (by_left + by_right) / 2.0, radius * (by_right - by_left) / track, 1.0
+        )
+        self._odometry = (float(x), float(y), float(yaw))
+
+    def _state(self, touched: dict[tuple[str, str], Contact], since: float, *, at_rest: bool = False) -> RobotState:
+        pose, twist, tilt = self._motion()
+        speeds = (0.0, 0.0)
+        if at_rest:
+            twist = Twist2D(0.0, 0.0)
+        else:
+            angles, speeds = self._running.attachment.wheels()
+            self._follow_wheels(angles)
+        time = self._steps * self._physics_dt
+        return RobotState(
+            time=time,
+            pose=pose,
+            twist=twist,
+            wheel_positions=WheelSpeeds(*self._turned),
+            wheel_speeds=WheelSpeeds(*speeds),
+            odometry=Pose2D(self._odometry[0], self._odometry[1], wrap_angle(self._odometry[2])),
+            contacts=tuple(touched.values()),
+            scans=self._lidars.scan(pose, since, time),
+            odometry_twist=self._robot.twist(WheelSpeeds(*speeds)),
+            movers=() if self._field is None else self._field.states(),
+            tilt=tilt,
+        )
+
+
+def _fastest(robot: Robot) -> Twist2D:
+    return Twist2D(robot.limits.linear_speed, robot.limits.angular_speed)

@@ -1,0 +1,160 @@
+"""`RunningStage`: a stage in an engine of its own, which can begin anew and take further solids while it runs."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING, Any
+
+from pxr import Usd
+
+from trundle.errors import SimulationError, WorldError, WorldWarning
+from trundle.geometry.solids import Solid
+from trundle.sim.physx.attachment import Attachment
+from trundle.sim.physx.engine import collected_errors, start_engine
+from trundle.sim.physx.scene import ROBOT, Scene, report_contacts
+from trundle.usd.stage import bind_friction, friction_material
+from trundle.usd.world import FRICTION, add_solid
+
+if TYPE_CHECKING:
+    import ovstage
+    from ovphysx import PhysX
+
+_SENSORS = f"{ROBOT}/**"
+
+
+class RunningStage:
+    """A stage that is simulated.
+
+    Args:
+        scene: The stage.
+
+    Attributes:
+        added: Names of the solids that were added since it began, by path.
+
+    Raises:
+        InputError: If PhysX cannot run here.
+        MissingExtraError: If it is not installed.
+        WorldError: If it cannot simulate the stage.
+
+    Warns:
+        WorldWarning: If it refuses a part of it.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._engine: PhysX | None = start_engine()
+        self._stage: ovstage.Stage | None = None
+        self._attachment: Attachment | None = None
+        self._ordinal = 1
+        self._handles: list[int] = []
+        self.added: dict[str, str] = {}
+        try:
+            self._open()
+        except BaseException:
+            self.close()
+            raise
+
+    def _open(self) -> None:
+        import ovstage
+
+        with collected_errors() as refused:
+            try:
+                self._stage = ovstage.Stage("trundle")
+                domains = ovstage.PopulationDomain.PHYSICS
+                ovstage.population.open_usd(self._stage, str(self._scene.file), ordinal=1, domains=domains)
+                self._stage.advance_write_floor(ordinal=1).wait()
+                self._attach()
+            except (RuntimeError, ValueError, ovstage.OvstageError) as error:
+                reason = "; ".join(refused) or str(error)
+                raise WorldError(f"{self._scene.source}: PhysX cannot simulate it: {reason}") from error
+        if refused:
+            more = f" (and {len(refused) - 1} more)" if len(refused) > 1 else ""
+            warnings.warn(
+                f"{self._scene.source}: PhysX refuses a part of it, which the robot will pass through: {refused[0]}{more}",
+                WorldWarning,
+                stacklevel=4,
+            )
+
+    def _attach(self) -> None:
+        engine, stage, scene = self._engine, self._stage, self._scene
+        if engine is None or stage is None:
+            raise SimulationError("this stage was closed")
+        self._attachment = Attachment(
+            engine,
+            stage,
+            self._ordinal,
+            root=scene.root,
+            wheels=scene.wheels,
+            sensors=_SENSORS,
+            movers=scene.movers,
+        )
+
+    @property
+    def attachment(self) -> Attachment:
+        """What is simulated now."""
+        if self._attachment is None:
+            raise SimulationError("this stage was closed")
+        return self._attachment
+
+    def begin(self) -> Attachment:
+        """Begin anew, without what was added: the same commands give the same run to the last bit."""
+        import ovstage
+
+        self.attachment.detach()
+        if self._handles:
+            for handle in reversed(self._handles):
+                ovstage.population.remove_usd(self._stage, handle)
+            self._handles.clear()
+            self.added.clear()
+            self._seal()
+        self._attach()
+        return self.attachment
+
+    def add(self, solid: Solid) -> None:
+        """Put a solid into the running stage.
+
+        Raises:
+            WorldError: If PhysX refuses it.
+        """
+        import ovstage
+
+        path = f"/trundle_added_{self._ordinal}"
+        with collected_errors() as refused:
+            self._handles.append(ovstage.population.add_usd_reference_from_string(self._stage, _as_usd(solid), path))
+            self._seal()
+            if self._engine is not None:
+                self._engine.wait_task(self._engine.update_from_ovstage(self._ordinal, self._ordinal))
+        if refused:
+            raise WorldError(f"PhysX refuses the solid {solid.name!r}: {'; '.join(refused)}")
+        self.added[path] = solid.name
+
+    def _seal(self) -> None:
+        """Make a version of the stage of what was changed in its USD."""
+        import ovstage
+
+        self._ordinal += 1
+        ovstage.population.apply_usd_changes(self._stage, ordinal=self._ordinal)
+        if self._stage is not None:
+            self._stage.advance_write_floor(ordinal=self._ordinal).wait()
+
+    def close(self) -> None:
+        """Release the engine; twice does nothing."""
+        attachment, self._attachment = self._attachment, None
+        stage, self._stage = self._stage, None
+        engine, self._engine = self._engine, None
+        if attachment is not None:
+            attachment.detach()
+        if engine is not None:
+            engine.destroy()
+        if stage is not None:
+            stage.destroy()
+
+
+def _as_usd(solid: Solid) -> str:
+    """A stage with one solid, which reports its contacts: the robot's bodies do so with the solids of the start only."""
+    stage: Any = Usd.Stage.CreateInMemory()
+    prim = add_solid(stage, "/solid", solid)
+    stage.SetDefaultPrim(prim)
+    bind_friction(prim, friction_material(stage, "/solid/material", FRICTION, lowest=False))
+    report_contacts(prim)
+    return stage.GetRootLayer().ExportToString()
