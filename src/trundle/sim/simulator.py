@@ -310,7 +310,8 @@ def simulate(world: World, robot: str | Robot, *, backend: str = "mujoco", **opt
     Args:
         world: The world.
         robot: A robot, a catalogue name or the path of a YAML file.
-        backend: "mujoco", "kinematic", "physx", "isaac" (in Isaac Sim's own Python), or a name registered by another package.
+        backend: "mujoco", "kinematic", "physx", "isaac" (in Isaac Sim's own Python), or a name registered by another
+            package.
         options: Passed to the backend (`lidar=True` enables lidars in all but "isaac").
 
     Raises:

@@ -79,7 +79,7 @@ class Attachment:
         Raises:
             InputError: If a number is not finite.
         """
-        found = self._read(self._articulation, _ROOT)
+        found = self._read(self._articulation, _ROOT, most=len(_ROOT))
         (position, quaternion, linear, angular) = (found[name][1][0][0] for name in _ROOT)
         x, y, z, w = quaternion.tolist()
         return Pose3D(tuple(position.tolist()), (w, x, y, z)), linear, angular
@@ -117,7 +117,7 @@ class Attachment:
 
     def wheels(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return the angles [rad] and the speeds [rad/s] of the first two wheels."""
-        found = self._read(self._wheels, ("jointPosition", "jointVelocity"))
+        found = self._read(self._wheels, ("jointPosition", "jointVelocity"), most=2)
         (angles, speeds) = (
             self._in_order(self._wheel_paths[:2], *found[name]) for name in ("jointPosition", "jointVelocity")
         )
@@ -224,13 +224,21 @@ class Attachment:
             self._tokens[text] = intern(text)
         return self._tokens[text]
 
-    def _read(self, query: Any, names: Sequence[str]) -> dict[str, tuple[list[int], list[npt.NDArray[Any]]]]:
-        """Read columns: of each, the handles of its prims and what they have. Columns without any are left out."""
+    def _read(
+        self, query: Any, names: Sequence[str], *, most: int | None = None
+    ) -> dict[str, tuple[list[int], list[npt.NDArray[Any]]]]:
+        """Read columns: of each, the handles of its prims and what they have. Columns without any are left out.
+
+        Args:
+            query: The prims.
+            names: The columns.
+            most: Stop after so many columns; those of prims in one physics scene are one group each.
+        """
         tokens = {self._token(name, self._paths.intern_token): name for name in names}
         found: dict[str, tuple[list[int], list[npt.NDArray[Any]]]] = {}
         session = self._engine.read(query, list(tokens)).wait()
         try:
-            while (group := session.fetch_next().wait()) is not None:
+            while (most is None or len(found) < most) and (group := session.fetch_next().wait()) is not None:
                 handles, tensors = found.setdefault(tokens[group.attribute], ([], []))
                 handles += self._prims(group)
                 # Copied: the engine cannot be closed while an array of it is alive.
@@ -240,10 +248,14 @@ class Attachment:
         return found
 
     def _write(self, query: Any, names: Sequence[str], fill: Callable[[int, list[int], list[Any]], None]) -> None:
-        """Write columns; `fill` gets the index of each, the handles of its prims, and the arrays to fill."""
+        """Write columns of prims in one physics scene, which are one group each.
+
+        `fill` gets the index of each column, the handles of its prims, and the arrays to fill.
+        """
         session = self._engine.write(query, [self._token(name, self._paths.intern_token) for name in names]).wait()
         try:
-            while (group := session.fetch_next().wait()) is not None:
+            for _ in names:
+                group = session.fetch_next().wait()
                 fill(group.attribute_index, self._prims(group), [tensor.numpy() for tensor in group.tensors])
                 session.commit_sync(group)
         finally:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import importlib.metadata
 import logging
+import os
 import platform
 import sys
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +30,7 @@ _LOG = "trundle.sim.physx.ovphysx"
 """Logger that gets the messages of the engine."""
 
 _log = logging.getLogger(_LOG)
+_log.addHandler(logging.NullHandler())  # what matters becomes an exception or a warning; a program can still log it
 _registered = False
 
 
@@ -101,7 +103,7 @@ def start_engine() -> PhysX:
     try:
         import ovphysx
 
-        _silence_warp()
+        _start_warp()
         from ovphysx import PhysX
     except (ImportError, OSError, RuntimeError) as error:
         raise InputError(f"backend physx: ovphysx cannot be loaded: {error}") from error
@@ -113,12 +115,31 @@ def start_engine() -> PhysX:
     return engine
 
 
-def _silence_warp() -> None:
-    """Keep Warp, in whose arrays ovphysx hands out numbers, from telling which devices it has found."""
-    if "warp" not in sys.modules:
-        import warp
+def _start_warp() -> None:
+    """Start Warp, in whose arrays ovphysx hands out numbers, without its report of devices and missing GPU drivers."""
+    import warp
 
-        warp.config.log_level = warp.LOG_ERROR
+    before = warp.config.log_level
+    warp.config.log_level = warp.LOG_ERROR
+    try:
+        with _stderr_off():
+            warp.init()
+    finally:
+        warp.config.log_level = before
+
+
+@contextmanager
+def _stderr_off() -> Iterator[None]:
+    """Discard what native code writes to stderr while the block runs."""
+    sys.stderr.flush()
+    kept, nothing = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nothing, 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nothing)
 
 
 def _set_up(ovphysx: Any) -> None:
@@ -139,8 +160,12 @@ def _set_up(ovphysx: Any) -> None:
 
         ovstage.population.register_usd_schemas(_schema_folders())
         _registered = True
-    # One robot is too little work for a pool of threads: with the default of 8 a step takes 25 times as long.
-    ovphysx.set_global_config(ovphysx.GlobalConfigKey.NUM_THREADS, 0)
+    threads = ovphysx.GlobalConfigKey.NUM_THREADS
+    if ovphysx.get_global_config(threads) != 0:
+        # One robot is too little work for a pool of threads: with the default of 8 a step takes 25 times as long. It is
+        # only slower where somebody else simulates in this process, so that it cannot be changed.
+        with suppress(RuntimeError):
+            ovphysx.set_global_config(threads, 0)
 
 
 def _schema_folders() -> list[str]:
@@ -148,8 +173,12 @@ def _schema_folders() -> list[str]:
 
     Their package is not imported: that registers them with usd-core.
     """
+    from ovphysx.schemas import find_newton_schema_root
+
     package = importlib.metadata.distribution("physx-usd-schemas")
-    return [str(package.locate_file(f"physx_usd_schemas/{name}/resources")) for name in _SCHEMAS]
+    folders = [str(package.locate_file(f"physx_usd_schemas/{name}/resources")) for name in _SCHEMAS]
+    newton = find_newton_schema_root()
+    return folders if newton is None else [*folders, str(newton)]
 
 
 class _Collector(logging.Handler):
@@ -163,14 +192,14 @@ class _Collector(logging.Handler):
 
 @contextmanager
 def collected_errors() -> Iterator[list[str]]:
-    """Collect what the engine logs as errors while the block runs."""
+    """Collect what the engine logs as errors while the block runs, and leave out its advice on Warp's builds."""
     collector = _Collector()
     before = _log.propagate
     _log.addHandler(collector)
     _log.propagate = False
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DeprecationWarning)
+            warnings.simplefilter("ignore", RuntimeWarning)
             yield collector.messages
     finally:
         _log.propagate = before

@@ -30,6 +30,7 @@ class RunningStage:
 
     Attributes:
         added: Names of the solids that were added since it began, by path.
+        centre_of_mass: That of the articulation's root body [m], in its frame, shape (3,).
 
     Raises:
         InputError: If PhysX cannot run here.
@@ -64,13 +65,15 @@ class RunningStage:
                 ovstage.population.open_usd(self._stage, str(self._scene.file), ordinal=1, domains=domains)
                 self._stage.advance_write_floor(ordinal=1).wait()
                 self._attach()
+                self.centre_of_mass = self.attachment.centre_of_mass(self._scene.root)
             except (RuntimeError, ValueError, ovstage.OvstageError) as error:
                 reason = "; ".join(refused) or str(error)
                 raise WorldError(f"{self._scene.source}: PhysX cannot simulate it: {reason}") from error
         if refused:
             more = f" (and {len(refused) - 1} more)" if len(refused) > 1 else ""
             warnings.warn(
-                f"{self._scene.source}: PhysX refuses a part of it, which the robot will pass through: {refused[0]}{more}",
+                f"{self._scene.source}: PhysX refuses a part of it, and the robot will pass through that: "
+                f"{refused[0]}{more}",
                 WorldWarning,
                 stacklevel=4,
             )
@@ -151,7 +154,7 @@ class RunningStage:
 
 
 def _as_usd(solid: Solid) -> str:
-    """A stage with one solid, which reports its contacts: the robot's bodies do so with the solids of the start only."""
+    """A stage with one solid that reports its contacts; the robot's bodies do so with the solids of the start only."""
     stage: Any = Usd.Stage.CreateInMemory()
     prim = add_solid(stage, "/solid", solid)
     stage.SetDefaultPrim(prim)
