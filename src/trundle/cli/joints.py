@@ -28,7 +28,9 @@ def joints(
     robot: str,
     /,
     *,
-    backend: Annotated[Literal["mujoco", "physx", "isaac"], Parameter(help="The joints of this simulator's model.")] = "mujoco",
+    backend: Annotated[
+        Literal["mujoco", "physx", "isaac"], Parameter(help="The joints of this simulator's model.")
+    ] = "mujoco",
     json: options.Json = False,
     quiet: options.Quiet = False,
     isaac_options: isaac.IsaacOptions | None = None,

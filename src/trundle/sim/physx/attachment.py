@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from trundle.geometry import FloatArray, Pose3D
-
-if TYPE_CHECKING:
-    import ovstage
-    from ovphysx import PhysX
+from trundle.sim.physx.engine import library
 
 _ROOT = ("rootPosition", "rootOrientation", "rootLinearVelocity", "rootAngularVelocity")
 _MOVER = ("position", "orientation")
@@ -32,8 +29,8 @@ class Attachment:
     PhysX has no way back to an earlier state that repeats a run to the last bit: whoever wants that attaches anew.
 
     Args:
-        engine: The engine, which has no stage.
-        stage: The stage.
+        engine: An `ovphysx.PhysX` that has no stage.
+        stage: An `ovstage.Stage`.
         ordinal: Version of the stage to simulate.
         root: Path of the articulation's root prim.
         wheels: Paths of the joints that `set_speeds` drives. The first two are read.
@@ -43,8 +40,8 @@ class Attachment:
 
     def __init__(
         self,
-        engine: PhysX,
-        stage: ovstage.Stage,
+        engine: Any,
+        stage: Any,
         ordinal: int,
         *,
         root: str,
@@ -52,21 +49,19 @@ class Attachment:
         sensors: str,
         movers: Sequence[str] = (),
     ) -> None:
-        import ovstage
-        from ovphysx.types import SimObjectType
-
         self._engine = engine
-        self._paths = ovstage.PathDictionary(stage)
+        self._kinds = library("ovphysx.types").SimObjectType
+        self._paths = library("ovstage").PathDictionary(stage)
         self._tokens: dict[str, int] = {}
         engine.wait_task(engine.attach_ovstage(stage, read_ordinal=ordinal))
         self._is_attached = True
         self._queries: list[Any] = []
-        self._articulation = self._select(SimObjectType.ARTICULATION, prim_paths=self._handles([root]))
-        self._joints = self._select(SimObjectType.ARTICULATION_JOINT)
-        self._wheels = self._select(SimObjectType.ARTICULATION_JOINT, prim_paths=self._handles(wheels[:2]))
-        self._drives = self._select(SimObjectType.ARTICULATION_JOINT, prim_paths=self._handles(wheels))
-        self._contacts = self._select(SimObjectType.CONTACT_SENSOR, pattern=sensors)
-        self._movers = self._select(SimObjectType.RIGID_BODY, prim_paths=self._handles(movers)) if movers else None
+        self._articulation = self._select(self._kinds.ARTICULATION, prim_paths=self._handles([root]))
+        self._joints = self._select(self._kinds.ARTICULATION_JOINT)
+        self._wheels = self._select(self._kinds.ARTICULATION_JOINT, prim_paths=self._handles(wheels[:2]))
+        self._drives = self._select(self._kinds.ARTICULATION_JOINT, prim_paths=self._handles(wheels))
+        self._contacts = self._select(self._kinds.CONTACT_SENSOR, pattern=sensors)
+        self._movers = self._select(self._kinds.RIGID_BODY, prim_paths=self._handles(movers)) if movers else None
         self._wheel_paths, self._mover_paths = list(wheels), list(movers)
 
     def step(self, timestep: float) -> None:
@@ -86,9 +81,7 @@ class Attachment:
 
     def centre_of_mass(self, root: str) -> FloatArray:
         """Return a body's centre of mass [m] in its own frame, shape (3,)."""
-        from ovphysx.types import SimObjectType
-
-        query = self._select(SimObjectType.ARTICULATION_LINK, prim_paths=self._handles([root]))
+        query = self._select(self._kinds.ARTICULATION_LINK, prim_paths=self._handles([root]))
         return self._read(query, ["centerOfMassPosition"])["centerOfMassPosition"][1][0][0]
 
     def place_root(self, pose: Pose3D) -> None:

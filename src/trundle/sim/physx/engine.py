@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.metadata
 import logging
 import os
@@ -11,13 +12,10 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from trundle.errors import InputError, MissingExtraError
 from trundle.extras import EXTRAS, install_line
-
-if TYPE_CHECKING:
-    from ovphysx import PhysX
 
 EXTRA = "physx"
 SERIES = "0.7."
@@ -77,7 +75,8 @@ def _check_machine() -> None:
         raise InputError(f"backend physx needs glibc, which this Linux does not have (musl?): {advice}")
     if tuple(int(part) for part in version.split(".")[:2]) < _GLIBC:
         raise InputError(
-            f"backend physx needs glibc {_GLIBC[0]}.{_GLIBC[1]} or later, as in Ubuntu 22.04; this is {version}: {advice}"
+            f"backend physx needs glibc {_GLIBC[0]}.{_GLIBC[1]} or later, as in Ubuntu 22.04; this is {version}: "
+            f"{advice}"
         )
     if not _has_avx():
         raise InputError(f"backend physx needs a processor with AVX, which this one lacks: {advice}")
@@ -92,8 +91,16 @@ def _has_avx() -> bool:
     return flags is None or "avx" in flags.split()
 
 
-def start_engine() -> PhysX:
+def library(name: str) -> Any:
+    """Import a module of ovphysx or of what it needs. It is not checked against types: the extra may be missing."""
+    return importlib.import_module(name)
+
+
+def start_engine() -> Any:
     """Start an engine, on the CPU and on the calling thread alone.
+
+    Returns:
+        An `ovphysx.PhysX`.
 
     Raises:
         InputError: If it cannot run here, or this process has used it on a GPU.
@@ -101,14 +108,13 @@ def start_engine() -> PhysX:
     """
     check_installation()
     try:
-        import ovphysx
-
+        ovphysx = library("ovphysx")
         _start_warp()
-        from ovphysx import PhysX
+        make = ovphysx.PhysX  # loads what is native
     except (ImportError, OSError, RuntimeError) as error:
         raise InputError(f"backend physx: ovphysx cannot be loaded: {error}") from error
     _set_up(ovphysx)
-    engine = PhysX()
+    engine = make()
     # The last engine that is closed takes this with it.
     ovphysx.enable_default_log_output(False)
     ovphysx.enable_python_logging(_LOG, min_severity=ovphysx.LogLevel.WARNING)
@@ -117,8 +123,7 @@ def start_engine() -> PhysX:
 
 def _start_warp() -> None:
     """Start Warp, in whose arrays ovphysx hands out numbers, without its report of devices and missing GPU drivers."""
-    import warp
-
+    warp = library("warp")
     before = warp.config.log_level
     warp.config.log_level = warp.LOG_ERROR
     try:
@@ -156,9 +161,7 @@ def _set_up(ovphysx: Any) -> None:
             raise InputError(
                 f"this process already runs PhysX on a GPU, and backend physx needs it on the CPU: {error}"
             ) from error
-        import ovstage
-
-        ovstage.population.register_usd_schemas(_schema_folders())
+        library("ovstage").population.register_usd_schemas(_schema_folders())
         _registered = True
     threads = ovphysx.GlobalConfigKey.NUM_THREADS
     if ovphysx.get_global_config(threads) != 0:
@@ -173,11 +176,9 @@ def _schema_folders() -> list[str]:
 
     Their package is not imported: that registers them with usd-core.
     """
-    from ovphysx.schemas import find_newton_schema_root
-
     package = importlib.metadata.distribution("physx-usd-schemas")
     folders = [str(package.locate_file(f"physx_usd_schemas/{name}/resources")) for name in _SCHEMAS]
-    newton = find_newton_schema_root()
+    newton = library("ovphysx.schemas").find_newton_schema_root()
     return folders if newton is None else [*folders, str(newton)]
 
 
@@ -187,7 +188,8 @@ class _Collector(logging.Handler):
         self.messages: list[str] = []
 
     def emit(self, record: logging.LogRecord) -> None:
-        self.messages.append(" ".join(record.getMessage().split()))
+        text = " ".join(record.getMessage().split())
+        self.messages.append(text.partition(" , FILE ")[0].partition(", FILE ")[0])  # where in PhysX' sources
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""`Scene`: the stage that PhysX simulates: a world or an environment, the robot, and movers, on one layer above them."""
+"""`Scene`: the stage that PhysX simulates: a world or an environment, and above it the robot and the movers."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdUtils
 
 from trundle.errors import RobotError, WorldError
 from trundle.robots import Robot
@@ -16,6 +16,7 @@ from trundle.sim.movers import MoverField
 from trundle.usd.stage import PrimNames
 from trundle.usd.world import add_solid
 from trundle.worlds.usd.options import NAME
+from trundle.worlds.usd.stage import opened, report_missing, usd_reason
 
 ROBOT = "/trundle_robot"
 _MOVERS = "/trundle_movers"
@@ -106,26 +107,30 @@ def compose(
         WorldError: If the base is not in metres with z up, has no collider, or cannot be opened.
         RobotError: If the robot's USD is not in metres, or has no articulation with these joints.
     """
+    if not own_world:
+        with opened(str(base)) as below:
+            report_missing(source, below, refuse=False, is_excluded=lambda _: False)
+            _check_world(below, source)
+    if not own_robot:
+        _check_robot_file(robot_usd)
+    quiet = UsdUtils.CoalescingDiagnosticDelegate()  # its warnings would go to stderr
     try:
         layer = Sdf.Layer.CreateNew(str(folder / _LAYER))
-        below = Usd.Stage.Open(str(base))
-        _check_world(below, source)
         layer.subLayerPaths.append(str(base.resolve()))
         stage = Usd.Stage.Open(layer)
         UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
         UsdGeom.SetStageMetersPerUnit(stage, 1.0)
         _set_scenes(stage, timestep)
-        if not own_robot:
-            _check_robot_units(robot_usd)
         root = _add_robot(stage, robot_usd, height)
         if not own_robot:
             check_wheel_joints(robot, robot_usd, stage.GetPrimAtPath(ROBOT))
         movers = _add_movers(stage, field)
-        solids = [] if not own_world else [*_named_colliders(stage), *movers]
-        _report_contacts(stage, solids if own_world else None)
+        _report_contacts(stage, [*_named_colliders(stage), *movers] if own_world else None)
         layer.Save()
     except Tf.ErrorException as error:
-        raise WorldError(f"{source}: cannot be made a stage with the robot in it: {error}") from error
+        raise WorldError(f"{source}: no stage with the robot in it can be made: {usd_reason(error)}") from error
+    finally:
+        quiet.TakeUncoalescedDiagnostics()
     paths = {prim.GetName(): str(prim.GetPath()) for prim in _robot_prims(stage) if prim.IsA(UsdPhysics.Joint)}
     names = dict(zip(movers, field.names if field is not None else (), strict=True))
     return Scene(
@@ -165,10 +170,13 @@ def _set_scenes(stage: Any, timestep: float) -> None:
         _write(prim, "physxScene:broadphaseType", Sdf.ValueTypeNames.Token, "MBP")
 
 
-def _check_robot_units(usd: str) -> None:
-    layer = Sdf.Layer.FindOrOpen(usd)
-    if layer is None:
-        raise RobotError(f"the robot's USD {usd} cannot be read")
+def _check_robot_file(usd: str) -> None:
+    try:
+        layer = Sdf.Layer.FindOrOpen(usd)
+    except Tf.ErrorException as error:
+        raise RobotError(f"the robot's USD {usd} cannot be read as a USD file: {usd_reason(error)}") from None
+    if layer is None or not layer.defaultPrim:
+        raise RobotError(f"the robot's USD {usd} has no default prim to refer to: set its defaultPrim to the robot")
     meters = layer.pseudoRoot.GetInfo("metersPerUnit") if layer.pseudoRoot.HasInfo("metersPerUnit") else 1.0
     if abs(float(meters) - 1.0) > 1e-6:
         raise RobotError(

@@ -95,11 +95,12 @@ class PhysxSimulator(Simulator):
         self._ground_offset = ground_offset
         self._ramp = CommandRamp(robot, physics_dt)
         self._field = MoverField(world, robot) if world.movers else None
-        solids = world
-        if files.environment is not None and (lidar or not world.solids):
-            solids = replace(World.load(files.environment), seeds=world.seeds, movers=world.movers)
-        self._world = self._first_world = solids
-        self._beams = SceneBeams(solids, self._field)
+        seen: World | None = world
+        if files.environment is not None:
+            loaded = replace(World.load(files.environment), movers=world.movers) if lidar else None
+            seen = loaded or (world if world.solids else None)
+        self._world = self._first_world = seen
+        self._beams = SceneBeams(seen or world, self._field)
         self._lidars = LidarSet(robot, lidar, self._beams.cast)
         self._beams.prepare(self._lidars.heights)
         self._stage: RunningStage | None = None
@@ -115,7 +116,7 @@ class PhysxSimulator(Simulator):
                 Path(self._folder.name), world, robot, files, self._field, height=ground_offset, timestep=physics_dt
             )
             self._scene, self._pairs = scene, len(scene.wheels) // 2
-            self._contacts = ContactReader(scene, solids)
+            self._contacts = ContactReader(scene, seen or world)
             self._stage = RunningStage(scene)
             self._measure_root()
             state = self.reset(Pose2D(*world.seeds[0]) if world.seeds else Pose2D(0.0, 0.0))

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pxr import Usd
 
 from trundle.errors import SimulationError, WorldError, WorldWarning
 from trundle.geometry.solids import Solid
 from trundle.sim.physx.attachment import Attachment
-from trundle.sim.physx.engine import collected_errors, start_engine
+from trundle.sim.physx.engine import collected_errors, library, start_engine
 from trundle.sim.physx.scene import ROBOT, Scene, report_contacts
 from trundle.usd.stage import bind_friction, friction_material
 from trundle.usd.world import FRICTION, add_solid
 
-if TYPE_CHECKING:
-    import ovstage
-    from ovphysx import PhysX
+_log = logging.getLogger(__name__)
 
 _SENSORS = f"{ROBOT}/**"
 
@@ -43,8 +42,10 @@ class RunningStage:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._engine: PhysX | None = start_engine()
-        self._stage: ovstage.Stage | None = None
+        self._engine: Any = start_engine()
+        self._ovstage = library("ovstage")
+        self._population = self._ovstage.population
+        self._stage: Any = None
         self._attachment: Attachment | None = None
         self._ordinal = 1
         self._handles: list[int] = []
@@ -56,35 +57,31 @@ class RunningStage:
             raise
 
     def _open(self) -> None:
-        import ovstage
-
         with collected_errors() as refused:
             try:
-                self._stage = ovstage.Stage("trundle")
-                domains = ovstage.PopulationDomain.PHYSICS
-                ovstage.population.open_usd(self._stage, str(self._scene.file), ordinal=1, domains=domains)
+                self._stage = self._ovstage.Stage("trundle")
+                domains = self._ovstage.PopulationDomain.PHYSICS
+                self._population.open_usd(self._stage, str(self._scene.file), ordinal=1, domains=domains)
                 self._stage.advance_write_floor(ordinal=1).wait()
                 self._attach()
                 self.centre_of_mass = self.attachment.centre_of_mass(self._scene.root)
-            except (RuntimeError, ValueError, ovstage.OvstageError) as error:
+            except (RuntimeError, ValueError, self._ovstage.OvstageError) as error:
                 reason = "; ".join(refused) or str(error)
                 raise WorldError(f"{self._scene.source}: PhysX cannot simulate it: {reason}") from error
         if refused:
+            told = next((message for message in refused if " /" in message), refused[0])
             more = f" (and {len(refused) - 1} more)" if len(refused) > 1 else ""
             warnings.warn(
-                f"{self._scene.source}: PhysX refuses a part of it, and the robot will pass through that: "
-                f"{refused[0]}{more}",
+                f"{self._scene.source}: PhysX refuses a part of it, and the robot will pass through that: {told}{more}",
                 WorldWarning,
                 stacklevel=4,
             )
 
     def _attach(self) -> None:
-        engine, stage, scene = self._engine, self._stage, self._scene
-        if engine is None or stage is None:
-            raise SimulationError("this stage was closed")
+        scene = self._scene
         self._attachment = Attachment(
-            engine,
-            stage,
+            self._engine,
+            self._stage,
             self._ordinal,
             root=scene.root,
             wheels=scene.wheels,
@@ -101,12 +98,10 @@ class RunningStage:
 
     def begin(self) -> Attachment:
         """Begin anew, without what was added: the same commands give the same run to the last bit."""
-        import ovstage
-
         self.attachment.detach()
         if self._handles:
             for handle in reversed(self._handles):
-                ovstage.population.remove_usd(self._stage, handle)
+                self._population.remove_usd(self._stage, handle)
             self._handles.clear()
             self.added.clear()
             self._seal()
@@ -119,26 +114,20 @@ class RunningStage:
         Raises:
             WorldError: If PhysX refuses it.
         """
-        import ovstage
-
         path = f"/trundle_added_{self._ordinal}"
         with collected_errors() as refused:
-            self._handles.append(ovstage.population.add_usd_reference_from_string(self._stage, _as_usd(solid), path))
+            self._handles.append(self._population.add_usd_reference_from_string(self._stage, _as_usd(solid), path))
             self._seal()
-            if self._engine is not None:
-                self._engine.wait_task(self._engine.update_from_ovstage(self._ordinal, self._ordinal))
+            self._engine.wait_task(self._engine.update_from_ovstage(self._ordinal, self._ordinal))
         if refused:
             raise WorldError(f"PhysX refuses the solid {solid.name!r}: {'; '.join(refused)}")
         self.added[path] = solid.name
 
     def _seal(self) -> None:
         """Make a version of the stage of what was changed in its USD."""
-        import ovstage
-
         self._ordinal += 1
-        ovstage.population.apply_usd_changes(self._stage, ordinal=self._ordinal)
-        if self._stage is not None:
-            self._stage.advance_write_floor(ordinal=self._ordinal).wait()
+        self._population.apply_usd_changes(self._stage, ordinal=self._ordinal)
+        self._stage.advance_write_floor(ordinal=self._ordinal).wait()
 
     def close(self) -> None:
         """Release the engine; twice does nothing."""
@@ -148,7 +137,11 @@ class RunningStage:
         if attachment is not None:
             attachment.detach()
         if engine is not None:
-            engine.destroy()
+            try:
+                engine.destroy()
+            except RuntimeError as error:
+                # An exception's traceback keeps arrays of it alive; the end of the process releases it.
+                _log.debug("PhysX is not released: %s", error)
         if stage is not None:
             stage.destroy()
 
