@@ -22,6 +22,9 @@ SERIES = "0.7."
 """The ovphysx that this is written for: it calls itself alpha, and 0.7 replaced the interface of 0.6."""
 
 _GLIBC = (2, 35)
+_ADDRESS_SPACE = 5 << 30
+"""Address space of a process with the engine [bytes], most of which is reserved and not used."""
+
 _CPU_INFO = Path("/proc/cpuinfo")
 _SCHEMAS = ("PhysxSchema", "OmniUsdPhysicsDeformableSchema")
 _LOG = "trundle.sim.physx.ovphysx"
@@ -43,6 +46,7 @@ def check_installation() -> str:
         MissingExtraError: If it is not installed.
     """
     _check_machine()
+    _check_address_space()
     try:
         found = {name: importlib.metadata.version(name) for name in EXTRAS[EXTRA].modules}
     except importlib.metadata.PackageNotFoundError as error:
@@ -80,6 +84,22 @@ def _check_machine() -> None:
         )
     if not _has_avx():
         raise InputError(f"backend physx needs a processor with AVX, which this one lacks: {advice}")
+
+
+def _check_address_space() -> None:
+    """Check that no `ulimit -v` keeps the engine's threads from starting, which would end the process.
+
+    Raises:
+        InputError: If one does.
+    """
+    import resource
+
+    _, most = resource.getrlimit(resource.RLIMIT_AS)
+    if most != resource.RLIM_INFINITY and most < _ADDRESS_SPACE:
+        raise InputError(
+            f"backend physx reserves {_ADDRESS_SPACE >> 30} GB of address space, and this process may have "
+            f"{most / 2**30:.1f} GB: raise the limit (ulimit -v), or use backend mujoco or kinematic"
+        )
 
 
 def _has_avx() -> bool:

@@ -10,6 +10,7 @@ from pxr import Usd
 
 from trundle.errors import SimulationError, WorldError, WorldWarning
 from trundle.geometry.solids import Solid
+from trundle.guard.child import uncounted_growth
 from trundle.sim.physx.attachment import Attachment
 from trundle.sim.physx.engine import collected_errors, library, start_engine
 from trundle.sim.physx.scene import ROBOT, Scene, report_contacts
@@ -42,6 +43,11 @@ class RunningStage:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
+        # It reserves 3 GB of addresses, of which it uses a tenth; a worker of an evaluation may grow by 2 GB.
+        with uncounted_growth():
+            self._start()
+
+    def _start(self) -> None:
         self._engine: Any = start_engine()
         self._ovstage = library("ovstage")
         self._population = self._ovstage.population
