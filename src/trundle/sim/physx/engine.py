@@ -14,8 +14,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from trundle.errors import InputError, MissingExtraError
-from trundle.extras import EXTRAS, install_line
+from trundle.errors import InputError
+from trundle.extras import check_extra, install_line
 
 EXTRA = "physx"
 SERIES = "0.7."
@@ -47,12 +47,8 @@ def check_installation() -> str:
     """
     _check_machine()
     _check_address_space()
-    try:
-        found = {name: importlib.metadata.version(name) for name in EXTRAS[EXTRA].modules}
-    except importlib.metadata.PackageNotFoundError as error:
-        line = f"{install_line(EXTRA)} (about 350 MB; NVIDIA's licence applies, see docs/simulation.md)"
-        raise MissingExtraError("backend physx", error.name or "ovphysx", line) from error
-    version = found["ovphysx"]
+    check_extra(EXTRA, "backend physx (NVIDIA PhysX: 350 MB, under NVIDIA's licence)")
+    version = importlib.metadata.version("ovphysx")
     if not version.startswith(SERIES):
         raise InputError(
             f"ovphysx {version} is installed, and backend physx is written for {SERIES}x; install that with: "

@@ -7,38 +7,34 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from trundle.errors import InputError, SimulationError
-from trundle.geometry import FloatArray, Pose2D, Pose3D, Twist2D, integrate_twist, wrap_angle
+from trundle.geometry import FloatArray, Pose2D, Pose3D, Twist2D
 from trundle.geometry.solids import Solid
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.lidar import LidarChoice, LidarSet, SceneBeams
 from trundle.sim.movers import MoverField
-from trundle.sim.physx.contacts import ContactReader
 from trundle.sim.physx.engine import check_installation
-from trundle.sim.physx.files import choose_files, write_scene
-from trundle.sim.physx.stage import RunningStage
+from trundle.sim.physx.odometry import WheelOdometry
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.simulator import Simulator
 from trundle.sim.state import Contact, RobotState, Substep
 from trundle.usd import GROUND_OFFSET, TIMESTEP
 from trundle.values import check_seed
 from trundle.worlds import World
+from trundle.worlds.usd import need_usd
+
+if TYPE_CHECKING:
+    from trundle.sim.physx.stage import RunningStage
 
 _SETTLE_S, _SHORT_SETTLE_S = 0.5, 0.05
 """Time in which a robot comes to rest that was put above the floor, and one that was put on it [s]."""
 
 _LARGEST_FALL = 0.1
 """Largest drop while settling [m]; a robot that falls farther has no floor under it."""
-
-_LARGEST_TURN = 1.5
-"""Largest rotation of a wheel [rad] between two readings: angles are wrapped at a full turn."""
-
-_MOST_STEPS = 10
-"""Physics steps between two readings of the wheels, whose odometry is an arc in between: 50 ms are 0.01 mm off."""
 
 
 class PhysxSimulator(Simulator):
@@ -88,8 +84,13 @@ class PhysxSimulator(Simulator):
             raise InputError(f"physics_dt {physics_dt} s is out of range; use more than 0 and at most 0.02")
         if not 0.0 <= ground_offset <= 10.0:
             raise InputError(f"ground_offset {ground_offset} m is out of range; use 0 to 10")
-        files = choose_files(robot, environment=environment, robot_usd=robot_usd, assets_root=assets_root)
         check_installation()
+        need_usd("backend physx")
+        from trundle.sim.physx.contacts import ContactReader
+        from trundle.sim.physx.files import choose_files, write_scene
+        from trundle.sim.physx.stage import RunningStage
+
+        files = choose_files(robot, environment=environment, robot_usd=robot_usd, assets_root=assets_root)
         self._robot = robot
         self._physics_dt = physics_dt
         self._ground_offset = ground_offset
@@ -107,8 +108,7 @@ class PhysxSimulator(Simulator):
         self._start = self._rest = Pose3D((0.0, 0.0, ground_offset))
         self._settle_s = _SETTLE_S
         self._pairs = 1
-        wheel = max(abs(speed) for speed in robot.drive.wheel_speeds(_fastest(robot)))
-        self._steps_between = max(1, min(_MOST_STEPS, math.floor(_LARGEST_TURN / (wheel * physics_dt))))
+        self._odometry = WheelOdometry(robot, physics_dt)
         self.on_substep: Callable[[Substep], None] | None = None
         self._folder = TemporaryDirectory(prefix="trundle-")
         try:
@@ -203,8 +203,7 @@ class PhysxSimulator(Simulator):
         self._contacts.read(attachment, touched)
         self._come_to_rest(None if touched else pose)
         self._steps = 0
-        self._turned = (0.0, 0.0)
-        self._odometry = (pose.x, pose.y, pose.yaw)
+        self._odometry.reset(pose)
         return self._state(touched, since=-1.0, at_rest=True)
 
     def place(self, pose: Pose2D) -> RobotState:
@@ -265,8 +264,8 @@ class PhysxSimulator(Simulator):
             attachment.step(timestep)
             self._steps += 1
             self._contacts.read(attachment, touched)
-            if number % self._steps_between == 0 and number < len(motions):
-                self._follow_wheels(attachment.wheels()[0])
+            if number % self._odometry.steps_between == 0 and number < len(motions):
+                self._odometry.follow(attachment.wheels()[0])
             if self.on_substep is not None:
                 self._report(self.on_substep)
         return self._state(touched, since)
@@ -277,9 +276,9 @@ class PhysxSimulator(Simulator):
 
     def _report(self, watch: Callable[[Substep], None]) -> None:
         angles, speeds = self._running.attachment.wheels()
-        self._follow_wheels(angles)
+        self._odometry.follow(angles)
         pose, twist, _ = self._motion()
-        watch(Substep(self._steps * self._physics_dt, pose, twist, WheelSpeeds(*self._turned), WheelSpeeds(*speeds)))
+        watch(Substep(self._steps * self._physics_dt, pose, twist, self._odometry.turned, WheelSpeeds(*speeds)))
 
     def close(self) -> None:
         """Release the engine; closing twice does nothing."""
@@ -336,7 +335,7 @@ class PhysxSimulator(Simulator):
         attachment = self._running.attachment
         attachment.place_root(T_world_base @ self._T_base_root)
         attachment.stop_joints()
-        self._angles = attachment.wheels()[0]
+        self._odometry.skip_to(attachment.wheels()[0])
 
     def _body(self) -> tuple[Pose3D, FloatArray, FloatArray]:
         """Pose and velocities of the articulation's root; see `Attachment.root`.
@@ -368,17 +367,6 @@ class PhysxSimulator(Simulator):
         pose, twist, _ = self._motion()
         return pose, twist.v
 
-    def _follow_wheels(self, angles: tuple[float, float]) -> None:
-        """Add the wheels' rotation since the last reading; angles that are wrapped at a full turn are unwrapped."""
-        by_left, by_right = (math.remainder(new - old, math.tau) for new, old in zip(angles, self._angles, strict=True))
-        self._angles = angles
-        self._turned = (self._turned[0] + by_left, self._turned[1] + by_right)
-        radius, track = self._robot.drive.wheel_radius, self._robot.drive.track_width
-        x, y, yaw = integrate_twist(
-            *self._odometry, radius * (by_left + by_right) / 2.0, radius * (by_right - by_left) / track, 1.0
-        )
-        self._odometry = (float(x), float(y), float(yaw))
-
     def _state(self, touched: dict[tuple[str, str], Contact], since: float, *, at_rest: bool = False) -> RobotState:
         pose, twist, tilt = self._motion()
         speeds = (0.0, 0.0)
@@ -386,22 +374,18 @@ class PhysxSimulator(Simulator):
             twist = Twist2D(0.0, 0.0)
         else:
             angles, speeds = self._running.attachment.wheels()
-            self._follow_wheels(angles)
+            self._odometry.follow(angles)
         time = self._steps * self._physics_dt
         return RobotState(
             time=time,
             pose=pose,
             twist=twist,
-            wheel_positions=WheelSpeeds(*self._turned),
+            wheel_positions=self._odometry.turned,
             wheel_speeds=WheelSpeeds(*speeds),
-            odometry=Pose2D(self._odometry[0], self._odometry[1], wrap_angle(self._odometry[2])),
+            odometry=self._odometry.pose,
             contacts=tuple(touched.values()),
             scans=self._lidars.scan(pose, since, time),
             odometry_twist=self._robot.twist(WheelSpeeds(*speeds)),
             movers=() if self._field is None else self._field.states(),
             tilt=tilt,
         )
-
-
-def _fastest(robot: Robot) -> Twist2D:
-    return Twist2D(robot.limits.linear_speed, robot.limits.angular_speed)
