@@ -16,7 +16,8 @@ _ROOT = ("rootPosition", "rootOrientation", "rootLinearVelocity", "rootAngularVe
 _MOVER = ("position", "orientation")
 _MOVER_TARGET = ("kinematicTargetPosition", "kinematicTargetOrientation")
 _COLLIDER = "contactEventOtherCollider"
-_EVENT = ("contactEventType", _COLLIDER, "contactEventPointCount", "contactEventPointPosition")
+_EVENT = ("contactEventType", _COLLIDER, "contactEventPointCount")
+_POINT, _IMPULSE = "contactEventPointPosition", "contactEventPointImpulse"
 _LOST = 1
 
 Contacting = tuple[str, int, FloatArray]
@@ -172,22 +173,26 @@ class Attachment:
         return found
 
     def contacts(self) -> Iterator[Contacting]:
-        """Yield what the robot touches after the last step."""
-        found = self._read(self._contacts, _EVENT)
+        """Yield what the robot touches after the last step.
+
+        PhysX also reports points where bodies are near each other, up to a contact offset of 2 cm. Where they touch,
+        there is an impulse.
+        """
+        found = self._read(self._contacts, (*_EVENT, _POINT, _IMPULSE))
         columns: dict[int, dict[str, npt.NDArray[Any]]] = {}
         for name, (handles, tensors) in found.items():
             for handle, tensor in zip(handles, tensors, strict=True):
                 columns.setdefault(handle, {})[name] = tensor
         for body, events in columns.items():
-            points = events.get("contactEventPointPosition")
-            if points is None:
+            if _POINT not in events:
                 continue  # all of them are pairs that have parted
-            points = points.reshape(-1, 3).astype(float)
-            kinds, colliders, counts = (events[name].ravel().tolist() for name in _EVENT[:3])
+            points, impulses = (events[name].reshape(-1, 3).astype(float) for name in (_POINT, _IMPULSE))
+            meets = np.isfinite(points).all(axis=1) & (np.abs(impulses).max(axis=1) > 0.0)
+            kinds, colliders, counts = (events[name].ravel().tolist() for name in _EVENT)
             first = 0
             for kind, collider, count in zip(kinds, colliders, counts, strict=True):
-                at, first = points[first : first + count], first + count
-                at = at[np.isfinite(at).all(axis=1)]
+                at = points[first : first + count][meets[first : first + count]]
+                first += count
                 if len(at) and kind != _LOST:
                     yield self.path(body), collider, at
 

@@ -39,9 +39,9 @@ class ContactReader:
         self._labels.clear()
 
     def attached(self) -> None:
-        """Forget handles, which another attachment may give to other prims, and where the floor is."""
+        """Forget handles, which another attachment may give to other prims, and the floor: it is below the start."""
         self._harmless: set[int] = set()
-        self._floor = None
+        self._floor = None if self._scene.knows_floor else self._scene.height
 
     def find_floor(self, attachment: Attachment) -> None:
         """Take the lowest contact of the robot at rest as the height of the floor, if the stage does not tell it."""

@@ -40,6 +40,7 @@ class Scene:
         mover_names: Their names, by path.
         knows_floor: Whether contacts are reported with everything but the floor. In somebody else's stage the floor
             is not known.
+        height: Height at which the robot stands in the stage [m]; the floor is below.
     """
 
     file: Path
@@ -50,6 +51,7 @@ class Scene:
     movers: tuple[str, ...]
     mover_names: dict[str, str]
     knows_floor: bool
+    height: float
 
     def name(self, collider: str) -> str:
         """Name of the solid or mover that a collider is a part of; elsewhere the collider's path."""
@@ -142,6 +144,7 @@ def compose(
         movers=tuple(movers),
         mover_names=names,
         knows_floor=own_world,
+        height=height,
     )
 
 

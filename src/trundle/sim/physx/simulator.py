@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Self
 
-import numpy as np
-
-from trundle.errors import InputError, SimulationError
-from trundle.geometry import FloatArray, Pose2D, Pose3D, Twist2D
+from trundle.errors import InputError, SimulationError, WorldWarning
+from trundle.geometry import Pose2D, Pose3D, Twist2D
 from trundle.geometry.solids import Solid
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.lidar import LidarChoice, LidarSet, SceneBeams
 from trundle.sim.movers import MoverField
+from trundle.sim.physx.body import RobotBody, tilt_of
 from trundle.sim.physx.engine import check_installation
 from trundle.sim.physx.odometry import WheelOdometry
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
@@ -32,6 +32,12 @@ if TYPE_CHECKING:
 
 _SETTLE_S, _SHORT_SETTLE_S = 0.5, 0.05
 """Time in which a robot comes to rest that was put above the floor, and one that was put on it [s]."""
+
+_FAR = 10.0
+"""Distance from everything at which the robot first settles [m]."""
+
+_LARGEST_TILT = 0.05
+"""Largest tilt of a robot on a level floor [rad]."""
 
 _LARGEST_FALL = 0.1
 """Largest drop while settling [m]; a robot that falls farther has no floor under it."""
@@ -105,8 +111,8 @@ class PhysxSimulator(Simulator):
         self._lidars = LidarSet(robot, lidar, self._beams.cast)
         self._beams.prepare(self._lidars.heights)
         self._stage: RunningStage | None = None
-        self._start = self._rest = Pose3D((0.0, 0.0, ground_offset))
         self._settle_s = _SETTLE_S
+        self._has_warned = False
         self._pairs = 1
         self._odometry = WheelOdometry(robot, physics_dt)
         self.on_substep: Callable[[Substep], None] | None = None
@@ -118,31 +124,46 @@ class PhysxSimulator(Simulator):
             self._scene, self._pairs = scene, len(scene.wheels) // 2
             self._contacts = ContactReader(scene, seen or world)
             self._stage = RunningStage(scene)
-            self._measure_root()
-            state = self.reset(Pose2D(*world.seeds[0]) if world.seeds else Pose2D(0.0, 0.0))
-            if scene.knows_floor and not state.contacts:
-                # The floor is level: from now on it starts as it stands, which saves half of a reset's time.
-                self._start, self._settle_s = self._rest, _SHORT_SETTLE_S
+            self._body = RobotBody(
+                self._stage.attachment,
+                robot,
+                height=ground_offset,
+                centre=self._stage.centre_of_mass,
+                timestep=physics_dt,
+            )
+            if scene.knows_floor:
+                self._settle_beside(world)
+            self.reset(Pose2D(*world.seeds[0]) if world.seeds else Pose2D(0.0, 0.0))
         except BaseException:
             self.close()
             raise
 
-    def _measure_root(self) -> None:
-        """Find the articulation's root, which need not be base_link: the robot's prim is, and stands at the origin.
+    def _settle_beside(self, world: World) -> None:
+        """Let the robot settle beside a world with a level floor: from now on it starts as it stands there.
+
+        That saves half of a reset's time, and a robot that starts in a solid is not pushed far before it is told.
+        """
+        _, high = world.bounds
+        self._body.stand(self._running.attachment, Pose2D(high[0] + _FAR, high[1] + _FAR))
+        self._settle(_SETTLE_S)
+        self._body.keep_rest(self._running.attachment)
+        self._settle_s = _SHORT_SETTLE_S
+
+    def _settle(self, duration: float) -> None:
+        """Let the robot come to rest.
 
         Raises:
-            SimulationError: If it is far from it.
+            SimulationError: If it falls.
         """
         attachment = self._running.attachment
-        at_root, _, _ = attachment.root()
-        self._T_root_base = at_root.inverse() @ Pose3D((0.0, 0.0, self._ground_offset))
-        self._T_base_root = self._T_root_base.inverse()
-        self._centre = self._running.centre_of_mass
-        x, y, _ = self._T_base_root.position
-        if math.hypot(x, y) > self._robot.circumscribed_radius:
+        for _ in range(round(duration / self._physics_dt)):
+            attachment.step(self._physics_dt)
+        fell = -self._body.pose(attachment).position[2]
+        if fell > _LARGEST_FALL:
             raise SimulationError(
-                f"the root of the robot's articulation is {math.hypot(x, y):.2f} m away from its prim: is it a body of "
-                "the robot, and is the robot's prim at base_link?"
+                f"the robot fell {fell + self._ground_offset:.2f} m in {duration} s: there is no collider under it. "
+                f"Start it above the floor (ground_offset, now {self._ground_offset:g} m), and check that its floor "
+                "has a collider"
             )
 
     @property
@@ -188,7 +209,9 @@ class PhysxSimulator(Simulator):
             # Before the robot: a mover that is parked in it makes its pose NaN.
             self._field.reset(seed, pose)
             attachment.put_movers(self._field.state)
-        attachment.place_root(Pose3D.planar(pose.x, pose.y, 0.0, pose.yaw) @ self._start @ self._T_base_root)
+        if not self._scene.knows_floor:
+            self._body.rest = Pose3D((0.0, 0.0, self._ground_offset))
+        self._body.stand(attachment, pose)
         self._told = Motion(0.0, 0.0, 0.0, 0.0)
         self._ramp.reset()
         self._lidars.reset(seed)
@@ -196,9 +219,7 @@ class PhysxSimulator(Simulator):
         # Contacts first, as a robot that starts in a solid is pushed out of it while it settles.
         attachment.step(self._physics_dt)
         self._contacts.read(attachment, touched)
-        for _ in range(round(self._settle_s / self._physics_dt)):
-            attachment.step(self._physics_dt)
-        self._check_stands()
+        self._settle(_SHORT_SETTLE_S if touched else self._settle_s)
         self._contacts.find_floor(attachment)
         self._contacts.read(attachment, touched)
         self._come_to_rest(None if touched else pose)
@@ -218,12 +239,13 @@ class PhysxSimulator(Simulator):
         self._ramp.reset()
         attachment = stage.attachment
         self._drive(self._told)
-        self._stand_at(pose)
+        self._body.stand(attachment, pose)
         # Contacts are known after a step, which must not move it.
         attachment.step(self._physics_dt)
         touched: dict[tuple[str, str], Contact] = {}
         self._contacts.read(attachment, touched)
-        self._stand_at(pose)
+        self._body.stand(attachment, pose)
+        self._odometry.skip_to(attachment.wheels()[0])
         return self._state(touched, since=self._steps * self._physics_dt, at_rest=True)
 
     def add_solid(self, solid: Solid) -> None:
@@ -277,7 +299,7 @@ class PhysxSimulator(Simulator):
     def _report(self, watch: Callable[[Substep], None]) -> None:
         angles, speeds = self._running.attachment.wheels()
         self._odometry.follow(angles)
-        pose, twist, _ = self._motion()
+        pose, twist, _ = self._body.motion(self._running.attachment)
         watch(Substep(self._steps * self._physics_dt, pose, twist, self._odometry.turned, WheelSpeeds(*speeds)))
 
     def close(self) -> None:
@@ -304,71 +326,34 @@ class PhysxSimulator(Simulator):
     def _running(self) -> RunningStage:
         return self._check_open()
 
-    def _check_stands(self) -> None:
-        """Check that the robot has not fallen.
-
-        Raises:
-            SimulationError: If it has.
-        """
-        fell = self._ground_offset - (self._body()[0] @ self._T_root_base).position[2]
-        if fell > self._ground_offset + _LARGEST_FALL:
-            raise SimulationError(
-                f"the robot fell {fell:.2f} m in {_SETTLE_S} s: there is no collider under it. Start it above the "
-                f"floor (ground_offset, now {self._ground_offset:g} m), and check that its floor has a collider"
-            )
-
     def _come_to_rest(self, pose: Pose2D | None) -> None:
         """Stop the robot where it has settled, but exactly at a pose if one is given."""
-        T_world_base = self._body()[0] @ self._T_root_base
-        x, y, _ = T_world_base.position
-        if pose is None:
-            self._put(T_world_base)
-            return
-        self._rest = Pose3D.planar(x, y, 0.0, T_world_base.yaw()).inverse() @ T_world_base
-        self._stand_at(pose)
-
-    def _stand_at(self, pose: Pose2D) -> None:
-        """Put the robot at a pose, at rest, as high and as tilted as it has settled."""
-        self._put(Pose3D.planar(pose.x, pose.y, 0.0, pose.yaw) @ self._rest)
-
-    def _put(self, T_world_base: Pose3D) -> None:
         attachment = self._running.attachment
-        attachment.place_root(T_world_base @ self._T_base_root)
-        attachment.stop_joints()
+        if pose is None:
+            self._body.put(attachment, self._body.pose(attachment))
+        else:
+            if not self._scene.knows_floor:
+                self._warn_of_tilt(tilt_of(self._body.keep_rest(attachment)))
+            self._body.stand(attachment, pose)
         self._odometry.skip_to(attachment.wheels()[0])
 
-    def _body(self) -> tuple[Pose3D, FloatArray, FloatArray]:
-        """Pose and velocities of the articulation's root; see `Attachment.root`.
-
-        Raises:
-            SimulationError: If the physics diverged.
-        """
-        try:
-            return self._running.attachment.root()
-        except InputError as error:
-            raise SimulationError(
-                f"the physics diverged: {error}; use a smaller physics_dt than {self._physics_dt} s, and check the "
-                "robot's masses and colliders"
-            ) from error
-
-    def _motion(self) -> tuple[Pose2D, Twist2D, float]:
-        """Pose and twist of base_link, and its tilt [rad]."""
-        T_world_root, linear, angular = self._body()
-        T_world_base = T_world_root @ self._T_root_base
-        arm = np.array(T_world_base.position) - T_world_root.transform_points([self._centre])[0]
-        vx, vy, _ = (linear + np.cross(angular, arm)).tolist()
-        x, y, _ = T_world_base.position
-        yaw = T_world_base.yaw()
-        _, qx, qy, _ = T_world_base.quaternion
-        tilt = math.acos(max(-1.0, 1.0 - 2.0 * (qx * qx + qy * qy)))
-        return Pose2D(x, y, yaw), Twist2D(vx * math.cos(yaw) + vy * math.sin(yaw), float(angular[2])), tilt
+    def _warn_of_tilt(self, tilt: float) -> None:
+        if tilt > _LARGEST_TILT and not self._has_warned:
+            self._has_warned = True
+            warnings.warn(
+                f"{self._scene.source}: the robot stands tilted by {math.degrees(tilt):.1f}°. If the floor is level, "
+                "its wheels have sunk in: PhysX loses narrow wheels in a box that is more than 100 times as long as "
+                "thick. Make such a floor thicker, or a plane",
+                WorldWarning,
+                stacklevel=4,
+            )
 
     def _robot_motion(self) -> tuple[Pose2D, float]:
-        pose, twist, _ = self._motion()
+        pose, twist, _ = self._body.motion(self._running.attachment)
         return pose, twist.v
 
     def _state(self, touched: dict[tuple[str, str], Contact], since: float, *, at_rest: bool = False) -> RobotState:
-        pose, twist, tilt = self._motion()
+        pose, twist, tilt = self._body.motion(self._running.attachment)
         speeds = (0.0, 0.0)
         if at_rest:
             twist = Twist2D(0.0, 0.0)
