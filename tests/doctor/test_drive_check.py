@@ -187,6 +187,49 @@ def test_wheels_in_the_air_are_distinguished_from_a_small_radius() -> None:
     assert check.wheel_radius is None
 
 
+class Scrubbing(Rewired):
+    """A robot that turns short on the spot and too far in a curve, by shares that were measured in PhysX."""
+
+    def __init__(self, simulator: Simulator, spin: float, curve: float) -> None:
+        super().__init__(simulator)
+        self._spin, self._curve = spin, curve
+
+    def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
+        self._pose = pose
+        return super().reset(pose, seed=seed)
+
+    def step(self, command: Twist2D, dt: float) -> RobotState:
+        state = super().step(command, dt)
+        share = self._spin if abs(state.twist.v) < 1e-3 else self._curve
+        self._pose = Twist2D(state.twist.v, state.twist.w * (1.0 + share)).integrate(self._pose, dt)
+        return replace(state, pose=self._pose)
+
+
+@pytest.mark.parametrize(
+    ("spin", "curve"),
+    # Tyres and casters of 20 and 25 mm; with 128 iterations; 4 and 25 mm.
+    [(-0.066, 0.086), (-0.050, 0.041), (-0.035, 0.113)],
+)
+def test_wide_tyres_scrub_and_are_not_taken_for_unequal_wheels(spin: float, curve: float) -> None:
+    with Scrubbing(simulate(EMPTY, "nova_carter", backend="kinematic"), spin, curve) as simulator:
+        (finding,) = check_drive(simulator).findings
+    assert finding.kind == "caster_scrub"
+    assert f"{1.0 + spin:.1%} of the command and a curve {1.0 + curve:.1%}" in finding.message
+    assert finding.measured == pytest.approx((1.0 + curve) / (1.0 + spin) - 1.0, abs=0.005)
+
+
+@pytest.mark.parametrize(
+    ("spin", "curve"),
+    # Contacts of 4 mm with 32 and 64 iterations, spheres; wide casters with a friction of 0.1 and 0.
+    [(-0.011, 0.014), (-0.0093, 0.0132), (-0.008, 0.010), (-0.037, 0.0015), (-0.030, -0.026)],
+)
+def test_narrow_contacts_and_casters_that_slide_do_not_scrub(spin: float, curve: float) -> None:
+    with Scrubbing(simulate(EMPTY, "nova_carter", backend="kinematic"), spin, curve) as simulator:
+        found = kinds(check_drive(simulator))
+    assert "caster_scrub" not in found
+    assert "unequal_wheels" not in found
+
+
 class OnRails(Rewired):
     """A robot that keeps its heading whatever its wheels do, as a car with its steering held."""
 

@@ -42,6 +42,10 @@ def test_a_urdf_has_the_robots_masses_inertias_and_joints(name, tmp_path):
         assert (joints[wheel].type, joints[wheel].axis) == ("continuous", (0.0, 1.0, 0.0))
     swivels = {caster.swivel_joint for caster in robot.casters if caster.is_swivel}
     assert swivels <= set(joints)
+    frame = robot.caster_frame
+    if frame is not None:
+        assert joints[frame.joint].limits == pytest.approx((-frame.limit, frame.limit))
+        assert {joints[name].parent for name in swivels} == {joints[frame.joint].child}
 
 
 @pytest.mark.parametrize("name", robot_names())

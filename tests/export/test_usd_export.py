@@ -234,11 +234,12 @@ def test_joints_have_the_robots_names_and_places(tmp_path, name):
     written = {joint.name.rpartition("/")[2]: joint for joint in list_joints(tmp_path / "robot.usd")}
     for joint in list_joints(robot):
         other = written[joint.name]
+        sprung = robot.caster_frame is not None and joint.name == robot.caster_frame.joint
         assert (other.type, other.axis, other.limits, other.drives) == (
             joint.type,
             pytest.approx(joint.axis),
-            joint.limits,
-            joint.drives,
+            None if joint.limits is None else pytest.approx(joint.limits),
+            joint.drives or sprung,  # a spring is a drive in USD
         )
         assert (other.parent, other.child) == (f"/{name}/{joint.parent}", f"/{name}/{joint.child}")
     fixed = {joint.child for joint in written.values() if joint.type == "fixed"}
@@ -257,7 +258,7 @@ def test_joints_have_the_robots_names_and_places(tmp_path, name):
         ]
         np.testing.assert_allclose(*[np.array(end) for end in ends], atol=1e-6)
         side = 1.0 if joint.name.endswith(robot.drive.left_joint) else -1.0
-        if joint.drives:
+        if joint.drives and joint.type == "continuous":
             half = robot.drive.track_width / 2.0
             np.testing.assert_allclose(ends[0], (0.0, side * half, robot.drive.wheel_radius), atol=1e-6)
 
@@ -270,13 +271,26 @@ def test_the_root_is_the_chassis_and_the_wheels_have_velocity_drives():
     assert stage.GetDefaultPrim().GetPath() == "/nova_carter"
     servo = Servo.of(robot)
     driven = [prim for prim in stage.Traverse() if UsdPhysics.DriveAPI.GetAll(prim)]
-    assert [prim.GetName() for prim in driven] == ["joint_wheel_left", "joint_wheel_right"]
-    for prim in driven:
+    assert [prim.GetName() for prim in driven] == ["joint_wheel_left", "joint_wheel_right", "joint_caster_base"]
+    for prim in driven[:2]:
         drive = UsdPhysics.DriveAPI.Get(prim, "angular")
         assert drive.GetStiffnessAttr().Get() == 0.0
         assert drive.GetDampingAttr().Get() == pytest.approx(servo.gain * math.pi / 180.0)
         assert drive.GetMaxForceAttr().Get() == pytest.approx(servo.torque)
         assert UsdPhysics.RevoluteJoint(prim).GetAxisAttr().Get() == "Y"
+
+
+def test_the_frame_of_the_casters_rocks_on_a_spring_as_in_isaac_sims_nova_carter():
+    stage = robot_stage(Robot.load("nova_carter"))
+    prim = stage.GetPrimAtPath("/nova_carter/joints/joint_caster_base")
+    joint, spring = UsdPhysics.RevoluteJoint(prim), UsdPhysics.DriveAPI.Get(prim, "angular")
+    assert joint.GetAxisAttr().Get() == "X"
+    assert (joint.GetLowerLimitAttr().Get(), joint.GetUpperLimitAttr().Get()) == pytest.approx((-2.0, 2.0))
+    assert spring.GetStiffnessAttr().Get() == pytest.approx(100.0)
+    assert spring.GetDampingAttr().Get() == pytest.approx(10.0)
+    assert [str(body) for body in joint.GetBody1Rel().GetTargets()] == ["/nova_carter/caster_frame"]
+    swing = UsdPhysics.RevoluteJoint(stage.GetPrimAtPath("/nova_carter/joints/joint_swing_left"))
+    assert [str(body) for body in swing.GetBody0Rel().GetTargets()] == ["/nova_carter/caster_frame"]
 
 
 def test_casters_slide_and_wheels_hold():

@@ -77,7 +77,7 @@ def test_the_robot_stands_at_the_start_and_all_its_joints_hold_its_own_bodies(sc
     roots = [str(prim.GetPath()) for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.ArticulationRootAPI)]
     assert roots == ["/World/nova_carter/base_link"]
     joints = [prim for prim in stage.Traverse() if prim.IsA(UsdPhysics.Joint)]
-    assert len(joints) == 6
+    assert len(joints) == 7
     for joint in joints:
         for end in (UsdPhysics.Joint(joint).GetBody0Rel(), UsdPhysics.Joint(joint).GetBody1Rel()):
             (body,) = end.GetTargets()
@@ -109,7 +109,7 @@ def test_the_profile_says_to_physx_what_it_would_guess(name, tmp_path):
     assert found_by_validators(stage) == []
     base = stage.GetPrimAtPath(f"/{name}/base_link")
     assert "PhysxArticulationAPI" in base.GetPrimTypeInfo().GetAppliedAPISchemas()
-    assert base.GetAttribute("physxArticulation:solverPositionIterationCount").Get() == 32
+    assert base.GetAttribute("physxArticulation:solverPositionIterationCount").Get() == 64
     assert base.GetAttribute("physxArticulation:solverVelocityIterationCount").Get() == 1
     assert base.GetAttribute("physxArticulation:enabledSelfCollisions").Get() is False
     materials = [prim for prim in stage.Traverse() if prim.IsA(UsdShade.Material)]
@@ -121,6 +121,25 @@ def test_the_profile_says_to_physx_what_it_would_guess(name, tmp_path):
     assert len(materials) >= 2
     offset = UsdGeom.Xformable(stage.GetDefaultPrim()).GetLocalTransformation().ExtractTranslation()
     assert tuple(offset) == (0.0, 0.0, GROUND_OFFSET)
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_every_body_leaves_solids_slowly_and_reports_its_contacts(name, tmp_path):
+    stage = Usd.Stage.Open(str(export_robot(Robot.load(name), tmp_path / "robot.usd", profile="isaac")))
+    bodies = [prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
+    assert len(bodies) >= 3
+    for prim in bodies:
+        schemas = prim.GetPrimTypeInfo().GetAppliedAPISchemas()
+        assert {"PhysxRigidBodyAPI", "PhysxContactReportAPI"} <= set(schemas), prim.GetPath()
+        assert prim.GetAttribute("physxRigidBody:maxDepenetrationVelocity").Get() == pytest.approx(0.1)
+        assert prim.GetAttribute("physxContactReport:threshold").Get() == 0.0
+
+
+def test_the_spring_of_the_casters_frame_has_no_limits_that_physx_cannot_keep(tmp_path):
+    stage = Usd.Stage.Open(str(export_robot(Robot.load("nova_carter"), tmp_path / "robot.usd", profile="isaac")))
+    joint = UsdPhysics.RevoluteJoint(stage.GetPrimAtPath("/nova_carter/joints/joint_caster_base"))
+    assert (joint.GetLowerLimitAttr().Get(), joint.GetUpperLimitAttr().Get()) == (-math.inf, math.inf)
+    assert UsdPhysics.DriveAPI.Get(joint.GetPrim(), "angular").GetStiffnessAttr().Get() == pytest.approx(100.0)
 
 
 @pytest.mark.parametrize("name", robot_names())
@@ -171,7 +190,9 @@ def test_a_world_for_isaac_sim_has_light_and_settings_of_its_physics(scene, tmp_
 def test_without_a_profile_there_is_none_of_it(scene, tmp_path):
     stage = scene_stage(scene)
     words = {name for prim in stage.Traverse() for name in prim.GetPropertyNames()}
-    assert not [name for name in words if name.startswith(("physxScene", "physxArticulation"))]
+    assert not [
+        name for name in words if name.startswith(("physxScene", "physxArticulation", "physxRigidBody", "physxContact"))
+    ]
     assert not [prim for prim in stage.Traverse() if prim.HasAPI(UsdLux.LightAPI)]
     assert not robot_stage(scene.robot).GetDefaultPrim().HasAttribute("xformOp:translate")
 

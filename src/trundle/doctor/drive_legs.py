@@ -75,6 +75,7 @@ class Leg:
         start: Travel from rest until one second after the command became constant.
         cruise: Travel in steady motion.
         tracking: Speed of the wheels in steady motion as a share of the commanded speed.
+        commanded_turn: Commanded rotation in steady motion [rad].
         touched: Names of the touched solids.
     """
 
@@ -82,6 +83,7 @@ class Leg:
     start: Travel
     cruise: Travel
     tracking: float
+    commanded_turn: float
     touched: frozenset[str] = field(default_factory=frozenset)
 
     def lost(self, left: Wheel, right: Wheel) -> float:
@@ -139,7 +141,8 @@ def _drive_leg(simulator: Simulator, drive: DifferentialDrive, pose: Pose2D, tar
     cruise = _travel(states[settled : end + 1])
     # With a very wrong configuration the simulator clamps the twist to the robot's limits: that is not a wheel fault.
     robot = simulator.robot
-    commanded = robot.drive.wheel_speeds(robot.limits.clamp(robot.drive.twist(drive.wheel_speeds(target))))
+    twist = robot.limits.clamp(robot.drive.twist(drive.wheel_speeds(target)))
+    commanded = robot.drive.wheel_speeds(twist)
     seconds = states[end].time - states[settled].time
     expected = (abs(commanded.left) + abs(commanded.right)) * seconds
     return Leg(
@@ -147,6 +150,7 @@ def _drive_leg(simulator: Simulator, drive: DifferentialDrive, pose: Pose2D, tar
         _travel(states[rest : settled + 1]),
         cruise,
         (abs(cruise.left) + abs(cruise.right)) / expected,
+        twist.w * seconds,
         frozenset(touched),
     )
 

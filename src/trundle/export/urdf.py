@@ -6,6 +6,7 @@ import math
 import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -54,8 +55,9 @@ def _describe(robot: Robot, path: Path | None) -> str:
         _add_roller(link, drive.wheel_radius, drive.wheel_width)
         at = (wheel.x, wheel.side * drive.track_width / 2.0, drive.wheel_radius)
         _add_joint(root, wheel.joint, "continuous", "base_link", name, at, axis=(0.0, 1.0, 0.0))
+    carrier = _add_caster_frame(root, model, robot)
     for index, caster in enumerate(robot.casters):
-        _add_caster(root, model, caster, f"caster_{index}")
+        _add_caster(root, model, caster, f"caster_{index}", carrier)
     for name, lidar in robot.lidars.items():
         frame = name if "lidar" in name else f"lidar_{name}"
         add(root, "link", None, name=frame)
@@ -110,8 +112,30 @@ def _write_prism(path: Path, outline: FloatArray, low: float, high: float) -> st
     return f"{folder.name}/chassis.obj"
 
 
-def _add_caster(root: ElementTree.Element, model: mujoco.MjModel, caster: Caster, name: str) -> None:
-    at = (caster.x, caster.y, caster.radius)
+class _Carrier(NamedTuple):
+    """The link that casters are on, and where its origin lies in base_link [m]."""
+
+    link: str
+    x: float
+    z: float
+
+
+def _add_caster_frame(root: ElementTree.Element, model: mujoco.MjModel, robot: Robot) -> _Carrier:
+    """Add what carries the casters, with a revolute joint; URDF has no springs. Else base_link carries them."""
+    frame = robot.caster_frame
+    if frame is None:
+        return _Carrier("base_link", 0.0, 0.0)
+    _add_link(root, model, "caster_frame")
+    at = (frame.x, 0.0, frame.z)
+    joint = _add_joint(root, frame.joint, "revolute", "base_link", "caster_frame", at, axis=(1.0, 0.0, 0.0))
+    low, high = numbers([-frame.limit]), numbers([frame.limit])
+    add(joint, "limit", None, lower=low, upper=high, effort="1e6", velocity="10")
+    add(joint, "dynamics", None, damping=numbers([frame.damping]), friction=numbers([frame.friction]))
+    return _Carrier("caster_frame", frame.x, frame.z)
+
+
+def _add_caster(root: ElementTree.Element, model: mujoco.MjModel, caster: Caster, name: str, carrier: _Carrier) -> None:
+    at = (caster.x - carrier.x, caster.y, caster.radius - carrier.z)
     if caster.swivel_joint is None or caster.wheel_joint is None:
         link = _add_link(root, model, name)
         for tag in ("visual", "collision"):
@@ -119,11 +143,11 @@ def _add_caster(root: ElementTree.Element, model: mujoco.MjModel, caster: Caster
             add(add(shape, "geometry"), "sphere", None, radius=numbers([caster.radius]))
             if tag == "visual":
                 _add_color(shape, name, _STEEL)
-        _add_joint(root, f"{name}_joint", "fixed", "base_link", name, at)
+        _add_joint(root, f"{name}_joint", "fixed", carrier.link, name, at)
         return
     fork = f"{name}_fork"
     _add_link(root, model, fork)
-    _add_joint(root, caster.swivel_joint, "continuous", "base_link", fork, at, axis=(0.0, 0.0, 1.0))
+    _add_joint(root, caster.swivel_joint, "continuous", carrier.link, fork, at, axis=(0.0, 0.0, 1.0))
     _add_roller(_add_link(root, model, name), caster.radius, caster.width)
     behind = (-caster.trail, 0.0, 0.0)
     _add_joint(root, caster.wheel_joint, "continuous", fork, name, behind, axis=(0.0, 1.0, 0.0))
@@ -153,10 +177,11 @@ def _add_joint(
     *,
     axis: tuple[float, float, float] | None = None,
     yaw: float = 0.0,
-) -> None:
+) -> ElementTree.Element:
     joint = add(root, "joint", None, name=name, type=kind)
     add(joint, "parent", None, link=parent)
     add(joint, "child", None, link=child)
     add(joint, "origin", None, xyz=numbers(at), rpy=numbers((0.0, 0.0, yaw)))
     if axis is not None:
         add(joint, "axis", None, xyz=numbers(axis))
+    return joint

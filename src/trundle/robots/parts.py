@@ -25,6 +25,14 @@ Clearance = Annotated[float, Field(ge=0.0, le=50.0, json_schema_extra={"unit": "
 WheelMass = Annotated[float, Field(gt=0.0, le=1e4, json_schema_extra={"unit": "kg"})]
 BodyMass = Annotated[float, Field(gt=0.0, le=1e6, json_schema_extra={"unit": "kg"})]
 Inertia = Annotated[float, Field(gt=0.0, le=1e9, json_schema_extra={"unit": "kg·m²"})]
+RockAngle = Annotated[
+    float,
+    BeforeValidator(read_angle, json_schema_input_type=float | str),
+    Field(gt=0.0, le=math.pi / 4.0, json_schema_extra={"unit": "rad"}),
+]
+Stiffness = Annotated[float, Field(ge=0.0, le=1e7, json_schema_extra={"unit": "N·m/rad"})]
+Damping = Annotated[float, Field(ge=0.0, le=1e7, json_schema_extra={"unit": "N·m·s/rad"})]
+JointFriction = Annotated[float, Field(ge=0.0, le=1e5, json_schema_extra={"unit": "N·m"})]
 Speed = Annotated[float, Field(gt=0.0, le=100.0, json_schema_extra={"unit": "m/s"})]
 ReverseSpeed = Annotated[float, Field(ge=0.0, le=100.0, json_schema_extra={"unit": "m/s"})]
 TurningSpeed = Annotated[float, Field(gt=0.0, le=1e3, json_schema_extra={"unit": "rad/s"})]
@@ -105,6 +113,32 @@ class Caster(Config):
     def is_swivel(self) -> bool:
         """Whether this is a swivel caster and not a ball."""
         return self.swivel_joint is not None
+
+
+class CasterFrame(Config):
+    """A beam across the robot that carries its casters and rocks about x, so that all of them touch an uneven floor.
+
+    A spring holds it level. It has no visual: it lies inside the chassis.
+
+    Attributes:
+        joint: Name of its joint (about x).
+        x: Position of the joint in base_link [m].
+        z: Height of the joint above the floor [m].
+        mass: Mass of the frame, without the casters [kg].
+        limit: Largest angle to either side [rad].
+        stiffness: Stiffness of the spring [N·m/rad].
+        damping: Damping of the spring [N·m·s/rad].
+        friction: Dry friction of the joint [N·m].
+    """
+
+    joint: str
+    x: Coordinate
+    z: Height
+    mass: BodyMass
+    limit: RockAngle
+    stiffness: Stiffness
+    damping: Damping
+    friction: JointFriction = 0.0
 
 
 class Lidar(Config):

@@ -21,7 +21,7 @@ from trundle.geometry import FloatArray, Footprint, Twist2D
 from trundle.guard import ReadCall, ReadLimits, read_guarded, read_limits
 from trundle.registry import Registry
 from trundle.robots.drive import DifferentialDrive, Limits, WheelSpeeds
-from trundle.robots.parts import Body, Caster, Coordinate, Lidar
+from trundle.robots.parts import Body, Caster, CasterFrame, Coordinate, Lidar
 from trundle.values import check_kind
 
 MODEL_SUFFIXES = (".urdf", ".xacro", ".xml", ".mjcf")
@@ -42,6 +42,7 @@ class Robot(Config):
         footprint: Corners of its convex outline in base_link [m], clockwise or counter-clockwise.
         body: The chassis.
         casters: Passive wheels.
+        caster_frame: What carries the casters. If None, they are on the chassis.
         lidars: Planar lidars by name.
         map_height_band: Range of heights above the floor in which solids are obstacles to this robot [m, m]. If None,
             it goes from 0.05 m to the robot's height.
@@ -55,6 +56,7 @@ class Robot(Config):
     footprint: Annotated[tuple[tuple[Coordinate, Coordinate], ...], Field(min_length=3, max_length=64)]
     body: Body
     casters: tuple[Caster, ...] = ()
+    caster_frame: CasterFrame | None = None
     lidars: dict[str, Lidar] = Field(default_factory=dict)
     map_height_band: tuple[Coordinate, Coordinate] | None = None
 
@@ -218,11 +220,12 @@ class Robot(Config):
 
     @property
     def total_mass(self) -> float:
-        """Chassis, wheels and casters [kg]."""
+        """Chassis, wheels, casters and what carries them [kg]."""
         return (
             self.body.mass
             + len(self.drive.wheels) * self.drive.wheel_mass
             + sum(caster.mass for caster in self.casters)
+            + (self.caster_frame.mass if self.caster_frame is not None else 0.0)
         )
 
     def wheel_speeds(self, twist: Twist2D) -> WheelSpeeds:

@@ -12,8 +12,16 @@ from pxr import Gf, Sdf, UsdGeom, UsdLux, UsdPhysics, UsdShade
 
 from trundle.usd import GROUND_OFFSET, TIMESTEP
 
-POSITION_ITERATIONS, VELOCITY_ITERATIONS = 32, 1
-"""Iterations of PhysX's solver for the robot, explicit so that they do not depend on a version's defaults."""
+POSITION_ITERATIONS, VELOCITY_ITERATIONS = 64, 1
+"""Iterations of PhysX's solver for the robot, explicit so that they do not depend on a version's defaults.
+
+With 4 position iterations a spin falls 4 to 6 % short; with 32 Jackal drifts 13.5 mm in 2 m, with 64 1.4 mm."""
+
+_DEPENETRATION_SPEED = 0.1
+"""Largest speed at which PhysX pushes a body of the robot out of a solid [m/s].
+
+Without it, a robot that starts in a solid is thrown up to 24 m, or its pose becomes NaN. Of 20 depths none of that is
+left at 0.1 m/s, and at 0.5 m/s 5 still end in NaN. Driving is the same to every digit."""
 
 _SLEEP_THRESHOLD = 0.0
 """Kinetic energy by mass below which a robot falls asleep [m²/s²]: disabled."""
@@ -27,10 +35,25 @@ def fit_for_isaac(stage: Any) -> None:
             _set_scene(prim)
         if prim.HasAPI(UsdPhysics.ArticulationRootAPI):
             _set_articulation(prim)
+        if prim.HasAPI(UsdPhysics.RigidBodyAPI):
+            fit_body(prim)
+        if prim.IsA(UsdPhysics.RevoluteJoint):
+            _leave_limits_to_spring(prim)
         if prim.IsA(UsdShade.Material) and not prim.GetAttribute("physxMaterial:frictionCombineMode"):
             _write(prim, "PhysxMaterialAPI", "physxMaterial:frictionCombineMode", Sdf.ValueTypeNames.Token, "average")
     if any(prim.IsA(UsdPhysics.Scene) for prim in prims):
         _add_light(stage)
+
+
+def fit_body(prim: Any) -> None:
+    """Limit how fast PhysX pushes a rigid body out of solids, unless it says so itself, and report all its contacts.
+
+    PhysX reports no contacts by default.
+    """
+    kind, speed = Sdf.ValueTypeNames.Float, "physxRigidBody:maxDepenetrationVelocity"
+    if not prim.GetAttribute(speed).HasAuthoredValue():
+        _write(prim, "PhysxRigidBodyAPI", speed, kind, _DEPENETRATION_SPEED)
+    _write(prim, "PhysxContactReportAPI", "physxContactReport:threshold", kind, 0.0)
 
 
 def lift(prim: Any) -> None:
@@ -54,6 +77,18 @@ def _set_articulation(prim: Any) -> None:
     _write(prim, name, "physxArticulation:solverVelocityIterationCount", types.Int, VELOCITY_ITERATIONS)
     _write(prim, name, "physxArticulation:enabledSelfCollisions", types.Bool, False)
     _write(prim, name, "physxArticulation:sleepThreshold", types.Float, _SLEEP_THRESHOLD)
+
+
+def _leave_limits_to_spring(prim: Any) -> None:
+    """Remove the limits of a joint that a spring holds, which is the casters' frame.
+
+    A robot that starts in a solid ends in NaN with them (4 of 40 depths), and in none of 160 poses without them. On the
+    floor the spring, 100 N·m/°, does not let it reach them.
+    """
+    spring = UsdPhysics.DriveAPI.Get(prim, "angular")
+    if spring and spring.GetStiffnessAttr().Get():
+        prim.RemoveProperty("physics:lowerLimit")
+        prim.RemoveProperty("physics:upperLimit")
 
 
 def _write(prim: Any, schema: str, name: str, kind: Any, value: object, *, uniform: bool = False) -> None:

@@ -11,6 +11,7 @@ from trundle.geometry.solids import Box, OccupancyCells, Solid
 from trundle.mission import Outcome
 from trundle.sim import Simulator, simulate
 from trundle.sim.isaac import IsaacSimulator
+from trundle.sim.isaac.adapter import BodyState, base_motion
 from trundle.sim.isaac.application import Application
 from trundle.testing import check_simulator
 from trundle.worlds import World
@@ -23,6 +24,20 @@ def test_it_keeps_the_promises_of_a_simulator_and_agrees_with_the_kinematic_one(
     with Application(headless=True):
         check_simulator(lambda world, robot: IsaacSimulator(world, robot))
     assert fake.app_closes == 1
+
+
+def robot_with_depenetration(assets, folder, speed):
+    """Write a copy of the robot's USD with another depenetration speed [m/s], or with none."""
+    from pxr import Sdf, Usd, UsdPhysics
+
+    (usd,) = assets.rglob("nova_carter.usd")
+    stage = Usd.Stage.Open(Sdf.Layer.OpenAsAnonymous(str(usd)))
+    for prim in stage.Traverse():
+        if prim.HasAPI(UsdPhysics.RigidBodyAPI) and speed is not None:
+            name = "physxRigidBody:maxDepenetrationVelocity"
+            prim.CreateAttribute(name, Sdf.ValueTypeNames.Float, False).Set(speed)
+    stage.Export(str(folder / "robot.usda"))
+    return str(folder / "robot.usda")
 
 
 @pytest.fixture
@@ -103,6 +118,61 @@ def test_the_twist_is_that_of_base_link_and_not_of_a_root_beside_it(make_fake, g
         for _ in range(20):
             state = sim.step(Twist2D(0.3, 0.5), PERIOD)
     assert (state.twist.v, state.twist.w) == pytest.approx((0.3, 0.5), abs=1e-5)
+
+
+@pytest.mark.parametrize("generation", [5, 6])
+def test_the_twist_is_that_of_base_link_though_physx_gives_that_of_the_centre_of_mass(make_fake, generation):
+    make_fake(generation, center=(-0.4, 0.3, 0.5))
+    with IsaacSimulator(EMPTY, trundle.Robot.load("nova_carter"), headless=True) as sim:
+        sim.reset(Pose2D(1.0, 2.0, 2.5))
+        for _ in range(20):
+            state = sim.step(Twist2D(0.0, 0.6), PERIOD)
+    assert (state.twist.v, state.twist.w) == pytest.approx((0.0, 0.6), abs=1e-5)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.2])
+def test_base_motion_turns_the_centre_of_mass_with_the_root(tilt):
+    turn = Pose3D.planar(0.0, 0.0, 0.0, 0.7).quaternion if not tilt else (math.cos(tilt / 2), math.sin(tilt / 2), 0, 0)
+    center, angular = np.array([0.1, -0.2, 0.5]), np.array([0.3, 0.2, 0.6])
+    at_center = Pose3D(quaternion=turn).rotation() @ center
+    origin = np.array([0.4, 0.1, 0.0])
+    body = BodyState(np.zeros(3), np.array(turn), origin + np.cross(angular, at_center), angular, center)
+    pose, twist = base_motion(body, Pose2D(0.0, 0.0))
+    assert twist.v == pytest.approx(0.4 * math.cos(pose.yaw) + 0.1 * math.sin(pose.yaw))
+    assert twist.w == pytest.approx(0.6)
+
+
+@pytest.mark.parametrize("depth", [0.005, 0.4])
+@pytest.mark.parametrize("speed", [None, 5.0])
+def test_a_robot_that_starts_in_a_solid_stays_there_and_names_it(fake, assets, tmp_path, depth, speed):
+    # PhysX pushes it out while it settles, or its pose becomes NaN: the contact is in the first step only.
+    usd = robot_with_depenetration(assets, tmp_path, speed)
+    wall = World("wall", (Solid("wall", Box((1.0, 4.0, 1.0)), Pose3D((0.64, 0.0, 0.5))),))
+    with IsaacSimulator(wall, trundle.Robot.load("nova_carter"), robot_usd=usd, headless=True) as sim:
+        state = sim.reset(Pose2D(depth, 0.3, 0.0))
+        assert {contact.other for contact in state.contacts} == {"wall"}
+        assert state.pose.distance_to(Pose2D(depth, 0.3)) < 1e-6
+        assert state.odometry == Pose2D(depth, 0.3)
+        assert not sim.reset(Pose2D(-1.0, 0.0)).contacts
+
+
+def test_a_mission_that_starts_in_a_solid_ends_as_collided_with_its_name(fake):
+    grid = trundle.OccupancyGrid(np.zeros((80, 80), dtype=np.int8), 0.05)
+    box = World("box", (Solid("forgotten box", Box((0.5, 0.5, 0.5)), Pose3D((1.2, 2.0, 0.25))),))
+    with simulate(box, "nova_carter", backend="isaac", headless=True) as sim:
+        episode = trundle.run(sim, trundle.Navigator(grid, "nova_carter"), start=(1.0, 2.0, 0.0), goal=(3.0, 2.0))
+    assert episode.outcome is Outcome.COLLIDED
+    assert "forgotten box" in episode.message
+
+
+def test_what_only_the_raised_robot_touches_at_its_start_is_no_contact(fake):
+    shelf = World("shelf", (Solid("shelf", Box((0.2, 0.2, 0.2)), Pose3D((3.0, 0.0, 0.73))),))
+    with IsaacSimulator(shelf, trundle.Robot.load("nova_carter"), headless=True) as sim:
+        for z, names in ((0.631, set()), (0.6, {"shelf"})):
+            touched = {}
+            pair = ("/trundle_robot/base_link", "/World/Solids/shelf", [(3.0, 0.0, z)])
+            sim._contacts.add([type(sim._contacts.touching()[0])(*pair)], touched, height=sim.robot.body.height)
+            assert {contact.other for contact in touched.values()} == names
 
 
 def test_a_robot_that_is_not_where_it_was_put_is_an_error(make_fake):

@@ -118,6 +118,7 @@ class Behaviour:
 
     def _stop(self):
         self.timeline = "stopped"
+        self.view_valid = False
         if self.body is not None:
             self.body.valid = False
 
@@ -260,6 +261,30 @@ class Behaviour:
     def do_WheeledRobot_get_velocities(self, robot, indices):
         self._need_playing("a velocity")
         return tuple(self._array([part]) for part in self.body.velocities())
+
+    def do_WheeledRobot_get_link_coms(self, robot, indices, link_indices):
+        self._need_playing("a centre of mass")
+        return tuple(self._array(part) for part in self._centers(link_indices))
+
+    def do_Articulation_new(self, view, prim_paths_expr, reset_xform_properties, **_):
+        if not self.stage.GetPrimAtPath(prim_paths_expr) or reset_xform_properties:
+            raise Refused(f"a view of {prim_paths_expr} that resets the transforms of the robot, or of no prim")
+        self.view_valid = False
+
+    def do_Articulation_initialize(self, view, physics_sim_view):
+        self._need_playing("a view")
+        self.view_valid = True
+
+    def do_Articulation_get_body_coms(self, view, indices, body_indices, clone):
+        self._need_playing("a centre of mass")
+        if not self.view_valid:
+            raise Refused("the view was not initialized after the last start")
+        return self._centers(body_indices)
+
+    def _centers(self, links):
+        """Of the root, and made up for every other link: shapes (1, K, 3) and (1, K, 4)."""
+        centers = [self.center if link == 0 else (9.0, 9.0, 9.0) for link in (range(3) if links is None else links)]
+        return np.array([centers]), np.array([[(1.0, 0.0, 0.0, 0.0)] * len(centers)])
 
     def do_WheeledRobot_set_linear_velocity(self, robot, velocity):
         self._need_playing("a velocity")

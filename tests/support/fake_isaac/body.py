@@ -18,7 +18,7 @@ class Body:
         prims = list(pxr.Usd.PrimRange(fake.stage.GetPrimAtPath(path)))
         self.dofs = [prim.GetName() for prim in prims if prim.IsA(pxr.UsdPhysics.RevoluteJoint)]
         bodies = [prim for prim in prims if prim.HasAPI(pxr.UsdPhysics.RigidBodyAPI)]
-        self.reports = False
+        self.reports = self.slow = False
         self.parts = [str(prim.GetPath()) for prim in bodies]
         self.valid = False
         self.place(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
@@ -28,6 +28,9 @@ class Body:
         # PhysX reads on start which bodies report contacts. usd-core knows the schema by its name alone.
         bodies = [self.fake.stage.GetPrimAtPath(path) for path in self.parts]
         self.reports = all("PhysxContactReportAPI" in prim.GetPrimTypeInfo().GetAppliedAPISchemas() for prim in bodies)
+        limits = [prim.GetAttribute("physxRigidBody:maxDepenetrationVelocity").Get() for prim in bodies]
+        self.slow = all(limit is not None and limit <= 0.101 for limit in limits)
+        self.inside = None  # not known before the first step
         self.valid = True
         self.angles = self.speeds = self.targets = (0.0, 0.0)
         self.motion = Twist2D()
@@ -45,6 +48,11 @@ class Body:
     def step(self, dt, floor):
         self.speeds = self.targets
         self.motion = self.fake.robot.twist(WheelSpeeds(*self.speeds))
+        if self.inside is None:
+            self.inside = self.fake.pushes and bool(self.overlaps())
+        elif self.inside:
+            # PhysX pushes a robot out of a solid as fast as it may; without a limit its pose ends as NaN.
+            self.position[0] += -0.1 * dt if self.slow else math.nan
         x, y, yaw = integrate_twist(self.position[0], self.position[1], self.yaw, self.motion.v, self.motion.w, dt)
         self.yaw = wrap_angle(yaw)  # it reports rotations, which have no turns
         self.position = [x, y, 0.0 if floor else self.position[2] - 9.81 * dt]
@@ -63,17 +71,24 @@ class Body:
     def velocities(self):
         v, w = self.motion.v, self.motion.w
         root = Pose2D(0.0, 0.0, self.yaw) @ self.fake.root
-        linear = [v * math.cos(self.yaw) - w * root.y, v * math.sin(self.yaw) + w * root.x, 0.0]
+        # Not of the root's origin, but of its centre of mass.
+        center = Pose2D(root.x, root.y, root.yaw) @ Pose2D(*self.fake.center[:2])
+        linear = [v * math.cos(self.yaw) - w * center.y, v * math.sin(self.yaw) + w * center.x, 0.0]
         return np.array(linear, dtype=np.float32), np.array([0.0, 0.0, w], dtype=np.float32)
 
     def contacts(self):
         """Wheels on the floor, and what the footprint overlaps: the robot's prim, the other's prim, and where."""
         x, y, z = self.position
         found = [(part, "/World/GroundPlane", (x, y, z)) for part in self.parts if "wheel" in part]
-        checker, prims = self.fake.solids
-        if checker is not None:
-            pose = Pose2D(x, y, self.yaw).as_tuple()
-            for contact in checker.find(np.array([pose])):
-                prim = prims.get(contact.other, contact.other)
-                found.append((self.parts[0], prim, (contact.x, contact.y, z + 0.3)))
+        prims = self.fake.solids[1]
+        for contact in self.overlaps():
+            prim = prims.get(contact.other, contact.other)
+            found.append((self.parts[0], prim, (contact.x, contact.y, z + 0.3)))
         return found
+
+    def overlaps(self):
+        """What the footprint overlaps; nothing once the pose is not finite."""
+        checker, _ = self.fake.solids
+        if checker is None or not np.isfinite(self.position).all():
+            return ()
+        return checker.find(np.array([Pose2D(self.position[0], self.position[1], self.yaw).as_tuple()]))

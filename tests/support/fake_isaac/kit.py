@@ -33,6 +33,8 @@ class FakeIsaac(Behaviour, importlib.abc.MetaPathFinder, importlib.abc.Loader):
         assets: What `get_assets_root_path` gives; none cannot be reached.
         floor: Whether there is a floor under the robot.
         root: Where the articulation's root lies in the robot's prim.
+        center: Centre of mass of the root, in its own frame [m].
+        pushes: Whether a robot that starts in a solid is pushed out of it.
         kit_path: Where Kit's own USD lies; none means that it is installed.
 
     Attributes:
@@ -41,10 +43,19 @@ class FakeIsaac(Behaviour, importlib.abc.MetaPathFinder, importlib.abc.Loader):
     """
 
     def __init__(
-        self, generation, *, robot="nova_carter", assets=None, floor=True, kit_path=None, root=Pose2D(0.0, 0.0)
+        self,
+        generation,
+        *,
+        robot="nova_carter",
+        assets=None,
+        floor=True,
+        kit_path=None,
+        root=Pose2D(0.0, 0.0),
+        center=(-0.2178, 0.03, 0.281),
+        pushes=True,
     ):
         self.kit_path = kit_path
-        self.root = root
+        self.root, self.center, self.pushes = root, center, pushes
         self.generation = generation
         self.robot = Robot.load(robot)
         self.assets = assets

@@ -6,7 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
-from trundle.geometry import FloatArray, Pose2D, Twist2D
+import numpy as np
+
+from trundle.geometry import FloatArray, Pose2D, Twist2D, rotation_matrices
 from trundle.robots import Robot
 
 
@@ -17,14 +19,22 @@ class BodyState:
     Attributes:
         position: [m], shape (3,).
         quaternion: wxyz, shape (4,).
-        linear: Velocity [m/s], shape (3,).
+        linear: Velocity of its centre of mass [m/s], shape (3,): PhysX gives that, and not the one of its origin.
         angular: Velocity [rad/s], shape (3,).
+        center: Centre of mass in the root's own frame [m], shape (3,).
     """
 
     position: FloatArray
     quaternion: FloatArray
     linear: FloatArray
     angular: FloatArray
+    center: FloatArray
+
+
+def placement(pose: Pose2D, height: float) -> tuple[FloatArray, FloatArray]:
+    """Position [m], shape (3,), and quaternion (wxyz), shape (4,), of a pose at a height [m]."""
+    half = pose.yaw / 2.0
+    return np.array([pose.x, pose.y, height]), np.array([math.cos(half), 0.0, 0.0, math.sin(half)])
 
 
 def planar_pose(body: BodyState) -> Pose2D:
@@ -39,8 +49,10 @@ def base_motion(body: BodyState, root: Pose2D) -> tuple[Pose2D, Twist2D]:
     at_root = planar_pose(body)
     pose = at_root @ root.inverse()
     w = float(body.angular[2])
-    vx = float(body.linear[0]) - w * (pose.y - at_root.y)
-    vy = float(body.linear[1]) + w * (pose.x - at_root.x)
+    center = rotation_matrices(body.quaternion)[0] @ body.center
+    at_origin = body.linear - np.cross(body.angular, center)
+    vx = float(at_origin[0]) - w * (pose.y - at_root.y)
+    vy = float(at_origin[1]) + w * (pose.x - at_root.x)
     return pose, Twist2D(vx * math.cos(pose.yaw) + vy * math.sin(pose.yaw), w)
 
 

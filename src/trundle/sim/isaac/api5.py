@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 from isaacsim.core.api import World
+from isaacsim.core.prims import Articulation
 from isaacsim.core.utils import stage as stage_utils
 from isaacsim.core.utils.viewports import set_camera_view
 from isaacsim.robot.wheeled_robots.controllers.differential_controller import DifferentialController
@@ -47,6 +48,8 @@ class Isaac5Adapter:
         self._robot = WheeledRobot(
             prim_path=path, name=robot.name, wheel_dof_names=[drive.left_joint, drive.right_joint]
         )
+        # WheeledRobot does not give the links' centres of mass; a view of the same articulation does.
+        self._links = Articulation(path, name=f"{robot.name}_links", reset_xform_properties=False)
         self._controller = _controller(robot)
 
     def place(self, position: FloatArray, quaternion: FloatArray) -> None:
@@ -56,6 +59,9 @@ class Isaac5Adapter:
         self._world.reset()
         # A robot outside any scene must be initialized again after every stop.
         self._robot.initialize()
+        self._links.initialize()
+        centers, _ = self._links.get_body_coms(body_indices=[0])
+        self._center = centers[0, 0]
 
     def joint_names(self) -> list[str]:
         """Return the names of the articulation's degrees of freedom, in its order."""
@@ -90,7 +96,13 @@ class Isaac5Adapter:
     def body(self) -> BodyState:
         """Return the motion of the articulation's root."""
         position, quaternion = self._robot.get_world_pose()
-        return BodyState(position, quaternion, self._robot.get_linear_velocity(), self._robot.get_angular_velocity())
+        return BodyState(
+            position,
+            quaternion,
+            self._robot.get_linear_velocity(),
+            self._robot.get_angular_velocity(),
+            self._center,
+        )
 
     def wheel_positions(self) -> tuple[float, float]:
         """Return the angles of the wheels."""

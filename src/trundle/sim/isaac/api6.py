@@ -67,6 +67,8 @@ class Isaac6Adapter:
         else:
             raise SimulationError("Isaac Sim's physics did not initialize the robot: is it an articulation?")
         self._wheels = [int(index) for index in self._robot.get_dof_indices(self._wheel_names).numpy()]
+        centers, _ = self._robot.get_link_coms(link_indices=[0])
+        self._center = centers.numpy()[0, 0]
 
     def joint_names(self) -> list[str]:
         """Return the names of the articulation's degrees of freedom, in its order."""
@@ -101,7 +103,9 @@ class Isaac6Adapter:
         """Return the motion of the articulation's root."""
         positions, quaternions = self._robot.get_world_poses()
         linear, angular = self._robot.get_velocities()
-        return BodyState(positions.numpy()[0], quaternions.numpy()[0], linear.numpy()[0], angular.numpy()[0])
+        return BodyState(
+            positions.numpy()[0], quaternions.numpy()[0], linear.numpy()[0], angular.numpy()[0], self._center
+        )
 
     def wheel_positions(self) -> tuple[float, float]:
         """Return the angles of the wheels."""

@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import omni.usd
 from omni.physx import get_physx_simulation_interface
-from pxr import PhysicsSchemaTools, Sdf, Usd, UsdPhysics
+from pxr import PhysicsSchemaTools, Usd, UsdPhysics
 
 from trundle.sim.footprint import CellNames
 from trundle.sim.state import Contact
+from trundle.usd.isaac import fit_body
 from trundle.worlds import World
 from trundle.worlds.usd.options import NAME
 
 FLOOR_BAND = 0.02
 """Contacts up to this far above the lowest one [m] are with the floor, which cannot be identified by name."""
+
+
+class Touching(NamedTuple):
+    """A part of the robot in contact with something: the paths of both, and the points of contact [m]."""
+
+    part: str
+    other: str
+    points: list[tuple[float, float, float]]
 
 
 class ContactReader:
@@ -36,28 +45,36 @@ class ContactReader:
         self._floor = 0.0
         for prim in Usd.PrimRange(self._stage.GetPrimAtPath(path)):
             if prim.HasAPI(UsdPhysics.RigidBodyAPI):
-                # Not every USD has PhysX' schemas; their attributes can still be written.
-                prim.AddAppliedSchema("PhysxContactReportAPI")
-                prim.CreateAttribute("physxContactReport:threshold", Sdf.ValueTypeNames.Float, False).Set(0.0)
+                fit_body(prim)
 
-    def find_floor(self) -> None:
-        """Take the lowest contact of the robot at rest as the height of the floor."""
-        heights = [z for _, _, points in self._touching() for _, _, z in points]
+    def find_floor(self, earlier: list[Touching]) -> None:
+        """Take the lowest contact as the height of the floor: now, with the robot at rest, or of earlier pairs."""
+        heights = [z for pair in (*earlier, *self.touching()) for _, _, z in pair.points]
         self._floor = min(heights, default=0.0)
 
     def read(self, touched: dict[tuple[str, str], Contact]) -> None:
-        """Add the robot's current contacts to `touched`, by part and solid; the first position of each pair is kept."""
-        for own, other, points in self._touching():
-            part = own.rpartition("/")[2]
-            for x, y, z in points:
-                if z > self._floor + FLOOR_BAND:
+        """Add the robot's current contacts to `touched`; see `add`."""
+        self.add(self.touching(), touched)
+
+    def add(self, pairs: list[Touching], touched: dict[tuple[str, str], Contact], *, height: float = math.inf) -> None:
+        """Add contacts with everything but the floor, by part and solid; the first position of each pair is kept.
+
+        Args:
+            pairs: What touched; see `touching`.
+            touched: The contacts so far.
+            height: Height above the floor [m] above which contacts are left out.
+        """
+        for pair in pairs:
+            part = pair.part.rpartition("/")[2]
+            for x, y, z in pair.points:
+                if FLOOR_BAND < z - self._floor <= height:
                     # All cells of a map are one collider.
-                    name = self._cells.name(self._name(other), x, y)
+                    name = self._cells.name(self._name(pair.other), x, y)
                     touched.setdefault((part, name), Contact(part, name, x, y))
 
-    def _touching(self) -> list[tuple[str, str, list[tuple[float, float, float]]]]:
-        """Pairs in contact after the last physics step: the robot's body, the other's collider, and where [m]."""
-        pairs: list[tuple[str, str, list[tuple[float, float, float]]]] = []
+    def touching(self) -> list[Touching]:
+        """Return the pairs in contact after the last physics step, those with the floor among them."""
+        pairs: list[Touching] = []
         headers, data = get_physx_simulation_interface().get_contact_report()
         for header in headers:
             if str(header.type).endswith("CONTACT_LOST"):
@@ -71,7 +88,7 @@ class ContactReader:
             points = [
                 tuple(map(float, data[index].position)) for index in range(first, first + header.num_contact_data)
             ]
-            pairs.append((own, collider, [(x, y, z) for x, y, z in points if math.isfinite(x + y + z)]))
+            pairs.append(Touching(own, collider, [(x, y, z) for x, y, z in points if math.isfinite(x + y + z)]))
         return pairs
 
     def _is_own(self, path: str) -> bool:

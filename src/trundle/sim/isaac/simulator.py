@@ -14,7 +14,7 @@ import numpy as np
 from trundle.errors import InputError, RobotError, SimulationError, WorldError
 from trundle.geometry import Pose2D, Twist2D, integrate_twist, wrap_angle
 from trundle.robots import Robot, WheelSpeeds
-from trundle.sim.isaac.adapter import Adapter, BodyState, base_motion, planar_pose
+from trundle.sim.isaac.adapter import Adapter, BodyState, base_motion, placement, planar_pose
 from trundle.sim.isaac.application import Application, running_application
 from trundle.sim.isaac.assets import check_joints, check_units, environment_path, find_root, given_root, robot_path
 from trundle.sim.isaac.signatures import differences
@@ -160,8 +160,9 @@ class IsaacSimulator(Simulator):
         """Put the robot at rest at `pose` (map frame) and set the time to 0. Nothing here is random.
 
         The pose is written to the robot's prim at the ground offset while the timeline is stopped; then the robot
-        settles on the floor, which does not count as simulated time. A pose inside a collider is accepted and appears
-        in the state's contacts.
+        settles on the floor, which does not count as simulated time. A robot that is put into a collider touches it in
+        the first physics step, and PhysX then pushes it out; so it is put there again, does not settle, and the
+        state's contacts name the collider.
 
         Raises:
             SimulationError: If it was closed, or the robot does not settle.
@@ -169,11 +170,7 @@ class IsaacSimulator(Simulator):
         adapter = self._check_open()
         pose = Pose2D.of(pose)
         check_seed(seed)
-        half = pose.yaw / 2.0
-        adapter.place(
-            np.array([pose.x, pose.y, self._ground_offset]),
-            np.array([math.cos(half), 0.0, 0.0, math.sin(half)]),
-        )
+        self._place(adapter, pose)
         # The prim is base_link; Isaac Sim reports the pose of the articulation's root, which may be elsewhere.
         body = adapter.body()
         self._check_sound(body)
@@ -185,14 +182,7 @@ class IsaacSimulator(Simulator):
             )
         self._ramp.reset()
         self._told = Motion(0.0, 0.0, 0.0, 0.0)
-        adapter.drive(0.0, 0.0)
-        for _ in range(round(_SETTLE_S / self._physics_dt)):
-            adapter.step()
-        self._check_stands(adapter.body())
-        adapter.halt()
-        self._contacts.find_floor()
-        touched: dict[tuple[str, str], Contact] = {}
-        self._contacts.read(touched)
+        touched = self._settle(adapter, pose)
         self._steps = 0
         self._angles = adapter.wheel_positions()
         self._turned = (0.0, 0.0)
@@ -282,6 +272,32 @@ class IsaacSimulator(Simulator):
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    def _place(self, adapter: Adapter, pose: Pose2D) -> None:
+        """Stop, put the robot's prim at a pose above the floor, and play with its wheels held."""
+        adapter.place(*placement(pose, self._ground_offset))
+        adapter.drive(0.0, 0.0)
+
+    def _settle(self, adapter: Adapter, pose: Pose2D) -> dict[tuple[str, str], Contact]:
+        """Let the robot come to rest on the floor; return what it touches.
+
+        The contacts of the first step say what it is inside of: later it has been pushed out, or its pose is NaN.
+        """
+        adapter.step()
+        first = self._contacts.touching()
+        for _ in range(round(_SETTLE_S / self._physics_dt) - 1):
+            adapter.step()
+        self._contacts.find_floor(first)
+        touched: dict[tuple[str, str], Contact] = {}
+        # At first it is ground_offset higher than it stands: its top may touch what is above it then.
+        self._contacts.add(first, touched, height=self._robot.body.height)
+        if touched:
+            self._place(adapter, pose)
+            return touched
+        self._check_stands(adapter.body())
+        adapter.halt()
+        self._contacts.read(touched)
+        return touched
 
     def _load(self, world: World, scene: str | None, usd: str) -> None:
         """Open the stage and put the robot into it."""

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from trundle.geometry import FloatArray
-from trundle.robots import Caster, DriveWheel, Robot
+from trundle.robots import Caster, CasterFrame, DriveWheel, Robot
 from trundle.sim.mujoco.robot_looks import add_looks, add_prism_mesh
 from trundle.sim.mujoco.world_parts import FLOOR_TYPE, SOLIDS_TYPE
 from trundle.sim.ramp import Motion
@@ -179,11 +179,12 @@ def add_robot(spec: mujoco.MjSpec, robot: Robot, *, looks: bool = True) -> None:
     for wheel, name in named_wheels(robot) if several else ():
         _add_carrying_wheel(base, robot, name, wheel)
         _add_servo(spec, wheel.joint, servo)
+    carrier = base if robot.caster_frame is None else _add_caster_frame(base, robot, robot.caster_frame)
     for index, caster in enumerate(robot.casters):
         if caster.is_swivel:
-            _add_swivel_caster(base, caster, index)
+            _add_swivel_caster(carrier, caster, index)
         else:
-            _add_ball(base, caster, index)
+            _add_ball(carrier, caster, index)
     if looks:
         add_looks(spec, base, robot, [(name, wheel.side) for wheel, name in named_wheels(robot)])
 
@@ -300,9 +301,34 @@ def _add_guard(body: mujoco.MjsBody, robot: Robot, name: str) -> None:
     guard.solref = _BUMPER_SOLREF
 
 
-def _add_swivel_caster(base: mujoco.MjsBody, caster: Caster, index: int) -> None:
+def _add_caster_frame(base: mujoco.MjsBody, robot: Robot, frame: CasterFrame) -> mujoco.MjsBody:
+    """Add what carries the casters: a beam across them that rocks about x on a spring."""
+    body = base.add_body(name="caster_frame", pos=(frame.x, 0.0, frame.z))
+    body.mass = frame.mass
+    body.ipos = (0.0, 0.0, 0.0)
+    # A box with the proportions that the inertia of Nova Carter's has.
+    across = 2.25 * max([0.02, *(abs(caster.y) for caster in robot.casters)])
+    deep, high = 0.3 * across, 0.2 * across
+    squares = np.array([across**2 + high**2, deep**2 + high**2, deep**2 + across**2])
+    body.inertia = frame.mass * squares / 12.0
+    body.explicitinertial = True
+    body.add_joint(
+        name=frame.joint,
+        type=mujoco.mjtJoint.mjJNT_HINGE,
+        axis=(1.0, 0.0, 0.0),
+        limited=mujoco.mjtLimited.mjLIMITED_TRUE,
+        range=(-math.degrees(frame.limit), math.degrees(frame.limit)),  # a spec's angles are in degrees
+        stiffness=frame.stiffness,
+        damping=frame.damping,
+        frictionloss=frame.friction,
+    )
+    return body
+
+
+def _add_swivel_caster(carrier: mujoco.MjsBody, caster: Caster, index: int) -> None:
     """A fork that turns about z and, `trail` behind it, a wheel that rolls; each has half of the caster's mass."""
-    fork = base.add_body(name=f"caster_{index}_fork", pos=(caster.x, caster.y, caster.radius))
+    at = np.array([caster.x, caster.y, caster.radius]) - carrier.pos
+    fork = carrier.add_body(name=f"caster_{index}_fork", pos=at)
     half = caster.mass / 2.0
     fork.mass = half
     fork.ipos = (-caster.trail / 2.0, 0.0, caster.radius / 2.0)
@@ -318,9 +344,10 @@ def _add_swivel_caster(base: mujoco.MjsBody, caster: Caster, index: int) -> None
     _add_collider(wheel, name, mujoco.mjtGeom.mjGEOM_ELLIPSOID, size, friction=_CASTER_FRICTION)
 
 
-def _add_ball(base: mujoco.MjsBody, caster: Caster, index: int) -> None:
-    """A ball that slides without friction, fixed to the chassis."""
-    body = base.add_body(name=f"caster_{index}", pos=(caster.x, caster.y, caster.radius))
+def _add_ball(carrier: mujoco.MjsBody, caster: Caster, index: int) -> None:
+    """A ball that slides without friction, fixed to what carries it."""
+    at = np.array([caster.x, caster.y, caster.radius]) - carrier.pos
+    body = carrier.add_body(name=f"caster_{index}", pos=at)
     body.mass = caster.mass
     body.ipos = (0.0, 0.0, 0.0)
     body.inertia = np.full(3, 0.4 * caster.mass * caster.radius**2)

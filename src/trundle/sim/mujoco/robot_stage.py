@@ -125,6 +125,17 @@ class _Writer:
         prim.AddAppliedSchema("PhysxJointAPI")
         armature = float(model.dof_armature[int(model.jnt_dofadr[index])])
         prim.CreateAttribute("physxJoint:armature", Sdf.ValueTypeNames.Float, False).Set(armature)
+        if model.jnt_limited[index]:
+            low, high = (float(limit) / _DEGREE for limit in model.jnt_range[index])
+            joint.CreateLowerLimitAttr(low)
+            joint.CreateUpperLimitAttr(high)
+        stiffness = float(model.jnt_stiffness[index])
+        if stiffness > 0.0:
+            spring = UsdPhysics.DriveAPI.Apply(prim, "angular")
+            spring.CreateTypeAttr("force")
+            spring.CreateStiffnessAttr(stiffness * _DEGREE)
+            spring.CreateDampingAttr(float(model.dof_damping[int(model.jnt_dofadr[index])]) * _DEGREE)
+            spring.CreateTargetPositionAttr(0.0)
         for actuator in np.flatnonzero(model.actuator_trnid[:, 0] == index):
             drive = UsdPhysics.DriveAPI.Apply(prim, "angular")
             drive.CreateTypeAttr("force")

@@ -39,6 +39,9 @@ class WheeledRobot:
         indices: npt.ArrayLike | None = None,
     ) -> None: ...
     def get_velocities(self, *, indices: npt.ArrayLike | None = None) -> tuple[array, array]: ...
+    def get_link_coms(
+        self, *, indices: npt.ArrayLike | None = None, link_indices: npt.ArrayLike | None = None
+    ) -> tuple[array, array]: ...
     def set_dof_velocities(
         self,
         velocities: npt.ArrayLike,
