@@ -13,6 +13,7 @@ from trundle.errors import RobotError, WorldError
 from trundle.robots import Robot
 from trundle.sim.isaac.assets import check_units, check_wheel_joints
 from trundle.sim.movers import MoverField
+from trundle.usd.isaac import fit_body
 from trundle.usd.stage import PrimNames
 from trundle.usd.world import add_solid
 from trundle.worlds.usd.options import NAME
@@ -21,9 +22,6 @@ from trundle.worlds.usd.stage import opened, report_missing, usd_reason
 ROBOT = "/trundle_robot"
 _MOVERS = "/trundle_movers"
 _LAYER = "scene.usda"
-
-_DEPENETRATION_SPEED = 0.1
-"""Largest speed at which a body of somebody else's robot leaves a solid [m/s], as in the USD that trundle writes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,13 +249,9 @@ def _report_contacts(stage: Any, others: list[str] | None) -> None:
     for prim in _robot_prims(stage):
         if not prim.HasAPI(UsdPhysics.RigidBodyAPI):
             continue
-        report_contacts(prim)
+        fit_body(prim)
         if others is not None:
             prim.CreateRelationship("physxContactReport:reportPairs", False).SetTargets(others)
-        name = "physxRigidBody:maxDepenetrationVelocity"
-        if not prim.GetAttribute(name).HasAuthoredValue():
-            prim.AddAppliedSchema("PhysxRigidBodyAPI")
-            _write(prim, name, Sdf.ValueTypeNames.Float, _DEPENETRATION_SPEED)
 
 
 def report_contacts(prim: Any) -> None:
