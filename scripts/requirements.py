@@ -1,4 +1,4 @@
-"""Print requirements from pyproject.toml: `build`, `demo` (with videos), `dev` (tests), `ray`, `docs` (the site)."""
+"""Print requirements from pyproject.toml: `build`, `demo` (with videos), `dev` (tests), `ray`, `physx`, `docs` (the site)."""
 
 import sys
 import tomllib

@@ -186,6 +186,10 @@ class PhysxSimulator(Simulator):
         self.on_substep = watch
         return True
 
+    def base_pose(self) -> Pose3D:
+        """Return the pose of base_link in space, map frame."""
+        return self._body.pose(self._running.attachment)
+
     def joint_names(self) -> list[str]:
         """Return the names of the joints that PhysX moves, in its order."""
         return self._check_open().attachment.joint_names()
