@@ -139,6 +139,7 @@ def test_the_spring_of_the_casters_frame_has_no_limits_that_physx_cannot_keep(tm
     stage = Usd.Stage.Open(str(export_robot(Robot.load("nova_carter"), tmp_path / "robot.usd", profile="isaac")))
     joint = UsdPhysics.RevoluteJoint(stage.GetPrimAtPath("/nova_carter/joints/joint_caster_base"))
     assert (joint.GetLowerLimitAttr().Get(), joint.GetUpperLimitAttr().Get()) == (-math.inf, math.inf)
+    assert joint.GetPrim().GetAttribute("physxJointAxis:angular:staticFrictionEffort").Get() == 10.0
     assert UsdPhysics.DriveAPI.Get(joint.GetPrim(), "angular").GetStiffnessAttr().Get() == pytest.approx(100.0)
 
 
@@ -159,7 +160,9 @@ def test_every_number_of_the_robot_is_in_its_usd(name, tmp_path):
         damping = UsdPhysics.DriveAPI.Get(prim, "angular").GetDampingAttr().Get()
         assert damping * 180.0 / math.pi == pytest.approx(servo.gain)
         assert UsdPhysics.DriveAPI.Get(prim, "angular").GetMaxForceAttr().Get() == pytest.approx(servo.torque)
-        assert prim.GetAttribute("physxJoint:armature").Get() == pytest.approx(servo.armature)
+        for armature in ("physxJoint:armature", "physxJointAxis:angular:armature"):
+            assert prim.GetAttribute(armature).Get() == pytest.approx(servo.armature)
+        assert "PhysxJointAxisAPI:angular" in prim.GetPrimTypeInfo().GetAppliedAPISchemas()
     base = UsdPhysics.MassAPI(stage.GetPrimAtPath(f"/{name}/base_link"))
     center, moments = chassis_inertial(robot)
     assert base.GetMassAttr().Get() == pytest.approx(robot.body.mass)

@@ -120,3 +120,12 @@ def test_a_drive_by_odometry_from_a_wrong_start_ends_elsewhere(tmp_path):
         np.testing.assert_array_equal(mission.run().trajectory.poses, first.trajectory.poses)
     assert first.metrics.position_error_m == pytest.approx(0.4, abs=1e-6)
     assert first.metrics.localization_error_m == pytest.approx(0.4, abs=1e-6)
+
+
+def test_the_robot_plans_from_where_it_believes_to_stand():
+    given = {"world": "maze", "backend": "kinematic", "localizer": "odometry"}
+    for error, begins in (({"distance": 0.5}, 0.5), (None, 0.0)):
+        with Scenario.make(start_error=error, **given).build() as mission, mission.session() as session:
+            session.step()
+            believed = mission.navigator.path.start
+            assert believed.distance_to(mission.start) == pytest.approx(begins, abs=0.05)

@@ -58,7 +58,7 @@ def test_it_looks_around_says_so_and_goes_on_by_itself(world, state):
                 moved += abs(step.sent.v) * session.dt
     assert session.outcome is trundle.Outcome.ARRIVED
     assert turned > 1.0
-    assert moved < 0.3  # it has not even turned once
+    assert moved < 1.0  # it drives slowly
     assert navigator.standing_reasons[NOT_LOCALIZED] == pytest.approx(7.0 / session.dt, abs=2)
     assert all("looking around" in message for message in messages if message)
     assert any(("2 places" if state == "ambiguous" else "does not know where it is") in one for one in messages)

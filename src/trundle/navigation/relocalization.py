@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from trundle.control.sensed_points import SensedPoints
+from trundle.control.sensed_points import Edges, SensedPoints
 from trundle.geometry import FloatArray, Pose2D, Twist2D, wrap_angle
 from trundle.navigation.state import Decision
 from trundle.navigation.status import NavigationStatus
@@ -20,31 +21,37 @@ NOT_LOCALIZED = "not localized"
 _STAND = Twist2D(0.0, 0.0)
 _DOUBT_S = 1.0
 """So long it stands first: most doubts pass within a second, and a robot that turns at each would never arrive."""
-_TURN_RADPS, _SEEK_MPS = 0.4, 0.2
-"""Slow: two lidars of 10 Hz then see each direction every 2°, and the robot stops within a few centimetres."""
+_TURN_RADPS, _SEEK_MPS = 0.6, 0.3
+"""Slow: two lidars of 10 Hz then see each direction every 3.5°, and the robot stops within a few centimetres."""
+_ENOUGH_RAD = 1.3
+"""A robot that sees all round turns so far: it sees nothing new by that, but hypotheses part by turning, too."""
 _SEEK_M = 2.0
 """After so far it looks around again. Hypotheses are told apart by driving; more of it is more risk."""
-_FACING_RAD = 0.15
 _MARGIN_M = 0.1
-"""Kept clear on both sides, and around a turn."""
-_AHEAD_M = 0.4
-"""Kept clear ahead, for what comes the robot's way while it stops."""
+"""Kept clear all round, where the robot does not stand nearer to something already."""
+_LEAST_M, _AHEAD_M = 0.5, 0.3
+"""It sets off where it sees so much room, and drives on while it sees so much: something may come its way."""
+_FACING_RAD, _LEAST_TURN_RAD = 0.05, 0.2
+_BACK_COST_M, _RETURN_COST_M, _TURN_COST_M = 0.5, 1.5, 0.1
+"""Room that is worth less: behind the robot, where it has come from (within 1 rad), and for each rad to turn."""
 _RECENT_S = 0.5
 """Older scans do not say what is free now."""
-_DIRECTIONS = np.linspace(-math.pi, math.pi, 72, endpoint=False)
+_TURNS = np.radians(np.arange(5.0, 181.0, 5.0))
+_STEPS_M = np.arange(0.1, 3.01, 0.1)
 _BEAM_ASIDE_RAD = math.radians(3.0)
-_LONGEST_M = 5.0
 CORRECTED_M = 0.3
 """A pose that is farther from where the robot believed to be has put what it sensed meanwhile into wrong places."""
 GIVES_UP_S = 120.0
-"""So long it tries: 8 turns, and 10 m between them."""
+"""So long it tries: about 25 m at the speed at which it looks around."""
 
 
 class Relocalization:
     """Stands, turns slowly to see more, and drives a little where its scans show free space, until it is localized.
 
     The map says nothing then, so only what the latest scans see counts as free; a direction without a beam does not.
-    What no lidar's plane crosses is not seen. A collision monitor checks the commands as it checks all others.
+    What no lidar's plane crosses is not seen. It turns as far as its footprint has room, drives forward or backward to
+    where it sees the most, and rather not back to where it came from. A collision monitor checks the commands as it
+    checks all others.
 
     Args:
         robot: The robot.
@@ -55,10 +62,7 @@ class Relocalization:
 
     def __init__(self, robot: Robot) -> None:
         self._robot, self._points = robot, SensedPoints(robot.planar)
-        outline = robot.planar.outline
-        self._half_width = float(np.abs(outline[:, 1]).max()) + _MARGIN_M
-        self._front = float(outline[:, 0].max())
-        self._radius = float(np.hypot(outline[:, 0], outline[:, 1]).max()) + _MARGIN_M
+        self._edges, self._radius = Edges(robot.planar), robot.planar.circumscribed_radius
         self.reset()
 
     def reset(self) -> None:
@@ -68,7 +72,8 @@ class Relocalization:
         self.is_active = False
         self._T_map_odom: Pose2D | None = None
         self._began = 0.0
-        self._look_around(None)
+        self._came: float | None = None
+        self._look_around()
 
     def corrected_m(self, estimate: Estimate) -> float:
         """How far the robot is from where it believed to be, continued by its odometry, when it lost its way [m]."""
@@ -87,7 +92,8 @@ class Relocalization:
         if not self.is_active:
             self.is_active, self._began = True, time
             self._T_map_odom = estimate.T_map_odom
-            self._look_around(None)
+            self._came = None
+            self._look_around()
         odometry = estimate.odom_pose
         self._points.add(scans, time, odometry)
         self._scans.update((scan.lidar, scan) for scan in scans)
@@ -100,52 +106,85 @@ class Relocalization:
         command = _STAND if time - self._began < _DOUBT_S else self._move(odometry, time)
         return Decision(command, message=_describe(estimate), reasons=(NOT_LOCALIZED,), restarts_progress=True)
 
-    def _look_around(self, yaw: float | None) -> None:
-        """Begin a turn at this yaw of the odometry, or at the next one."""
-        self._last_yaw, self._turned = yaw, 0.0
-        self._heading: float | None = None
-        self._from: Pose2D | None = None
+    def _look_around(self) -> None:
+        """Begin to turn."""
+        self._turned, self._left = 0.0, 1.0
+        self._last_yaw: float | None = None
+        self._to_turn: float | None = None  # how far; not looked at yet
+        self._seek: _Seek | None = None
 
     def _move(self, odometry: Pose2D, time: float) -> Twist2D:
         if not any(scan.time >= time - _RECENT_S for scan in self._scans.values()):
             return _STAND
-        hits = self._points.around(time, odometry, _LONGEST_M + self._radius, 0.0, time - _RECENT_S).places
-        turns = bool((np.hypot(hits[:, 0], hits[:, 1]) > self._radius).all())
+        reach = float(_STEPS_M[-1]) + self._radius + _MARGIN_M
+        room = _Room(self._edges, self._points.around(time, odometry, reach, 0.0, time - _RECENT_S).places)
+        if self._seek is None:
+            turn = self._turn(room, odometry, time)
+            if turn is not None:
+                return turn
+            self._seek = self._choose(room, odometry, time)
+            if self._seek is None:
+                self._look_around()
+                return _STAND
+        command = self._drive(self._seek, room, odometry, time)
+        if command is None:
+            self._came = wrap_angle(self._seek.direction + math.pi)
+            self._look_around()
+            return _STAND
+        return command
+
+    def _turn(self, room: _Room, odometry: Pose2D, time: float) -> Twist2D | None:
+        """Turn on the spot; None if it has turned far enough, or has no room on either side."""
+        if self._last_yaw is not None:
+            self._turned += abs(wrap_angle(odometry.yaw - self._last_yaw))
+        self._last_yaw = odometry.yaw
+        if self._to_turn is None:
+            self._to_turn = 2.0 * math.pi if self._has_gaps(time) else _ENOUGH_RAD if self._came is None else 0.0
+        if self._turned >= self._to_turn:
+            return None
+        if room.turn(self._left) < _LEAST_TURN_RAD:
+            self._left = -self._left
+            if room.turn(self._left) < _LEAST_TURN_RAD:
+                return None
+        return Twist2D(0.0, self._left * min(_TURN_RADPS, self._robot.limits.angular_speed))
+
+    def _choose(self, room: _Room, odometry: Pose2D, time: float) -> _Seek | None:
+        """Where to drive: the yaw and the gear with the most room; None where there is none."""
+        best, found = 0.0, None
+        left, right = room.turn(1.0), room.turn(-1.0)
+        for turn in (0.0, *_TURNS[2::3][_TURNS[2::3] <= left], *-_TURNS[2::3][_TURNS[2::3] <= right]):
+            yaw = wrap_angle(odometry.yaw + float(turn))
+            for gear in (1.0, -1.0):
+                ahead = float(turn) if gear > 0.0 else wrap_angle(float(turn) + math.pi)
+                direction = wrap_angle(odometry.yaw + ahead)
+                free = room.drive(float(turn), gear) if self._sees(ahead, time) else 0.0
+                if free < _LEAST_M:
+                    continue
+                worth = free - _TURN_COST_M * abs(float(turn)) - (0.0 if gear > 0.0 else _BACK_COST_M)
+                if self._came is not None and abs(wrap_angle(direction - self._came)) < 1.0:
+                    worth -= _RETURN_COST_M
+                if found is None or worth > best:
+                    best, found = worth, _Seek(yaw, gear, direction, odometry)
+        return found
+
+    def _drive(self, seek: _Seek, room: _Room, odometry: Pose2D, time: float) -> Twist2D | None:
+        """Turn to where it is to drive, and drive; None where that ends."""
         limits = self._robot.limits
-        if self._from is None:
-            if self._last_yaw is not None:
-                self._turned += abs(wrap_angle(odometry.yaw - self._last_yaw))
-            self._last_yaw = odometry.yaw
-            if turns and self._turned < 2.0 * math.pi and self._heading is None:
-                return Twist2D(0.0, min(_TURN_RADPS, limits.angular_speed))
-            self._heading, self._from = self._choose(hits, odometry, turns=turns), odometry
-        if self._heading is None:
-            self._look_around(odometry.yaw)
-            return _STAND
-        off = wrap_angle(self._heading - odometry.yaw)
-        if abs(off) > _FACING_RAD and self._from.distance_to(odometry) < 0.05:
-            return Twist2D(0.0, math.copysign(min(_TURN_RADPS, limits.angular_speed), off)) if turns else _STAND
-        if self._from.distance_to(odometry) > _SEEK_M or self._free(hits, 0.0, odometry, time) < _AHEAD_M:
-            self._look_around(odometry.yaw)
-            return _STAND
-        return Twist2D(min(_SEEK_MPS, limits.linear_speed), 0.0)
+        off = wrap_angle(seek.yaw - odometry.yaw)
+        if seek.begin.distance_to(odometry) < 0.05 and abs(off) > _FACING_RAD:
+            if room.turn(math.copysign(1.0, off)) < min(abs(off), _LEAST_TURN_RAD) - 1e-9:
+                return None
+            return Twist2D(0.0, math.copysign(min(_TURN_RADPS, limits.angular_speed), off))
+        ahead = 0.0 if seek.gear > 0.0 else math.pi
+        if seek.begin.distance_to(odometry) > _SEEK_M or not self._sees(ahead, time):
+            return None
+        if room.drive(0.0, seek.gear) < _AHEAD_M:
+            return None
+        return Twist2D(seek.gear * min(_SEEK_MPS, limits.linear_speed), 0.0)
 
-    def _choose(self, hits: FloatArray, odometry: Pose2D, *, turns: bool) -> float | None:
-        """The yaw [rad], odom frame, in which the most space was seen; None where there is none to drive."""
-        time = max(scan.time for scan in self._scans.values())
-        headings = _DIRECTIONS if turns else np.zeros(1)
-        free = [self._free(hits, float(heading), odometry, time) for heading in headings]
-        best = int(np.argmax(free))
-        return wrap_angle(odometry.yaw + float(headings[best])) if free[best] > 2.0 * _AHEAD_M else None
-
-    def _free(self, hits: FloatArray, heading: float, odometry: Pose2D, time: float) -> float:
-        """How far the robot's front may go in a direction [rad], base_link, without touching a hit [m]."""
-        if not self._sees(heading, time):
-            return 0.0
-        cos, sin = math.cos(heading), math.sin(heading)
-        along, aside = hits @ (cos, sin), hits @ (-sin, cos)
-        within = along[(np.abs(aside) < self._half_width) & (along > 0.0)]
-        return min(_LONGEST_M, float(within.min()) if len(within) else _LONGEST_M) - self._front
+    def _has_gaps(self, time: float) -> bool:
+        """Whether there are directions without a beam."""
+        return not all(self._sees(float(direction), time) for direction in np.radians(np.arange(0.0, 360.0, 10.0)))
 
     def _sees(self, heading: float, time: float) -> bool:
         """Whether a lidar has a beam in this direction that measured something, or nothing within its range."""
@@ -156,6 +195,55 @@ class Relocalization:
             if (scan.ranges[off < _BEAM_ASIDE_RAD] > 0.0).any():
                 return True
         return False
+
+
+@dataclass(frozen=True, slots=True)
+class _Seek:
+    """A short drive, straight.
+
+    Attributes:
+        yaw: At which it drives, odom frame [rad].
+        gear: Forward (1) or backward (-1).
+        direction: In which it moves, odom frame [rad].
+        begin: Where it began, odom frame.
+    """
+
+    yaw: float
+    gear: float
+    direction: float
+    begin: Pose2D
+
+
+class _Room:
+    """How far a robot has room to move among points that its scans hit, (N, 2), base_link [m]."""
+
+    def __init__(self, edges: Edges, hits: FloatArray) -> None:
+        self._edges, self._hits = edges, hits
+        self._margin = min(_MARGIN_M, max(0.0, float(self._apart(np.zeros((1, 3)))[0]) - 0.005))
+        self._turns: dict[float, float] = {}
+
+    def turn(self, side: float) -> float:
+        """How far it can turn to the left (1) or to the right (-1) [rad], up to π."""
+        if side not in self._turns:
+            poses = np.zeros((len(_TURNS), 3))
+            poses[:, 2] = side * _TURNS
+            count = self._first_near(poses)
+            self._turns[side] = float(_TURNS[count - 1]) if count else 0.0
+        return self._turns[side]
+
+    def drive(self, yaw: float, gear: float) -> float:
+        """How far it can drive straight at this yaw, base_link [rad], forward (1) or backward (-1) [m]."""
+        steps = gear * _STEPS_M
+        poses = np.column_stack((math.cos(yaw) * steps, math.sin(yaw) * steps, np.full(len(steps), yaw)))
+        count = self._first_near(poses)
+        return float(_STEPS_M[count - 1]) if count else 0.0
+
+    def _first_near(self, poses: FloatArray) -> int:
+        near = self._apart(poses) < self._margin
+        return int(np.argmax(near)) if near.any() else len(poses)
+
+    def _apart(self, poses: FloatArray) -> FloatArray:
+        return self._edges.distances(self._hits, poses).min(axis=1, initial=math.inf)
 
 
 def _describe(estimate: Estimate) -> str:

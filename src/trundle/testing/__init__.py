@@ -7,10 +7,11 @@ from trundle.testing.controller import check_controller
 from trundle.testing.layer import check_layer
 from trundle.testing.localizer import check_localizer
 from trundle.testing.planner import check_planner
-from trundle.testing.simulator import check_simulator
+from trundle.testing.simulator import Tolerances, check_simulator
 
 __all__ = [
     "ConformanceError",
+    "Tolerances",
     "check_agent",
     "check_behavior",
     "check_controller",

@@ -25,7 +25,9 @@ _LEAD_GAIN = 0.35
 _START_SCANS = 30
 _DROP, _CLEAR_LEAD = 0.08, 0.25
 _FAR_TRAVEL_M = 0.6  # the robot sees other things by then; turning by 1.2 rad counts as much
-_FAR_LEAD = 0.15
+_FAR_LEAD, _FAR_CLEAR = 0.15, 0.3
+"""By the second one a place elsewhere is better even if the main track agrees as it has agreed for some time."""
+
 _FAR_SCORE = 0.6
 _RIVAL, _RIVAL_LATER, _LATER_M = 0.12, 0.05, 3.0
 """A rival whose score is this near leaves the state ambiguous: less, the farther both have been followed."""
@@ -148,7 +150,7 @@ class Hypotheses:
             return track.scans >= _LOCAL_SCANS and track.lead > (_LOCAL_LEAD if dropped else _CLEAR_LEAD)
         return (
             self.confirmed
-            and self.is_doubtful
+            and (self.is_doubtful or track.quality > self.main.quality + _FAR_CLEAR)
             and track.travel >= _FAR_TRAVEL_M
             and track.scans >= 5
             and track.score >= _FAR_SCORE

@@ -51,9 +51,11 @@ def read_goals(goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float
 
 
 def prepare(
-    agent: Agent, start: Pose2D, goals: Sequence[Goal], *, through: bool | None
+    agent: Agent, start: Pose2D, goals: Sequence[Goal], *, through: bool | None, knows_start: bool = True
 ) -> tuple[list[Path], PlanningError | None]:
     """Give the agent its first goal, or all of them at once, and plan to each where it plans. See `plan_legs`.
+
+    An agent whose localizer is not told the true start does not keep the plan from there: it makes its own.
 
     Raises:
         ScenarioError: If it is to drive through goals or to run tasks, and takes only one goal at a time.
@@ -61,7 +63,12 @@ def prepare(
     if not goals:
         return [], None
     if agent.plans:
-        return plan_legs(agent, start, goals, through=through)
+        found = plan_legs(agent, start, goals, through=through)
+        if not knows_start and through is None:
+            agent.set_goal(goals[0])
+        elif not knows_start:
+            agent.set_goals(goals, through=bool(through))
+        return found
     if through is not None:
         agent.set_goals(goals, through=through)
         return [], None

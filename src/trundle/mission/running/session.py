@@ -162,7 +162,13 @@ class Session:
             driver.reset(seed=seed)
             driver.set_latency(latency)
             hands_over = through or any(tasks_of(goal) for goal in goals)
-            paths, unreachable = prepare(driver, begin, goals, through=through if hands_over else None)
+            paths, unreachable = prepare(
+                driver,
+                begin,
+                goals,
+                through=through if hands_over else None,
+                knows_start=start_error is None,
+            )
             limit_s = allowed_time(driver, robot, begin, goals, paths) if time_limit_s is None else time_limit_s
             self._info = describe_run(
                 driver.info(), driver.dt, sim.robot, name, begin, goals, paths, limit_s, seed, sim.world, locates

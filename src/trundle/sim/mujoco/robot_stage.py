@@ -121,10 +121,20 @@ class _Writer:
         joint = UsdPhysics.RevoluteJoint.Define(self.stage, path)
         joint.CreateAxisAttr(_axis(model.jnt_axis[index]) or "X")
         prim = joint.GetPrim()
-        # PhysX's own schema is not in usd-core; its attributes can still be written.
+        # PhysX's own schemas are not in usd-core; their attributes can still be written. PhysX of Isaac Sim 6 reads
+        # only those of the axis: without armature the casters chatter, and a spin's rate varies by a tenth.
         prim.AddAppliedSchema("PhysxJointAPI")
-        armature = float(model.dof_armature[int(model.jnt_dofadr[index])])
-        prim.CreateAttribute("physxJoint:armature", Sdf.ValueTypeNames.Float, False).Set(armature)
+        prim.AddAppliedSchema("PhysxJointAxisAPI:angular")
+        degree_of_freedom = int(model.jnt_dofadr[index])
+        armature = float(model.dof_armature[degree_of_freedom])
+        friction = float(model.dof_frictionloss[degree_of_freedom])
+        for attribute, number in (
+            ("physxJoint:armature", armature),
+            ("physxJointAxis:angular:armature", armature),
+            ("physxJointAxis:angular:staticFrictionEffort", friction),
+            ("physxJointAxis:angular:dynamicFrictionEffort", friction),
+        ):
+            prim.CreateAttribute(attribute, Sdf.ValueTypeNames.Float, False).Set(number)
         if model.jnt_limited[index]:
             low, high = (float(limit) / _DEGREE for limit in model.jnt_range[index])
             joint.CreateLowerLimitAttr(low)
@@ -134,7 +144,7 @@ class _Writer:
             spring = UsdPhysics.DriveAPI.Apply(prim, "angular")
             spring.CreateTypeAttr("force")
             spring.CreateStiffnessAttr(stiffness * _DEGREE)
-            spring.CreateDampingAttr(float(model.dof_damping[int(model.jnt_dofadr[index])]) * _DEGREE)
+            spring.CreateDampingAttr(float(model.dof_damping[degree_of_freedom]) * _DEGREE)
             spring.CreateTargetPositionAttr(0.0)
         for actuator in np.flatnonzero(model.actuator_trnid[:, 0] == index):
             drive = UsdPhysics.DriveAPI.Apply(prim, "angular")
