@@ -110,9 +110,9 @@ def main() -> None:
         "# Pushing a wall",
         "",
         f"MuJoCo {version('mujoco')}{physx}, {platform.machine()}; physics steps of 5 ms. Each robot drives into a "
-        f"wall {RUN_UP:g} m or {GAP:g} m away, keeps pushing for {PUSH_S:g} s and stands still for {RELEASE_S:g} s. From "
-        "its first contact on: the largest speed away from the wall, the farthest that it came away from the wall's "
-        "face, how far base_link lifted above its height at rest, and how far the wheels turned in vain.",
+        f"wall {RUN_UP:g} m or {GAP:g} m away, keeps pushing for {PUSH_S:g} s and stands still for {RELEASE_S:g} s. "
+        "From its first contact on: the largest speed away from the wall, the farthest that it came away from the "
+        "wall's face, how far base_link lifted above its height at rest, and how far the wheels turned in vain.",
         "",
         "| simulator | robot | push | recoil [m/s] | back [mm] | lift [mm] | turn [°] | slip [m] |",
         "| --- | --- | --- | --- | --- | --- | --- | --- |",

@@ -55,12 +55,15 @@ def without(tmp_path: Path):
         ("trimesh", "mesh", "export office --to glb -o b.glb"),
         ("pxr", "usd", "map build a.usda"),
         ("pxr", "usd", "export office --to usd -o b.usda"),
+        ("ovphysx", "physx", "run office --backend physx"),
         ("ray", "ray", "evaluate office --seeds 1 --ray auto"),
     ],
 )
 def test_a_missing_extra_is_one_line(without, tmp_path, monkeypatch, hidden, extra, command):
     if hidden == "cyclonedds" and extras.lacks_wheels():
         pytest.skip("Cyclone DDS has no wheel here")
+    if hidden == "ovphysx" and not extras.is_offered(hidden):
+        pytest.skip("PhysX has no wheel here")
     done = without(hidden, "-m", "trundle", *command.split())
     monkeypatch.chdir(tmp_path)
     assert "Traceback" not in done.stderr

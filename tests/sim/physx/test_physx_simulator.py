@@ -140,7 +140,7 @@ def test_a_wall_is_named_while_it_is_pushed_and_the_robot_stays(boxes):
 
 
 def test_a_solid_below_the_chassis_is_touched_by_wheels():
-    world = World("kerb", (box(1.5, size=(0.5, 3.0, 0.06)),))
+    world = World("kerb", (box(1.5, size=(0.5, 3.0, 0.6 * CARTER.body.clearance)),))
     with simulate(world, CARTER, backend="physx") as sim:
         sim.reset(START)
         parts = {contact.part for state in drive(sim, 100) for contact in state.contacts if contact.other == "box"}
