@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import tomllib
@@ -89,7 +90,7 @@ def test_python_gets_the_same_error(without, tmp_path, monkeypatch, hidden, extr
 
 def test_the_table_of_extras_is_that_of_the_project():
     listed = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
-    plain = {extra: {one.partition(">")[0].strip() for one in libraries} for extra, libraries in listed.items()}
+    plain = {extra: {re.split("[>=;]", one)[0].strip() for one in libraries} for extra, libraries in listed.items()}
     assert {extra: set(has.modules) for extra, has in EXTRAS.items()} == plain
 
 

@@ -64,6 +64,7 @@ class Attachment:
         self._contacts = self._select(self._kinds.CONTACT_SENSOR, pattern=sensors)
         self._movers = self._select(self._kinds.RIGID_BODY, prim_paths=self._handles(movers)) if movers else None
         self._wheel_paths, self._mover_paths = list(wheels), list(movers)
+        self._yaws: FloatArray = np.full(len(movers), np.nan)
 
     def step(self, timestep: float) -> None:
         """Simulate one step [s]."""
@@ -140,9 +141,11 @@ class Attachment:
 
     def aim_movers(self, states: FloatArray) -> None:
         """Move the movers there in the next step, so that what they push feels their speed."""
-        self._write_movers(_MOVER_TARGET, states)
+        turned = not np.array_equal(states[:, 2], self._yaws)
+        self._write_movers(_MOVER_TARGET if turned else _MOVER_TARGET[:1], states)
 
     def _write_movers(self, names: Sequence[str], states: FloatArray) -> None:
+        self._yaws = states[:, 2].copy()
         rows = {handle: row for row, handle in enumerate(self._handles(self._mover_paths))}
 
         def fill(index: int, handles: list[int], tensors: list[npt.NDArray[np.float32]]) -> None:
