@@ -69,9 +69,10 @@ def report_physx(robot: Robot, twists: FloatArray) -> list[str]:
     with KinematicSimulator(EMPTY, robot) as exact, simulate(EMPTY, robot, backend="physx") as engine:
         for v, w in COMMANDS:
             (got, turned), (expected, turn) = (end_of(each, Twist2D(v, w)) for each in (engine, exact))
-            shares = f"| {100.0 * (turned / turn - 1.0):+.2f} | – | – |"
             if w == 0.0:
                 shares = f"| – | {100.0 * (got.x / expected.x - 1.0):+.2f} | {1000.0 * got.y:+.2f} |"
+            else:
+                shares = f"| {100.0 * (turned / turn - 1.0):+.2f} | – | – |"
             distance, by = 1000.0 * got.distance_to(expected), math.degrees(turned - turn)
             lines.append(f"| ({v:g}, {w:g}) | {distance:.2f} | {by:+.3f} {shares}")
         found = np.abs([errors(engine, exact, Twist2D(v, w)) for v, w in twists])
