@@ -72,9 +72,10 @@ TARGETS = {
         fuzz_localization.one_round,
         (
             *("distance_field", "field_at", "move_particles", "weigh_particles", "resample_particles"),
-            *("match_scan", "judge_beams", "search_poses"),
+            *("match_scan", "judge_beams", "search_poses", "pick_beams", "peak_particle"),
+            *("expect_surfaces", "learn_surfaces"),
         ),
-        150,
+        200,
     ),
     "tracking": Target(fuzz_tracking.one_round, ("ScanTracker",), 60),
     "layers": Target(fuzz_layers.one_round, ("mark_scan", "paint_marks", "unmark_before", "unmark_within"), 150),

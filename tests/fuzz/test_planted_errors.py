@@ -148,6 +148,10 @@ def painted_beside(paint: Function) -> Function:
     return change
 
 
+def learned_twice(learn: Function) -> Function:
+    return lambda *arguments: (learn(*arguments), learn(*arguments))
+
+
 def part(index: int, change: Callable[[Any], Any]) -> Callable[[Function], Function]:
     def plant(function: Function) -> Function:
         def changed(*arguments):
@@ -200,6 +204,11 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "marks in a map": ("layers", fuzz_layers, "paint_marks", painted_beside),
     "solids": ("raster", SolidRaster, "add", cell_left_out),
     "distances on a map": ("localization", fuzz_localization, "distance_field", scaled(0.01)),
+    "beams of a scan": ("localization", fuzz_localization, "pick_beams", part(1, lambda sensors: sensors + 1e-3)),
+    "surfaces that are expected": ("localization", fuzz_localization, "expect_surfaces", one_more),
+    "surfaces that are learned": ("localization", fuzz_localization, "learn_surfaces", learned_twice),
+    "places on a map": ("localization", fuzz_localization, "search_poses", part(1, lambda scores: scores + 1.0)),
+    "peak of particles": ("localization", fuzz_localization, "peak_particle", scaled(1e-3)),
     "pictures": ("zbuffer", fuzz_zbuffer, "draw_triangles", part(1, lambda depths: depths * 1.001)),
     "row filters": ("png_filter", fuzz_png_filter, "png_unfilter", last_cell_changed),
     "reader": ("map_reader", pnm, "decode_pnm", fragile),

@@ -41,6 +41,64 @@ def field_at(field, resolution, limit, points):
     return np.array(out).reshape(-1, 3)
 
 
+def pick_beams(ranges, angles, mount, poses, body, shortest, longest, most, offset):
+    hits = [index for index, value in enumerate(ranges) if shortest <= value < longest]
+    if len(hits) > most:
+        hits = [hits[math.floor((k + offset) * (len(hits) / most))] for k in range(most)]
+    points, sensors = [], []
+    first, last = poses
+    for index in hits:
+        angle = angles[index] + mount[2]
+        point = np.array((mount[0] + ranges[index] * math.cos(angle), mount[1] + ranges[index] * math.sin(angle)))
+        if len(body) and (body[:, :2] @ point <= body[:, 2]).all():
+            continue
+        share = index / max(1, len(ranges) - 1)
+        turned = math.remainder(last[2] - first[2], 2.0 * math.pi)
+        pose = (*(first[:2] + share * (last[:2] - first[:2])), first[2] + share * turned)
+        point, sensor = ends_of(np.array([point, mount[:2]]), pose)
+        points.append(point)
+        sensors.append(sensor)
+    return np.array(points).reshape(-1, 2), np.array(sensors).reshape(-1, 2)
+
+
+def _patches(field, resolution, limit, points, pose, shape, edge):
+    """Row and column of the patch of each point, and its distance from the surface."""
+    ends = ends_of(points, pose)
+    slopes = field_at(field, resolution, limit, ends)
+    feet = (ends - slopes[:, :1] * slopes[:, 1:]) / edge
+    rows, cols = (np.clip(np.floor(feet[:, k]), 0, shape[1 - k] - 1).astype(int) for k in (1, 0))
+    return rows, cols, slopes[:, 0]
+
+
+def expect_surfaces(field, resolution, limit, points, pose, counts, means, edge, offset, settings):
+    deepest, least, rise, believed, half_after = settings
+    rows, cols, distances = _patches(field, resolution, limit, points, pose, counts.shape, edge)
+    taken, apart = counts[rows, cols].astype(float), means[rows, cols].astype(float) - offset
+    share = np.clip((np.abs(apart) - least) / rise, 0.0, 1.0)
+    return offset + np.where(np.abs(distances) < deepest, believed * taken / (taken + half_after) * share * apart, 0.0)
+
+
+def learn_surfaces(field, resolution, limit, points, pose, counts, means, edge, deepest, most):
+    """Counts and means after it."""
+    counts, means = counts.astype(float), means.astype(float)
+    rows, cols, distances = _patches(field, resolution, limit, points, pose, counts.shape, edge)
+    seen = {(row, col): at for row, col, at in zip(rows, cols, distances, strict=True) if abs(at) < deepest}
+    for patch, distance in seen.items():
+        counts[patch] = min(counts[patch] + 1.0, most)
+        means[patch] += (distance - means[patch]) / counts[patch]
+    return counts, means
+
+
+def peak_particle(particles, weights, metres, radians):
+    peak = particles[weights.argmax()]
+    turned = np.array([math.remainder(yaw - peak[2], 2.0 * math.pi) for yaw in particles[:, 2]])
+    near = (np.hypot(*(particles[:, :2] - peak[:2]).T) <= metres) & (np.abs(turned) <= radians)
+    if weights[near].sum() == 0.0:
+        return peak
+    share = weights[near] / weights[near].sum()
+    return np.array((*(share @ particles[near, :2]), peak[2] + share @ turned[near]))
+
+
 def weigh_particles(table, resolution, outside, particles, points):
     sums = []
     for x, y, yaw in particles:

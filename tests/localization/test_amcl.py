@@ -103,6 +103,12 @@ def test_it_tracks_to_the_centimetre_with_an_odometry_of_one_percent(lap, robot,
     assert all(estimate.state == "localized" for _, estimate in found)
 
 
+def test_gates_are_measured_from_the_last_scan_that_was_used(lap, robot, grid):
+    localizer = create_localizer("amcl", grid, robot, update_min_d=0.25, update_min_a=0.2)
+    localizer.reset(START, seed=1)
+    assert errors_of(follow(localizer, with_errors(lap, scale=0.05, heading=math.radians(5.0))))[40:].max() < 0.15
+
+
 @pytest.mark.parametrize("off", [Pose2D(0.7, -0.7, math.radians(20.0)), Pose2D(-1.0, 0.0, math.radians(-20.0))])
 def test_it_corrects_a_start_that_is_off_by_a_metre(lap, robot, grid, off):
     localizer = create_localizer("amcl", grid, robot)

@@ -89,6 +89,65 @@ def test_weights_are_sums_over_the_table():
     assert np.allclose(found, oracle.weigh_particles(table, CELL, -2.0, particles, points))
 
 
+def picked(ranges, most=20, offset=0.3, poses=((0.1, 0.2, 0.3), (0.1, 0.2, 0.3)), body=None):
+    angles = np.linspace(-3.0, 3.0, len(ranges))
+    sides = np.array([(1.0, 0.0, 0.4), (-1.0, 0.0, 0.4), (0.0, 1.0, 0.3), (0.0, -1.0, 0.3)]) if body is None else body
+    return np.asarray(ranges), angles, np.array((0.2, 0.1, 0.5)), np.array(poses), sides, 0.05, 9.0, most, offset
+
+
+MOVING = ((0.1, 0.2, 3.1), (0.3, 0.2, -3.1))
+
+
+@pytest.mark.parametrize("poses", [((0.1, 0.2, 0.3), (0.1, 0.2, 0.3)), MOVING])
+@pytest.mark.parametrize("most", [7, 90, 1000])
+def test_beams_are_picked_placed_and_kept_off_the_body(poses, most):
+    ranges = RNG.uniform(0.0, 3.0, 90)
+    ranges[::7], ranges[3], ranges[4] = math.inf, math.nan, 9.0
+    arguments = picked(ranges, most, poses=poses)
+    found, expected = _core.pick_beams(*arguments), oracle.pick_beams(*arguments)
+    assert 0 < len(found[0]) <= most
+    for one, other in zip(found, expected, strict=True):
+        assert np.allclose(one, other)
+
+
+def test_no_beams_are_picked_of_a_scan_without_returns():
+    points, sensors = _core.pick_beams(*picked(np.full(30, math.inf)))
+    assert points.shape == sensors.shape == (0, 2)
+
+
+def surfaces(seed=0):
+    rng = np.random.default_rng(seed)
+    counts, means = rng.uniform(0, 5, (20, 30)).astype(np.float32), rng.normal(0, 0.1, (20, 30)).astype(np.float32)
+    pose = (1.5, 1.1, 0.3)
+    return (FIELD, CELL, LIMIT, rays_from(pose) * rng.uniform(0.9, 1.1, (90, 1)), np.array(pose), counts, means, 0.1)
+
+
+def test_beams_are_expected_where_they_were_seen_before():
+    arguments = (*surfaces(), 0.01, np.array((0.35, 0.04, 0.03, 0.9, 2.0)))
+    found = _core.expect_surfaces(*arguments)
+    assert np.allclose(found, oracle.expect_surfaces(*arguments), atol=1e-7)
+    assert len(np.unique(found.round(6))) > 20
+
+
+def test_patches_learn_how_far_off_beams_end():
+    *given, counts, means, edge = surfaces()
+    expected = oracle.learn_surfaces(*given, counts, means, edge, 0.35, 4.0)
+    before = means.copy()
+    _core.learn_surfaces(*given, counts, means, edge, 0.35, 4.0)
+    assert (before != means).sum() > 20
+    assert counts.max() == pytest.approx(expected[0].max())
+    for one, other in zip((counts, means), expected, strict=True):
+        assert np.allclose(one, other, atol=1e-6)
+
+
+def test_the_peak_is_the_mean_of_the_particles_round_the_heaviest():
+    cloud = np.column_stack([RNG.normal(1.0, 0.3, (200, 2)), math.pi + RNG.normal(0.0, 0.2, 200)])
+    weights = RNG.random(200)
+    found = _core.peak_particle(cloud, weights, 0.3, 0.2)
+    assert np.allclose(found, oracle.peak_particle(cloud, weights, 0.3, 0.2))
+    assert not np.allclose(found, cloud[weights.argmax()])
+
+
 def test_particles_are_drawn_in_proportion_to_their_weights():
     cloud = np.column_stack([np.arange(100) * 10.0, np.zeros(100), np.zeros(100)])
     weights = RNG.random(100)
@@ -113,13 +172,13 @@ def test_as_many_particles_are_drawn_as_their_spread_needs(bins, expected):
 @pytest.mark.parametrize("pose", [(1.5, 1.1, 0.3), (0.6, 0.5, -2.0), (2.2, 0.9, 1.6)])
 def test_a_scan_is_matched_where_it_was_taken(pose):
     start = np.array([pose]) + np.array((0.06, -0.05, 0.04))
-    weak = np.eye(3)[np.newaxis] * 1e-3
+    weak = np.eye(3)[np.newaxis] * 1e3
     points = rays_from(pose)
-    found, information, told = _core.match_scan(
+    found, covariances, told = _core.match_scan(
         FIELD, CELL, LIMIT, points, np.zeros((1, len(points))), start, start, weak, SETTINGS
     )
     assert np.abs(found[0] - pose).max() < 0.004
-    assert (np.linalg.eigvalsh(information[0]) > 0.0).all()
+    assert (np.linalg.eigvalsh(covariances[0]) > 0.0).all()
     assert told[0, 0] > 0.95 * len(points)
 
 
@@ -131,7 +190,7 @@ def test_a_match_is_the_least_of_the_robust_cost():
     prior, information = pose + np.array((0.03, 0.02, -0.02)), np.diag((900.0, 900.0, 2000.0))
     found, _, _ = _core.match_scan(
         *(FIELD, CELL, LIMIT, points, targets[np.newaxis], prior[np.newaxis], prior[np.newaxis]),
-        *(information[np.newaxis], SETTINGS),
+        *(np.linalg.inv(information)[np.newaxis], SETTINGS),
     )
     expected = oracle.best_pose(FIELD, CELL, LIMIT, points, targets, prior, information, 0.02, 0.1, 1000.0)
     assert np.abs(found[0] - expected).max() < 1e-3
@@ -139,11 +198,12 @@ def test_a_match_is_the_least_of_the_robust_cost():
 
 def test_without_points_the_prior_stays():
     prior = np.array([(1.0, 1.0, 0.5)])
-    found, information, _ = _core.match_scan(
-        FIELD, CELL, LIMIT, np.zeros((0, 2)), np.zeros((1, 0)), prior, prior, np.eye(3)[np.newaxis], SETTINGS
+    covariance = np.array(((0.4, 0.1, -0.05), (0.1, 0.3, 0.02), (-0.05, 0.02, 0.1)))
+    found, covariances, _ = _core.match_scan(
+        FIELD, CELL, LIMIT, np.zeros((0, 2)), np.zeros((1, 0)), prior, prior, covariance[np.newaxis], SETTINGS
     )
     assert np.allclose(found, prior)
-    assert np.allclose(information, np.eye(3))
+    assert np.allclose(covariances, covariance)
 
 
 def test_beams_agree_end_before_or_go_through():
@@ -202,6 +262,7 @@ def test_a_symmetric_map_has_several_places():
     assert scores[-1] > 0.95 * scores[0]
 
 
+MATCHED = np.zeros((1, 2)), np.zeros((1, 1)), np.zeros((1, 3)), np.zeros((1, 3))
 BAD = [
     ("distance_field", (ROOM, 0.0, 0.0, 1.0)),
     ("distance_field", (ROOM, 0.1, 0.2, 1.0)),
@@ -213,6 +274,16 @@ BAD = [
     ("weigh_particles", (FIELD, CELL, 0.0, np.full((1, 3), math.inf), np.zeros((1, 2)))),
     ("resample_particles", (np.zeros((2, 3)), np.zeros(2), np.ones(2), np.array([1.0, 9.0, 0.1, 2.0]), 1)),
     ("resample_particles", (np.zeros((0, 3)), np.zeros(0), np.ones(2), np.array([1.0, 9.0, 0.1, 2.0]), 1)),
+    ("match_scan", (FIELD, CELL, LIMIT, *MATCHED, -np.eye(3)[np.newaxis], SETTINGS)),
+    ("pick_beams", picked(np.ones(9), most=0)),
+    ("pick_beams", picked(np.ones(9), poses=MOVING[:1])),
+    ("pick_beams", picked(np.ones(9), poses=((math.nan, 0.0, 0.0), (0.0, 0.0, 0.0)))),
+    ("expect_surfaces", (*surfaces(), math.nan, np.array((0.35, 0.04, 0.03, 0.9, 2.0)))),
+    ("expect_surfaces", (*surfaces(), 0.0, np.zeros(5))),
+    ("learn_surfaces", (*surfaces()[:-1], 0.0, 0.35, 20.0)),
+    ("learn_surfaces", (*surfaces()[:5], np.zeros((0, 3), np.float32), np.zeros((0, 3), np.float32), 0.1, 0.35, 20.0)),
+    ("peak_particle", (np.zeros((0, 3)), np.zeros(0), 0.3, 0.2)),
+    ("peak_particle", (np.zeros((2, 3)), np.full(2, math.nan), 0.3, 0.2)),
     ("judge_beams", (FIELD, CELL, np.zeros((1, 2)), np.zeros((2, 2)), np.zeros((1, 3)), 0.1, 0.1)),
 ]
 

@@ -91,6 +91,10 @@ MPPI.step(*MPPI_STEP)
 CLOUD = np.column_stack([RNG.uniform(0.2, 2.2, (300, 2)), RNG.uniform(-3.0, 3.0, 300)])
 FIELD = _core.distance_field(BLOCKED, 0.1, 0.0, 0.8)
 ENDS_SEEN = RNG.uniform(-1.0, 1.0, (40, 2))
+SURFACES = (
+    *(FIELD, 0.1, 0.8, ENDS_SEEN, np.array([1.2, 1.2, 0.4])),
+    *(RNG.uniform(0, 9, (12, 12)).astype(np.float32), RNG.uniform(-0.2, 0.2, (12, 12)).astype(np.float32), 0.2),
+)
 FIT = np.clip(255.0 - 400.0 * np.abs(FIELD), 0, 255).astype(np.uint8)
 
 
@@ -193,6 +197,15 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "distance_field": lambda: _core.distance_field(BLOCKED, 0.1, 0.05, 0.8),
     "field_at": lambda: _core.field_at(FIELD, 0.1, 0.8, POSES[:, :2].copy()),
     "move_particles": lambda: _core.move_particles(CLOUD, np.array([0.1, 0.2, 0.1]), np.ones(4), np.ones(2), 7),
+    "pick_beams": lambda: _core.pick_beams(
+        *(np.linspace(0.3, 2.0, 200), np.linspace(-3.0, 3.0, 200), np.zeros(3), POSES[:2].copy()),
+        *(np.array([(1.0, 0.0, 0.2)]), 0.1, 1.9, 60, 0.5),
+    ),
+    "expect_surfaces": lambda: _core.expect_surfaces(*SURFACES, 0.01, np.array([0.35, 0.04, 0.03, 0.9, 2.0])),
+    "learn_surfaces": lambda: marked(
+        lambda means: _core.learn_surfaces(*SURFACES[:5], SURFACES[5].copy(), means, 0.2, 0.3, 20.0), SURFACES[6]
+    ),
+    "peak_particle": lambda: _core.peak_particle(CLOUD, np.linspace(0.0, 1.0, 300), 0.8, 0.4),
     "weigh_particles": lambda: _core.weigh_particles(FIELD, 0.1, -1.0, CLOUD, ENDS_SEEN),
     "resample_particles": lambda: _core.resample_particles(
         CLOUD, np.linspace(0.0, 1.0, 300), np.array([0.5, 0.2]), np.array([50.0, 500.0, 0.05, 2.3]), 7

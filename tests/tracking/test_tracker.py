@@ -258,3 +258,33 @@ def test_a_disc_that_leaves_the_field_of_view_keeps_its_size():
     sizes = [track.radius for tracks in seen[30:] for track in moving(tracks)]
     assert sizes
     assert min(sizes) > 0.4
+
+
+def test_noise_does_not_make_corners_move_that_the_robot_passes_closely():
+    corners = [(-8.49, 0.33), (-8.18, 0.02), (-7.93, 0.28), (-8.24, 0.58)]
+    others = [(-8.16, 0.14), (-8.58, 0.43), (-8.78, 0.13), (-8.37, -0.16)]
+    walls = [(-14.0, -8.0), (0.0, -8.0), (0.0, 8.0), (-14.0, 8.0)]
+    segments = [(*a, *b) for loop in (corners, others, walls) for a, b in zip(loop, [*loop[1:], loop[0]], strict=True)]
+    way = np.array(
+        [
+            (0.0, -9.21, -0.44, -0.21),
+            (0.8, -8.64, -0.56, -0.13),
+            (1.2, -8.42, -0.57, 0.01),
+            (1.6, -8.2, -0.55, 0.15),
+            (2.0, -7.98, -0.51, 0.21),
+            (2.8, -7.4, -0.33, 0.37),
+        ]
+    )
+    mounts = {"front": (0.026, 0.0, math.pi), "back": (-0.489, 0.0, 0.0)}
+    wrong = 0
+    for seed in range(8):
+        tracker = Tracker(CARTER)
+        for tick in range(57):
+            time = tick * DT
+            base = tuple(float(np.interp(time, way[:, 0], way[:, k])) for k in (1, 2, 3))
+            scans = [
+                scan_scene((), segments, base=base, mount=mount, time=time, name=name, noise=0.02, seed=10 * seed + i)
+                for i, (name, mount) in enumerate(mounts.items())
+            ]
+            wrong += len(moving(tracker.update(scans, time, Pose2D(*base)))) > 0
+    assert wrong < 0.05 * 8 * 57

@@ -692,6 +692,41 @@ def distance_field(
 def field_at(
     field: npt.NDArray[np.float32], resolution: float, limit: float, points: npt.NDArray[np.float64]
 ) -> npt.NDArray[np.float64]: ...
+def pick_beams(
+    ranges: npt.NDArray[np.float64],
+    angles: npt.NDArray[np.float64],
+    mount: npt.NDArray[np.float64],
+    poses: npt.NDArray[np.float64],
+    body: npt.NDArray[np.float64],
+    shortest: float,
+    longest: float,
+    most: int,
+    offset: float,
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
+def expect_surfaces(
+    field: npt.NDArray[np.float32],
+    resolution: float,
+    limit: float,
+    points: npt.NDArray[np.float64],
+    pose: npt.NDArray[np.float64],
+    counts: npt.NDArray[np.float32],
+    means: npt.NDArray[np.float32],
+    edge: float,
+    offset: float,
+    settings: npt.NDArray[np.float64],
+) -> npt.NDArray[np.float64]: ...
+def learn_surfaces(
+    field: npt.NDArray[np.float32],
+    resolution: float,
+    limit: float,
+    points: npt.NDArray[np.float64],
+    pose: npt.NDArray[np.float64],
+    counts: npt.NDArray[np.float32],
+    means: npt.NDArray[np.float32],
+    edge: float,
+    deepest: float,
+    most: float,
+) -> None: ...
 def move_particles(
     particles: npt.NDArray[np.float64],
     motion: npt.NDArray[np.float64],
@@ -705,6 +740,9 @@ def weigh_particles(
     outside: float,
     particles: npt.NDArray[np.float64],
     points: npt.NDArray[np.float64],
+) -> npt.NDArray[np.float64]: ...
+def peak_particle(
+    particles: npt.NDArray[np.float64], weights: npt.NDArray[np.float64], metres: float, radians: float
 ) -> npt.NDArray[np.float64]: ...
 def resample_particles(
     particles: npt.NDArray[np.float64],
@@ -721,7 +759,7 @@ def match_scan(
     targets: npt.NDArray[np.float64],
     starts: npt.NDArray[np.float64],
     priors: npt.NDArray[np.float64],
-    information: npt.NDArray[np.float64],
+    covariances: npt.NDArray[np.float64],
     settings: npt.NDArray[np.float64],
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
 def judge_beams(

@@ -18,7 +18,6 @@ _COMPARE_S = 0.25  # movement is found between scans this far apart [s]
 _KEPT_S = 1.0  # older scans are compared with none any more
 _BEAMS_ASIDE = 3  # an edge may be seen by another beam in the next scan: ranges of so many on each side count
 _BODY_M = 1e-6  # hits within the outline are the robot's own body
-_AT_ORIGIN = np.zeros((1, 3))
 _NOTHING = np.zeros((0, 2))
 
 
@@ -42,7 +41,7 @@ class Points:
         """Those in a box, and those that move."""
         x, y = self.places[:, 0], self.places[:, 1]
         kept = (x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1])
-        kept |= (self.velocities != 0.0).any(axis=1)
+        kept |= (self.velocities[:, 0] != 0.0) | (self.velocities[:, 1] != 0.0)
         return Points(self.places[kept], self.velocities[kept], self.lidars[kept], self.names)
 
 
@@ -79,7 +78,7 @@ class SensedPoints:
     """
 
     def __init__(self, footprint: Footprint) -> None:
-        self._edges, self._radius = Edges(footprint), footprint.circumscribed_radius
+        self._body = np.add(Edges(footprint).sides, (0.0, 0.0, _BODY_M))
         self._poses = PoseBuffer()
         self._lone = LoneHits()
         self.clear()
@@ -132,26 +131,26 @@ class SensedPoints:
                 continue
             moves = (seen.points, seen.velocities) if seen.moves else (seen.points, None)
             for points, moved in (moves, seen.edges) if len(seen.edges[0]) else (moves,):
-                offset = points - (odometry.x, odometry.y)
+                x, y = points[:, 0] - odometry.x, points[:, 1] - odometry.y
                 limit: float | FloatArray = reach
                 if moved is not None:
-                    offset += moved * (time - seen.scan.time)
+                    since = time - seen.scan.time
+                    x, y = x + since * moved[:, 0], y + since * moved[:, 1]
                     limit = reach + horizon * np.hypot(moved[:, 0], moved[:, 1])
-                near = np.hypot(offset[:, 0], offset[:, 1]) <= limit
-                places.append(offset[near] @ rotation)
+                near = np.flatnonzero(x * x + y * y <= limit * limit)
+                places.append(np.column_stack([x[near], y[near]]) @ rotation)
                 velocities.append(np.zeros_like(places[-1]) if moved is None else moved[near] @ rotation)
-                lidars.append(np.full(int(near.sum()), index))
+                lidars.append(np.full(len(near), index))
         return Points(np.concatenate(places), np.concatenate(velocities), np.concatenate(lidars), tuple(self._seen))
 
     def _place(self, scan: Scan, base: Pose2D) -> _Seen:
         sensor = base @ scan.mount
         scan = self._lone.without(scan, np.array([sensor.as_tuple()]), put=math.inf)  # saw through, as those beside it
-        points = scan.points()
-        near = np.flatnonzero(np.hypot(points[:, 0], points[:, 1]) <= self._radius)
-        if len(near):
-            points = np.delete(points, near[self._edges.distances(points[near], _AT_ORIGIN)[0] <= _BODY_M], axis=0)
-        cos, sin = math.cos(base.yaw), math.sin(base.yaw)
-        placed = points @ np.array([[cos, sin], [-sin, cos]]) + (base.x, base.y)
+        mount, at = np.array(scan.mount.as_tuple()), base.as_tuple()
+        placed, _ = _core.pick_beams(
+            *(scan.ranges, scan.angles, mount, np.array((at, at)), self._body),
+            *(scan.range_min, math.nextafter(scan.range_max, math.inf), max(1, len(scan.ranges)), 0.0),
+        )
         return _Seen(scan, sensor, placed, np.zeros_like(placed), _saw_through(scan))
 
 
@@ -167,6 +166,11 @@ class Edges:
         along = np.roll(outline, -1, axis=0) - outline
         self._normals = np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(along[:, 0], along[:, 1])[:, None]
         self._offsets: FloatArray = (self._normals * outline).sum(axis=1)
+
+    @property
+    def sides(self) -> FloatArray:
+        """The normal of each edge and how far the outline reaches along it [m], shape (N, 3)."""
+        return np.column_stack([self._normals, self._offsets])
 
     def distances(
         self, points: FloatArray, poses: FloatArray, moved: FloatArray | None = None, times: FloatArray | None = None

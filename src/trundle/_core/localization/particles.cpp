@@ -107,6 +107,38 @@ Floats weigh_particles(In<float, 2> table, double resolution, double outside, In
   return to_numpy(std::move(out), {count});
 }
 
+Floats peak_particle(In<double, 2> particles, In<double, 1> weights, double metres, double radians) {
+  check_poses(particles);
+  const std::size_t count = particles.shape(0);
+  refuse_unless(count > 0 && weights.shape(0) == count, "each particle needs a weight, and there must be particles");
+  for (std::size_t i = 0; i < count; ++i) {
+    refuse_unless(weights.data()[i] >= 0.0 && weights.data()[i] <= 1e100, "weights must be at least 0");
+  }
+  refuse_unless(metres >= 0.0 && radians >= 0.0, "the distances must be at least 0");
+  std::vector<double> out(3);
+  {
+    nb::gil_scoped_release release;
+    const double *w = weights.data(), *peak = particles.data() + 3 * (std::max_element(w, w + count) - w);
+    double total = 0.0, turned = 0.0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double *one = particles.data() + 3 * i;
+      const double dx = one[0] - peak[0], dy = one[1] - peak[1];
+      if (!(dx * dx + dy * dy <= metres * metres)) continue;
+      const double turn = std::remainder(one[2] - peak[2], 2.0 * 3.14159265358979323846);
+      if (std::abs(turn) > radians) continue;
+      total += w[i];
+      out[0] += w[i] * dx;
+      out[1] += w[i] * dy;
+      turned += w[i] * turn;
+    }
+    const double share = total > 0.0 ? 1.0 / total : 0.0;
+    out[0] = peak[0] + share * out[0];
+    out[1] = peak[1] + share * out[1];
+    out[2] = peak[2] + share * turned;
+  }
+  return to_numpy(std::move(out), {3});
+}
+
 namespace {
 
 // Indices that systematic resampling draws: `count` equal steps through the sums of weights, from a random start.

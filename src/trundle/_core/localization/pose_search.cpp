@@ -3,11 +3,15 @@
 // 2^level cells the largest value in it, bounds from above what any pose in that square can score.
 //
 // Boxes are looked at from the most promising on, depth first, so that a good pose is soon known and most boxes are cut
-// off. Several poses are kept where they lie apart: a symmetric map has several.
+// off. Several poses are kept where they lie apart: a symmetric map has several. A box's four parts are scored together,
+// group of points by group: what the box itself scored in the groups to come bounds what its parts can score there, so
+// most of them are given up early.
 #include "localization/kernels.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "localization/checks.hpp"
@@ -21,47 +25,69 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kMostLevels = 6;
 
-// Largest values in squares of 2^level cells from each cell on, up and to the right.
+constexpr int kGroups = 6;
+
+struct Range {
+  std::int32_t first, last;
+};
+
+// Largest values in squares of 2^level cells from each cell on, up and to the right: of a part of a table, with a
+// margin of zeros round it. Points left of it or below may still reach into it, and parts of squares may lie beyond it.
 struct Levels {
-  std::ptrdiff_t rows, cols;
+  std::ptrdiff_t margin, rows, cols;  // of what may be looked up
+  std::ptrdiff_t left, bottom, stride;
   std::vector<std::vector<std::uint8_t>> values, open;
 
-  Levels(const std::uint8_t *table, const std::uint8_t *allowed, std::ptrdiff_t rows_, std::ptrdiff_t cols_, int count)
-      : rows(rows_), cols(cols_) {
-    const auto cells = static_cast<std::size_t>(rows * cols);
-    values.emplace_back(table, table + cells);
-    open.emplace_back(allowed, allowed + cells);
-    for (int level = 1; level < count; ++level) {
-      values.push_back(doubled(values.back(), std::ptrdiff_t{1} << (level - 1)));
-      open.push_back(doubled(open.back(), std::ptrdiff_t{1} << (level - 1)));
+  Levels(const std::uint8_t *table, const std::uint8_t *allowed, std::ptrdiff_t table_cols, Range x, Range y, int count)
+      : margin(std::ptrdiff_t{1} << (count - 1)), rows(y.last - y.first + 1 + margin),
+        cols(x.last - x.first + 1 + margin), left(x.first - margin), bottom(y.first - margin), stride(cols + margin) {
+    const auto cells = static_cast<std::size_t>(stride * (rows + margin));
+    for (auto [levels, source] : {std::pair{&values, table}, std::pair{&open, allowed}}) {
+      std::vector<std::uint8_t> part(cells, 0);
+      for (std::ptrdiff_t row = y.first; row <= y.last; ++row) {
+        const std::uint8_t *from = source + row * table_cols;
+        std::copy(from + x.first, from + x.last + 1, part.data() + (row - bottom) * stride + margin);
+      }
+      levels->push_back(std::move(part));
+      for (int level = 1; level < count; ++level) {
+        levels->push_back(doubled(levels->back(), std::ptrdiff_t{1} << (level - 1)));
+      }
     }
   }
 
   std::vector<std::uint8_t> doubled(const std::vector<std::uint8_t> &from, std::ptrdiff_t step) const {
     std::vector<std::uint8_t> wide(from), out;
-    for (std::ptrdiff_t row = 0; row < rows; ++row) {
-      std::uint8_t *line = wide.data() + row * cols;
-      const std::uint8_t *old = from.data() + row * cols;
-      for (std::ptrdiff_t col = 0; col + step < cols; ++col) line[col] = std::max(old[col], old[col + step]);
+    const std::ptrdiff_t height = rows + margin;
+    for (std::ptrdiff_t row = 0; row < height; ++row) {
+      std::uint8_t *line = wide.data() + row * stride;
+      const std::uint8_t *old = from.data() + row * stride;
+      for (std::ptrdiff_t col = 0; col + step < stride; ++col) line[col] = std::max(old[col], old[col + step]);
     }
     out = wide;
-    for (std::ptrdiff_t row = 0; row + step < rows; ++row) {
-      std::uint8_t *line = out.data() + row * cols;
-      const std::uint8_t *above = wide.data() + (row + step) * cols;
-      for (std::ptrdiff_t col = 0; col < cols; ++col) line[col] = std::max(line[col], above[col]);
+    for (std::ptrdiff_t row = 0; row + step < height; ++row) {
+      std::uint8_t *line = out.data() + row * stride;
+      const std::uint8_t *above = wide.data() + (row + step) * stride;
+      for (std::ptrdiff_t col = 0; col < stride; ++col) line[col] = std::max(line[col], above[col]);
     }
     return out;
   }
 };
 
-struct Cell {
-  std::int32_t x, y;
+// The points seen at one yaw, in cells, in groups of nearly one size.
+struct Turned {
+  std::vector<std::int32_t> x, y;
+  std::vector<std::ptrdiff_t> places;  // in the levels, from the robot's
+  Range xs{0, 0}, ys{0, 0};
 };
 
-struct Box {
+struct Root {
   std::int32_t x, y;  // lower-left cell of the robot
   std::int32_t turn;
   std::int32_t score;  // no pose in it scores more
+};
+
+struct Box : Root {
+  std::array<std::int32_t, kGroups> sums;  // of the groups up to each
 };
 
 struct Found {
@@ -71,41 +97,37 @@ struct Found {
 
 class Search {
  public:
-  Search(const Levels &levels, std::int32_t least, double share, double apart_m, double apart_rad, double resolution,
-         std::int64_t most, std::int64_t most_nodes)
-      : levels_(levels), least_(least), share_(share), apart_m_(apart_m), apart_rad_(apart_rad),
-        resolution_(resolution), most_(static_cast<std::size_t>(most)), left_(most_nodes) {}
+  Search(const Levels &levels, const std::vector<Turned> &turned, std::size_t points, std::int32_t least, double share,
+         double apart_m, double apart_rad, double resolution, std::int64_t most, std::int64_t most_nodes)
+      : levels_(levels), turned_(turned), least_(least), share_(share), apart_m_(apart_m), apart_rad_(apart_rad),
+        resolution_(resolution), most_(static_cast<std::size_t>(most)), left_(most_nodes) {
+    for (std::size_t g = 0; g <= kGroups; ++g) ends_[g] = g * points / kGroups;
+  }
 
-  std::vector<std::vector<Cell>> turned;  // the points in cells, for each yaw
   std::vector<double> yaws;
   std::vector<Found> found;
   bool complete = true;
 
-  // Points that lie left of or below the table may still reach it within the square, so the square is cut there.
-  std::int32_t score(int level, std::int32_t x, std::int32_t y, std::int32_t turn, std::int32_t needed) const {
-    const std::uint8_t *values = levels_.values[level].data();
-    const std::int32_t size = std::int32_t{1} << level, rows = static_cast<std::int32_t>(levels_.rows),
-                       cols = static_cast<std::int32_t>(levels_.cols);
-    const std::vector<Cell> &cells = turned[turn];
-    std::int32_t sum = 0, left = static_cast<std::int32_t>(cells.size());
-    for (const Cell &cell : cells) {
-      std::int32_t u = x + cell.x, v = y + cell.y;
-      if (u < 0 && u + size > 0) u = 0;
-      if (v < 0 && v + size > 0) v = 0;
-      if (u >= 0 && v >= 0 && u < cols && v < rows) sum += values[static_cast<std::ptrdiff_t>(v) * cols + u];
-      if (sum + 255 * --left < needed) return -1;
-    }
-    return sum;
+  // Score `kParts` squares of a level: the one at (x, y), or with four also those right of, above, and right above it.
+  // `whole` is the box that they are parts of; false if none of them can score what is needed.
+  template <int kParts>
+  bool score(int level, Box *parts, const Box *whole, std::int32_t needed) const {
+    const Turned &turned = turned_[parts[0].turn];
+    const std::ptrdiff_t x = parts[0].x - levels_.left, y = parts[0].y - levels_.bottom;
+    const bool inside = x + turned.xs.first >= 0 && y + turned.ys.first >= 0 && x + turned.xs.last < levels_.cols &&
+                        y + turned.ys.last < levels_.rows;
+    return inside ? add<kParts, true>(level, x, y, turned, parts, whole, needed)
+                  : add<kParts, false>(level, x, y, turned, parts, whole, needed);
   }
 
   bool may_stand(int level, std::int32_t x, std::int32_t y) const {
-    return x < levels_.cols && y < levels_.rows && levels_.open[level][static_cast<std::ptrdiff_t>(y) * levels_.cols + x];
+    return levels_.open[level][static_cast<std::size_t>((y - levels_.bottom) * levels_.stride + x - levels_.left)] != 0;
   }
 
   // What a box must score to matter; a box within one that was found must beat that one.
   std::int32_t needed() const {
-    std::int32_t limit = least_;
-    if (!found.empty()) limit = std::max(limit, static_cast<std::int32_t>(share_ * found.front().score));
+    if (found.empty()) return least_;
+    std::int32_t limit = std::max(least_, static_cast<std::int32_t>(share_ * found.front().score));
     if (found.size() >= most_) limit = std::max(limit, found.back().score + 1);
     return limit;
   }
@@ -122,18 +144,53 @@ class Search {
     }
     const std::int32_t half = std::int32_t{1} << (level - 1), limit = needed();
     Box parts[4];
-    int count = 0;
     for (int i = 0; i < 4; ++i) {
-      Box part{box.x + (i & 1) * half, box.y + (i >> 1) * half, box.turn, 0};
-      if (part.x > high[0] || part.y > high[1] || !may_stand(level - 1, part.x, part.y)) continue;
-      part.score = score(level - 1, part.x, part.y, part.turn, limit);
-      if (part.score >= limit) parts[count++] = part;
+      static_cast<Root &>(parts[i]) = {box.x + (i & 1) * half, box.y + (i >> 1) * half, box.turn, 0};
     }
-    std::stable_sort(parts, parts + count, [](const Box &a, const Box &b) { return a.score > b.score; });
-    for (int i = 0; i < count; ++i) branch(parts[i], level - 1, high);
+    if (!score<4>(level - 1, parts, &box, limit)) return;
+    const Box *order[4];
+    int count = 0;
+    for (const Box &part : parts) {
+      if (part.score < limit || part.x > high[0] || part.y > high[1] || !may_stand(level - 1, part.x, part.y)) continue;
+      order[count++] = &part;
+    }
+    std::stable_sort(order, order + count, [](const Box *a, const Box *b) { return a->score > b->score; });
+    for (int i = 0; i < count; ++i) branch(*order[i], level - 1, high);
   }
 
  private:
+  template <int kParts, bool kInside>
+  bool add(int level, std::ptrdiff_t x, std::ptrdiff_t y, const Turned &turned, Box *parts, const Box *whole,
+           std::int32_t needed) const {
+    const std::ptrdiff_t right = std::ptrdiff_t{1} << level, above = right * levels_.stride;
+    const std::ptrdiff_t at = y * levels_.stride + x;
+    const std::uint8_t *values = levels_.values[level].data();
+    std::int32_t a = 0, b = 0, c = 0, d = 0;
+    for (std::size_t g = 0; g < kGroups; ++g) {
+      for (std::size_t i = ends_[g]; i < ends_[g + 1]; ++i) {
+        std::ptrdiff_t place = at + turned.places[i];
+        if constexpr (!kInside) {  // in the corner of the margin there are zeros
+          const auto u = static_cast<std::size_t>(x + turned.x[i]), v = static_cast<std::size_t>(y + turned.y[i]);
+          if (u >= static_cast<std::size_t>(levels_.cols) || v >= static_cast<std::size_t>(levels_.rows)) place = 0;
+        }
+        a += values[place];
+        if constexpr (kParts == 4) {
+          b += values[place + right];
+          c += values[place + above];
+          d += values[place + above + right];
+        }
+      }
+      const std::int32_t most = kParts == 4 ? std::max(std::max(a, b), std::max(c, d)) : a;
+      const auto left = static_cast<std::int32_t>(ends_[kGroups] - ends_[g + 1]);
+      const std::int32_t rest = whole ? whole->score - whole->sums[g] : 255 * left;
+      if (most + rest < needed) return false;
+      parts[0].sums[g] = a;
+      if constexpr (kParts == 4) parts[1].sums[g] = b, parts[2].sums[g] = c, parts[3].sums[g] = d;
+    }
+    for (int i = 0; i < kParts; ++i) parts[i].score = parts[i].sums[kGroups - 1];
+    return true;
+  }
+
   bool is_near(const Found &one, double x, double y, double yaw, double slack) const {
     return std::hypot(one.x - x, one.y - y) + slack <= apart_m_ &&
            std::abs(std::remainder(one.yaw - yaw, 2.0 * kPi)) <= apart_rad_;
@@ -162,16 +219,38 @@ class Search {
     const auto after = std::find_if(kept.begin(), kept.end(), [&](const Found &one) { return one.score < given.score; });
     kept.insert(after, given);
     if (kept.size() > most_) kept.resize(most_);
-    while (static_cast<std::int32_t>(share_ * kept.front().score) > kept.back().score) kept.pop_back();
+    const auto worst = static_cast<std::int32_t>(share_ * kept.front().score);
+    while (kept.size() > 1 && worst > kept.back().score) kept.pop_back();
     found = std::move(kept);
   }
 
   const Levels &levels_;
+  const std::vector<Turned> &turned_;
+  std::array<std::size_t, kGroups + 1> ends_{};
   std::int32_t least_;
   double share_, apart_m_, apart_rad_, resolution_;
   std::size_t most_;
   std::int64_t left_;
 };
+
+// The points in cells from the middle of the robot's cell. Neighbours come into different groups, so that each group tells
+// of all directions.
+Turned turned_points(const In<double, 2> &points, double yaw, double resolution) {
+  Turned out;
+  const std::size_t count = points.shape(0);
+  const double cos = std::cos(yaw), sin = std::sin(yaw);
+  for (std::size_t g = 0; g < kGroups; ++g) {
+    for (std::size_t i = g; i < count; i += kGroups) {
+      const double x = points.data()[2 * i], y = points.data()[2 * i + 1];
+      out.x.push_back(static_cast<std::int32_t>(std::floor((cos * x - sin * y) / resolution + 0.5)));
+      out.y.push_back(static_cast<std::int32_t>(std::floor((sin * x + cos * y) / resolution + 0.5)));
+    }
+  }
+  const auto [left, right] = std::minmax_element(out.x.begin(), out.x.end());
+  const auto [bottom, top] = std::minmax_element(out.y.begin(), out.y.end());
+  out.xs = {*left, *right}, out.ys = {*bottom, *top};
+  return out;
+}
 
 }  // namespace
 
@@ -206,41 +285,48 @@ nb::tuple search_poses(In<std::uint8_t, 2> table, In<std::uint8_t, 2> allowed, d
     };
     const std::int32_t low[2] = {cell(w[0], cols), cell(w[2], rows)}, high[2] = {cell(w[1], cols), cell(w[3], rows)};
     const std::int32_t widest = std::max(high[0] - low[0], high[1] - low[1]) + 1;
-    int levels = 1;
-    while (levels < kMostLevels && (std::int32_t{1} << levels) <= widest) ++levels;
-    const Levels pyramid(table.data(), allowed.data(), rows, cols, levels);
-    const double count = static_cast<double>(points.shape(0));
-    Search search(pyramid, static_cast<std::int32_t>(std::ceil(s[1] * count)), s[2], s[3], s[4], resolution, most,
-                  most_nodes);
+    int levels = 1;  // a few roots on each side of a small window: each level costs a pass over the table
+    while (levels < kMostLevels && (std::int32_t{4} << levels) <= widest) ++levels;
     const auto turns = static_cast<std::int32_t>(std::max(1.0, std::ceil((w[5] - w[4]) / s[0] + 0.5)));
+    std::vector<Turned> turned(static_cast<std::size_t>(turns));
+    std::vector<double> yaws;
+    Range x{low[0], high[0]}, y{low[1], high[1]};  // what of the table matters
     for (std::int32_t turn = 0; turn < turns; ++turn) {
-      const double yaw = w[4] + turn * s[0], cos = std::cos(yaw), sin = std::sin(yaw);
-      search.yaws.push_back(std::remainder(yaw, 2.0 * kPi));
-      std::vector<Cell> cells;
-      for (std::size_t i = 0; i < points.shape(0); ++i) {
-        const double x = points.data()[2 * i], y = points.data()[2 * i + 1];
-        // From the middle of the robot's cell.
-        cells.push_back({static_cast<std::int32_t>(std::floor((cos * x - sin * y) / resolution + 0.5)),
-                         static_cast<std::int32_t>(std::floor((sin * x + cos * y) / resolution + 0.5))});
-      }
-      search.turned.push_back(std::move(cells));
+      const double yaw = w[4] + turn * s[0];
+      yaws.push_back(std::remainder(yaw, 2.0 * kPi));
+      turned[turn] = turned_points(points, yaw, resolution);
+      const Turned &one = turned[turn];
+      x = {std::min(x.first, low[0] + one.xs.first), std::max(x.last, high[0] + one.xs.last)};
+      y = {std::min(y.first, low[1] + one.ys.first), std::max(y.last, high[1] + one.ys.last)};
     }
+    x = {std::max(x.first, 0), std::min(x.last, static_cast<std::int32_t>(cols - 1))};
+    y = {std::max(y.first, 0), std::min(y.last, static_cast<std::int32_t>(rows - 1))};
+    const Levels pyramid(table.data(), allowed.data(), cols, x, y, levels);
+    for (Turned &one : turned) {
+      for (std::size_t i = 0; i < one.x.size(); ++i) one.places.push_back(one.y[i] * pyramid.stride + one.x[i]);
+    }
+    const double count = static_cast<double>(points.shape(0));
+    Search search(pyramid, turned, points.shape(0), static_cast<std::int32_t>(std::ceil(s[1] * count)), s[2], s[3], s[4],
+                  resolution, most, most_nodes);
+    search.yaws = std::move(yaws);
     const int top = levels - 1;
-    std::vector<Box> roots;
+    std::vector<Root> roots;
     const std::int32_t size = std::int32_t{1} << top, least = search.needed();
-    for (std::int32_t y = low[1]; y <= high[1]; y += size) {
-      for (std::int32_t x = low[0]; x <= high[0]; x += size) {
-        if (!search.may_stand(top, x, y)) continue;
+    for (std::int32_t row = low[1]; row <= high[1]; row += size) {
+      for (std::int32_t col = low[0]; col <= high[0]; col += size) {
+        if (!search.may_stand(top, col, row)) continue;
         for (std::int32_t turn = 0; turn < turns; ++turn) {
-          const std::int32_t score = search.score(top, x, y, turn, least);
-          if (score >= least) roots.push_back({x, y, turn, score});
+          Box box{{col, row, turn, 0}, {}};
+          if (search.score<1>(top, &box, nullptr, least)) roots.push_back(box);
         }
       }
     }
-    std::stable_sort(roots.begin(), roots.end(), [](const Box &a, const Box &b) { return a.score > b.score; });
-    for (const Box &root : roots) {
+    std::stable_sort(roots.begin(), roots.end(), [](const Root &a, const Root &b) { return a.score > b.score; });
+    for (const Root &root : roots) {
       if (root.score < search.needed() || !search.complete) break;
-      search.branch(root, top, high);
+      Box box{root, {}};
+      search.score<1>(top, &box, nullptr, 0);  // their sums are not kept: there may be millions of them
+      search.branch(box, top, high);
     }
     complete = search.complete;
     for (const Found &one : search.found) {

@@ -42,6 +42,22 @@ bool solve(const Matrix &a, const std::array<double, 3> &b, std::array<double, 3
   return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]);
 }
 
+// The inverse of a symmetric positive definite matrix; false where it is not definite.
+bool invert(const Matrix &a, Matrix &inverse) {
+  for (int column = 0; column < 3; ++column) {
+    std::array<double, 3> unit{}, x;
+    unit[column] = 1.0;
+    if (!solve(a, unit, x)) return false;
+    for (int row = 0; row < 3; ++row) inverse[3 * row + column] = x[row];
+  }
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < row; ++column) {
+      inverse[3 * row + column] = inverse[3 * column + row] = 0.5 * (inverse[3 * row + column] + inverse[3 * column + row]);
+    }
+  }
+  return true;
+}
+
 struct Sums {
   Matrix hessian{};
   std::array<double, 3> gradient{};
@@ -87,7 +103,7 @@ Sums add_beams(const FieldView &field, const double *points, std::size_t count, 
 }  // namespace
 
 nb::tuple match_scan(In<float, 2> field, double resolution, double limit, In<double, 2> points, In<double, 2> targets,
-                     In<double, 2> starts, In<double, 2> priors, In<double, 3> information, In<double, 1> settings) {
+                     In<double, 2> starts, In<double, 2> priors, In<double, 3> covariances, In<double, 1> settings) {
   check_resolution(resolution);
   check_points(points);
   check_poses(starts);
@@ -95,15 +111,21 @@ nb::tuple match_scan(In<float, 2> field, double resolution, double limit, In<dou
   const std::size_t count = starts.shape(0), beams = points.shape(0);
   refuse_unless(targets.shape(0) == count && targets.shape(1) == beams, "targets need shape (K, N)");
   refuse_far(targets.data(), targets.size(), "targets must be finite");
-  refuse_unless(priors.shape(0) == count && information.shape(0) == count && information.shape(1) == 3 &&
-                    information.shape(2) == 3,
-                "each start needs a prior and its information, shape (K, 3, 3)");
-  refuse_infinite(information.data(), information.size(), "the information must be finite");
+  refuse_unless(priors.shape(0) == count && covariances.shape(0) == count && covariances.shape(1) == 3 &&
+                    covariances.shape(2) == 3,
+                "each start needs a prior and its covariance, shape (K, 3, 3)");
+  refuse_infinite(covariances.data(), covariances.size(), "the covariances must be finite");
   refuse_unless(settings.shape(0) == 5, "there are 5 settings: first width, last width, noise, most beams, iterations");
   const double *s = settings.data();
   for (int i = 0; i < 4; ++i) refuse_unless(s[i] >= 1e-4 && s[i] <= 1e6, "the settings must be from 0.0001 to a million");
   refuse_unless(s[4] >= 1.0 && s[4] <= 1000.0, "there must be from 1 to 1000 iterations");
   std::vector<double> poses(starts.data(), starts.data() + 3 * count), found(9 * count), told(6 * count);
+  std::vector<Matrix> information(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    Matrix covariance;
+    std::copy_n(covariances.data() + 9 * k, 9, covariance.begin());
+    refuse_unless(invert(covariance, information[k]), "the covariances must be positive definite");
+  }
   {
     nb::gil_scoped_release release;
     const FieldView view{field.data(), static_cast<std::ptrdiff_t>(field.shape(0)),
@@ -111,7 +133,7 @@ nb::tuple match_scan(In<float, 2> field, double resolution, double limit, In<dou
     const int iterations = static_cast<int>(s[4]);
     for (std::size_t k = 0; k < count; ++k) {
       double *pose = poses.data() + 3 * k;
-      const double *prior = priors.data() + 3 * k, *known = information.data() + 9 * k;
+      const double *prior = priors.data() + 3 * k, *known = information[k].data();
       double width = std::max(s[0], s[1]);
       int done = 0;
       Sums sums;
@@ -139,7 +161,9 @@ nb::tuple match_scan(In<float, 2> field, double resolution, double limit, In<dou
         width = std::max(s[1], 0.5 * width);
       }
       pose[2] = std::remainder(pose[2], 2.0 * kPi);
-      std::copy(total.begin(), total.end(), found.begin() + static_cast<std::ptrdiff_t>(9 * k));
+      Matrix spread;
+      if (!invert(total, spread)) std::copy_n(covariances.data() + 9 * k, 9, spread.begin());
+      std::copy(spread.begin(), spread.end(), found.begin() + static_cast<std::ptrdiff_t>(9 * k));
       told[6 * k] = sums.weight;
       told[6 * k + 1] = sums.weight > 0.0 ? std::sqrt(sums.squares / sums.weight) : 0.0;
       told[6 * k + 2] = sums.raw_weight;

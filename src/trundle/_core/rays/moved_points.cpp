@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "rays/kernels.hpp"
+#include "shared/bearing.hpp"
 
 namespace trundle {
 namespace {
@@ -114,15 +115,16 @@ std::vector<char> seen_through(const Points &points, const Seen &by) {
   }
   const double first = by.angles[0], last = by.angles[by.beams - 1];
   const double spacing = (last - first) / static_cast<double>(std::max<std::size_t>(by.beams - 1, 1));
+  const double per_spacing = 1.0 / spacing;
   for (std::size_t i = 0; i < points.count; ++i) {
     const double dx = points.x(i) - by.sensor[0], dy = points.y(i) - by.sensor[1];
-    double rest = remainder_of(std::atan2(dy, dx) - by.sensor[2] - first);
+    double rest = remainder_of(bearing_of(dy, dx) - by.sensor[2] - first);
     rest = rest < 0.0 ? rest + kTurn : rest;
     const double bearing = rest + first;
     if (bearing - last > 2.0 * spacing) {
       continue;
     }
-    const std::size_t after = first_from(by, bearing, std::ceil((bearing - first) / spacing));
+    const std::size_t after = first_from(by, bearing, std::ceil((bearing - first) * per_spacing));
     const double least = by.through[std::min(after, by.beams - 1)], limit = least - kSame;
     const int side = limit > kLeastLimit ? side_of(dx, dy, limit) : 0;
     found[i] = side != 0 ? side < 0 : std::hypot(dx, dy) + kSame < least;
@@ -135,9 +137,10 @@ std::vector<char> runs_of(const std::vector<char> &some, const Points &points, c
   const std::size_t count = points.count;
   std::vector<char> runs(count, 0);
   for (std::size_t i = 0; i < count; ++i) {
+    if (!some[i]) continue;
     const auto at = [&](std::size_t ahead) { return some[(i + ahead) % count] != 0; };
     const std::size_t back = count - 1, back2 = 2 * count - 2;
-    runs[i] = at(0) && (at(back) || (at(back2) && at(1))) && (at(1) || (at(2) && at(back))) &&
+    runs[i] = (at(back) || (at(back2) && at(1))) && (at(1) || (at(2) && at(back))) &&
               is_within(points.x(i) - sensor[0], points.y(i) - sensor[1], kNear);
   }
   return runs;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "shared/bearing.hpp"
+
 namespace trundle::tracking {
 namespace {
 
@@ -12,6 +14,7 @@ constexpr double kHalfTurn = 3.14159265358979323846;
 constexpr double kTurn = 2.0 * kHalfTurn;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::ptrdiff_t kAside = 2;   // beams that are looked at on both sides
+constexpr double kAcross = 0.7;  // of the margin, across beams that see past a point
 constexpr double kOffBeam = 1.01;      // spacings that a point may be off the nearest beam
 constexpr double kTie = 1e-9;          // so that the first beam's own direction is not a whole turn
 constexpr double kGrazing = kHalfTurn / 18.0;
@@ -33,7 +36,7 @@ double apart(double a, double b) {
 
 // Any angle as one of 0 to 1 turn; 0 for what is no number.
 double wrapped(double angle) {
-  double rest = std::fmod(angle, kTurn);
+  double rest = std::abs(angle) < kTurn ? angle : std::fmod(angle, kTurn);  // which is exact, and slow
   if (rest < 0.0) {
     rest += kTurn;
   }
@@ -64,7 +67,7 @@ Sight View::judge(Point point, double margin) const {
     return Sight::kNothing;
   }
   const double dx = point.x - sensor.x, dy = point.y - sensor.y;
-  const double bearing = turned(std::atan2(dy, dx) - zero + kTie);
+  const double bearing = turned(bearing_of(dy, dx) - zero + kTie);
   if (!std::isfinite(bearing)) {
     return Sight::kNothing;
   }
@@ -77,25 +80,29 @@ Sight View::judge(Point point, double margin) const {
     }
   }
   const double distance = std::sqrt(dx * dx + dy * dy);
-  if (through[beam] > distance + margin) {
-    return Sight::kThrough;
+  const bool sees_past = through[beam] > distance + margin;
+  // The noise of a hit that was seen from elsewhere lies across these beams: close to the sensor it crosses many of them.
+  const double near = (sees_past ? kAcross : 1.0) * margin + 0.5 * spacing * distance;
+  std::ptrdiff_t aside = kAside;
+  if (sees_past) {
+    const double across = std::ceil(near / (spacing * distance)), most = 0.5 * static_cast<double>(beams);
+    aside = std::max(aside, static_cast<std::ptrdiff_t>(across < most ? across : most));
   }
-  const double near = margin + 0.5 * spacing * distance;
-  for (std::ptrdiff_t index = beam - kAside; index <= beam + kAside; ++index) {
+  for (std::ptrdiff_t index = beam - aside; index <= beam + aside; ++index) {
     const Point &end = ends[index >= 0 && index < beams ? index : around(index, beams)];
     const double ex = end.x - point.x, ey = end.y - point.y;
     if (ex * ex + ey * ey < near * near) {
       return Sight::kThere;
     }
   }
-  return Sight::kNothing;
+  return sees_past ? Sight::kThrough : Sight::kNothing;
 }
 
 bool View::faces(Point point) const {
   if (bearings.empty()) {
     return false;
   }
-  const double bearing = turned(std::atan2(point.y - sensor.y, point.x - sensor.x) - zero + kTie);
+  const double bearing = turned(bearing_of(point.y - sensor.y, point.x - sensor.x) - zero + kTie);
   return bearing <= bearings.back() + kOffBeam * spacing || bearing >= kTurn - kOffBeam * spacing;
 }
 
@@ -147,7 +154,7 @@ void Sweep::take(const Scan &scan, double max_range, const std::vector<Point> &b
     bearing_[i] = direction, range_[i] = reach;
     if (scan.pose_count > 1) {
       const double dx = end_[i].x - view.sensor.x, dy = end_[i].y - view.sensor.y;
-      bearing_[i] = std::atan2(dy, dx), range_[i] = std::sqrt(dx * dx + dy * dy);
+      bearing_[i] = bearing_of(dy, dx), range_[i] = std::sqrt(dx * dx + dy * dy);
     }
   }
   order(scan, view);

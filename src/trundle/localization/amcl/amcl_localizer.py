@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from trundle.errors import InputError, SensorWarning
-from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry import FloatArray, Pose2D, wrap_angle
 from trundle.localization.amcl.beams import BeamPicker, Beams
 from trundle.localization.amcl.hypotheses import Hypotheses
 from trundle.localization.amcl.map_field import MapField
@@ -24,6 +24,7 @@ from trundle.localization.amcl.particle_cloud import ParticleCloud
 from trundle.localization.amcl.search import search_map, search_near
 from trundle.localization.amcl.seen_surfaces import SeenSurfaces
 from trundle.localization.amcl.settings import AmclSettings
+from trundle.localization.amcl.unseen_surfaces import UnseenSurfaces
 from trundle.localization.localizer import Localizer, check_covariance
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import OCCUPIED_FROM
@@ -72,6 +73,7 @@ class AmclLocalizer(Localizer):
         self._cloud = ParticleCloud(self._field, self.settings)
         self._bias = OdometryBias()
         self._surfaces = SeenSurfaces(self._field)
+        self._unseen = UnseenSurfaces(self._field)
         self._tracks = Hypotheses(self._field, self.settings)
         rows, cols = self._field.shape
         middle = Pose2D(0.5 * cols * self._field.resolution, 0.5 * rows * self._field.resolution)
@@ -121,9 +123,11 @@ class AmclLocalizer(Localizer):
         self._tracks.start(pose, covariance, confirmed=confirmed)
         self._cloud.spread([pose], [covariance], [1.0])
         self._started = _deviations(covariance)
-        self._odometry: Pose2D | None = None  # at the last update
+        self._odometry: Pose2D | None = None  # up to which tracks and particles are moved
+        self._matched: Pose2D | None = None  # odometry at the last scan that was used
         self._time = 0.0  # of the last update
         self._surfaces.clear()
+        self._unseen.clear()
         self._bias.clear()
         self._settled = False  # whether the start has been looked at
         self._next_near = self._next_map = -math.inf
@@ -146,7 +150,8 @@ class AmclLocalizer(Localizer):
         if self._odometry is None:
             self._odometry, self._time = observation.odometry, observation.time
         motion = self._bias.corrected(Motion.between(self._odometry, observation.odometry))
-        beams = self._picker.pick(observation) if observation.scans and self._is_due(motion) else None
+        due = observation.scans and self._is_due(observation.odometry)
+        beams = self._picker.pick(observation) if due else None
         if beams is None or len(beams) < _FEW_BEAMS:
             if motion.travel > _BLIND_M:  # the next scan is far: a long motion is no single turn and distance
                 self._tracks.follow(motion)
@@ -156,13 +161,16 @@ class AmclLocalizer(Localizer):
             return self._report(observation, motion)
         self._take(beams, motion, observation.time)
         self._odometry, self._time = observation.odometry, observation.time
+        self._matched = observation.odometry
         return self._report(observation, None)
 
-    def _is_due(self, motion: Motion) -> bool:
-        settings = self.settings
-        if settings.update_min_d == settings.update_min_a == 0.0 or not self._settled:
+    def _is_due(self, odometry: Pose2D) -> bool:
+        """Whether the robot has moved enough since the last scan that was used, by the settings."""
+        settings, last = self.settings, self._matched
+        if settings.update_min_d == settings.update_min_a == 0.0 or not self._settled or last is None:
             return True
-        return abs(motion.distance) >= settings.update_min_d or abs(motion.delta.yaw) >= settings.update_min_a
+        turned = abs(wrap_angle(odometry.yaw - last.yaw))
+        return odometry.distance_to(last) >= settings.update_min_d or turned >= settings.update_min_a
 
     def _bridge_jump(self, observation: Observation) -> None:
         """Go on where the robot was, less certain: how it moved is not known."""
@@ -181,11 +189,14 @@ class AmclLocalizer(Localizer):
         seconds = time - self._time
         wide = not self._settled or tracks.main.agreement < _WORSE
         if tracks.confirmed or tracks.main.scans:
-            targets = self._surfaces.targets(beams, tracks.main.pose) if tracks.confirmed else None
+            judged = self._unseen.judging(beams, expected) if tracks.confirmed else beams
+            targets = self._surfaces.targets(beams, expected) if tracks.confirmed else None
             idea = cloud.best() if tracks.confirmed else None
-            tracks.compare(beams, seconds, idea=idea, targets=targets, wide=wide)
+            tracks.compare(beams, seconds, idea=idea, targets=targets, wide=wide, judged=judged)
         self._search(beams, time)
         if tracks.decide() or not tracks.confirmed:
+            if not tracks.main.is_near(before.pose, _NEAR_M, math.pi):
+                self._unseen.clear()  # it was learnt from another place
             self._spread_particles()
         else:
             cloud.resample(tracks.main.pose)
@@ -194,12 +205,16 @@ class AmclLocalizer(Localizer):
             self._bias.learn(motion, expected.inverse() @ main.pose)
             if main.scans % _LEARN_EVERY == 0:
                 self._surfaces.learn(beams, main.pose, main.distance, main.independent)
+                if tracks.is_certain:
+                    self._unseen.learn(beams, main.pose, main.travel)
 
     def _search(self, beams: Beams, time: float) -> None:
         tracks, field = self._tracks, self._field
         main = tracks.main
-        if tracks.confirmed and time >= self._next_near and (not self._settled or main.agreement < _WORSE):
+        worse = not self._settled or tracks.is_new or main.agreement < _WORSE
+        if tracks.confirmed and time >= self._next_near and worse:
             metres, radians = (_NEAR_M, _NEAR_RAD) if self._settled else self._start_window()
+            tracks.is_new = False
             found = search_near(field, beams, main.pose, metres, radians)
             tracks.propose(beams, found, is_far=False)
             self._settled = True
@@ -276,13 +291,9 @@ class AmclLocalizer(Localizer):
         particles[:, 2] = cloud.poses[:, 2] + origin.yaw
         particles[:, 3] = cloud.weights
         particles.flags.writeable = False
-        tracks = self._tracks.tracks
-        total = sum(max(track.score, 1e-3) for track in tracks)
         hypotheses = tuple(
-            Hypothesis(
-                field.to_map(track.pose), max(track.score, 1e-3) / total, field.covariance_to_map(track.covariance)
-            )
-            for track in tracks
+            Hypothesis(field.to_map(track.pose), share, field.covariance_to_map(track.covariance))
+            for track, share in self._tracks.places()
         )
         self._last = particles, hypotheses
         return self._last

@@ -8,7 +8,9 @@ from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
+from trundle._core import pick_beams
 from trundle.errors import SensorWarning
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
 from trundle.observation import Observation, PoseBuffer, Scan, check_scans
@@ -35,6 +37,10 @@ class Beams:
     def __len__(self) -> int:
         return len(self.points)
 
+    def only(self, which: npt.NDArray[np.bool_]) -> Beams:
+        """Return some of them, by a mask (N,)."""
+        return Beams(np.ascontiguousarray(self.points[which]), np.ascontiguousarray(self.sensors[which]))
+
 
 class BeamPicker:
     """Follows the odometry, and places scans by it at their own times.
@@ -52,7 +58,7 @@ class BeamPicker:
         outline = robot.planar.padded(_BODY_PADDING_M).outline
         edges = np.roll(outline, -1, axis=0) - outline
         normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.hypot(edges[:, 0], edges[:, 1])[:, np.newaxis]
-        self._normals, self._reach = normals, (normals * outline).sum(axis=1)
+        self._body = np.column_stack([normals, (normals * outline).sum(axis=1)])
         self._poses = PoseBuffer()
         self.reset()
 
@@ -138,46 +144,16 @@ class BeamPicker:
     def _pick_from(
         self, scan: Scan, first: Pose2D, last: Pose2D, most: int, offset: float
     ) -> tuple[FloatArray, FloatArray] | None:
-        ranges = scan.ranges
-        longest = min(scan.range_max, self._longest)
-        hits = np.flatnonzero((ranges >= scan.range_min) & (ranges < longest))  # NaN and ±infinity fail both
-        if len(hits) == 0:
-            return None
-        if len(hits) > most:
-            hits = hits[((np.arange(most) + offset) * (len(hits) / most)).astype(np.intp)]
-        ranges, angles = ranges[hits], scan.angles[hits]
         mount = scan.mount
-        points = np.empty((len(hits), 2))
-        angles = angles + mount.yaw
-        points[:, 0] = mount.x + ranges * np.cos(angles)
-        points[:, 1] = mount.y + ranges * np.sin(angles)
-        body = ((points @ self._normals.T) <= self._reach).all(axis=1)
-        sensors = np.empty_like(points)
-        sensors[:] = (mount.x, mount.y)
-        if first is not last:
-            share = hits / max(1, len(scan.ranges) - 1)
-            points, sensors = _unwarp(points, first, last, share), _unwarp(sensors, first, last, share)
-        else:
-            points, sensors = _moved(points, first), _moved(sensors, first)
-        if body.any():
-            points, sensors = points[~body], sensors[~body]
+        points, sensors = pick_beams(
+            scan.ranges,
+            scan.angles,
+            np.array((mount.x, mount.y, mount.yaw)),
+            np.array((first.as_tuple(), last.as_tuple())),
+            self._body,
+            scan.range_min,
+            min(scan.range_max, self._longest),
+            most,
+            offset,
+        )
         return (points, sensors) if len(points) else None
-
-
-def _moved(points: FloatArray, pose: Pose2D) -> FloatArray:
-    cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
-    out = np.empty_like(points)
-    x, y = points[:, 0], points[:, 1]
-    out[:, 0] = pose.x + cos * x - sin * y
-    out[:, 1] = pose.y + sin * x + cos * y
-    return out
-
-
-def _unwarp(points: FloatArray, first: Pose2D, last: Pose2D, share: FloatArray) -> FloatArray:
-    """Place points by poses between two, each by its share of the way from the first to the last."""
-    yaw = first.yaw + share * wrap_angle(last.yaw - first.yaw)
-    cos, sin = np.cos(yaw), np.sin(yaw)
-    out = np.empty_like(points)
-    out[:, 0] = first.x + share * (last.x - first.x) + cos * points[:, 0] - sin * points[:, 1]
-    out[:, 1] = first.y + share * (last.y - first.y) + sin * points[:, 0] + cos * points[:, 1]
-    return out

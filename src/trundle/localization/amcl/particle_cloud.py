@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from trundle._core import move_particles, resample_particles, weigh_particles
+from trundle._core import move_particles, peak_particle, resample_particles, weigh_particles
 from trundle.geometry import FloatArray, Pose2D
 from trundle.localization.amcl.beams import Beams
 from trundle.localization.amcl.map_field import MapField
@@ -90,13 +90,7 @@ class ParticleCloud:
 
     def best(self) -> Pose2D:
         """Return the mean of the particles round the heaviest one."""
-        poses, weights = self.poses, self.weights
-        peak = poses[int(weights.argmax())]
-        turned = np.remainder(poses[:, 2] - peak[2] + np.pi, 2.0 * np.pi) - np.pi
-        near = (np.hypot(poses[:, 0] - peak[0], poses[:, 1] - peak[1]) <= _NEAR_M) & (np.abs(turned) <= _NEAR_RAD)
-        share = weights[near] / weights[near].sum()
-        x, y = share @ poses[near, :2]
-        return Pose2D(float(x), float(y), float(peak[2] + share @ turned[near]))
+        return Pose2D(*peak_particle(self.poses, self.weights, _NEAR_M, _NEAR_RAD).tolist())
 
     def resample(self, around: Pose2D) -> None:
         """Draw as many particles as their spread needs, by weight; a share of them widely round a pose."""

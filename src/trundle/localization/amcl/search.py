@@ -18,6 +18,9 @@ _MOST = 12  # poses
 _APART_M, _APART_RAD = 0.6, 0.3
 _LEAST_SCORE = 100.0  # of 255: about two of five beams end on the map
 _SHARE = 0.8  # of the best one's score that others need
+_NEAR_LEAST, _NEAR_SHARE, _NEAR_MOST = 50.0, 0.5, 8
+"""Near a pose more candidates are kept: where a lidar sees what stands behind a kerb, few beams end on the map."""
+
 _MOST_NODES = 2_000_000
 
 
@@ -25,7 +28,7 @@ def search_map(field: MapField, beams: Beams) -> list[Pose2D]:
     """Return where on the whole map the scan fits, best first; several where places look alike."""
     rows, cols = field.shape
     window = np.array((0.0, cols * field.resolution, 0.0, rows * field.resolution, -math.pi, math.pi - 1e-6))
-    return _search(field, beams, window, apart_m=_APART_M)
+    return _search(field, beams, window, _LEAST_SCORE, _SHARE, _APART_M, _MOST)
 
 
 def search_near(field: MapField, beams: Beams, pose: Pose2D, metres: float, radians: float) -> list[Pose2D]:
@@ -33,13 +36,15 @@ def search_near(field: MapField, beams: Beams, pose: Pose2D, metres: float, radi
     x, y, yaw = pose.as_tuple()
     radians = min(radians, math.pi - 1e-6)
     window = np.array((x - metres, x + metres, y - metres, y + metres, yaw - radians, yaw + radians))
-    return _search(field, beams, window, apart_m=0.3)[:3]
+    return _search(field, beams, window, _NEAR_LEAST, _NEAR_SHARE, 0.3, _NEAR_MOST)
 
 
-def _search(field: MapField, beams: Beams, window: FloatArray, *, apart_m: float) -> list[Pose2D]:
+def _search(
+    field: MapField, beams: Beams, window: FloatArray, least: float, share: float, apart_m: float, most: int
+) -> list[Pose2D]:
     table, free, resolution = field.search_tables
-    settings = np.array((_YAW_STEP_RAD, _LEAST_SCORE, _SHARE, apart_m, _APART_RAD))
-    poses, _, _ = search_poses(table, free, resolution, _thinned(beams.points), window, settings, _MOST, _MOST_NODES)
+    settings = np.array((_YAW_STEP_RAD, least, share, apart_m, _APART_RAD))
+    poses, _, _ = search_poses(table, free, resolution, _thinned(beams.points), window, settings, most, _MOST_NODES)
     return [Pose2D(*pose) for pose in poses.tolist()]
 
 

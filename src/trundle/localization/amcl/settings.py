@@ -38,7 +38,7 @@ class AmclSettings(Config):
         update_min_d: Least distance between updates [m]; 0 uses every scan.
         update_min_a: Least turn between updates [rad]; 0 uses every scan.
         recovery: Whether the whole map is searched when the robot is lost.
-        lost_below: Share of beams that agree with the map, on average over a second, below which the robot is lost.
+        lost_below: Agreement of the beams with the map, on average over a second, below which the robot is lost.
         match_noise: Deviation of a beam from the map in scan matching [m], of lidar and map together. It is larger than
             the lidar's noise, because errors of the map repeat from scan to scan.
         map_error: What the map itself may be off by [m], added to the deviations of the estimate.
