@@ -3,6 +3,7 @@
 # make quick  set up, then run the tests of tests/quick/files.txt: about a minute
 # make test-wheels  build wheels, install each into an empty environment of every Python here, and run the demo
 # make test-ray  install Ray, then run the tests of evaluations on a cluster, where there is no network but loopback
+# make test-physx  install NVIDIA's PhysX beside the environment, where it has wheels, and run its tests with it
 # make test-ros2  build real ROS 2 environments in ~/.cache/trundle, once, and run the tests against them, the long ones too
 # make test-isaac  put NVIDIA's packages into a Python 3.12 in ~/.cache/trundle, once, and run Isaac Sim's classes there
 # make check  lint, types, layers
@@ -40,7 +41,7 @@ HANGS := --timeout 600
 KERNELS := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*/*.cpp)
 SOURCES := $(KERNELS) $(wildcard src/trundle/_core/*/*.hpp) CMakeLists.txt
 
-.PHONY: demo quick test test-wheels test-ray test-ros2 ros2-env test-isaac fuzz check size docs web build setup dev clean
+.PHONY: demo quick test test-wheels test-ray test-physx test-ros2 ros2-env test-isaac fuzz check size docs web build setup dev clean
 
 demo: setup
 	$(BIN)/trundle demo
@@ -59,6 +60,12 @@ test-wheels: dev
 # Ray opens ports: its tests run in a network namespace with lo alone, and are skipped where there is none.
 test-ray: dev $(VENV)/.trundle-ray
 	$(BIN)/python scripts/only_lo.py $(BIN)/python -m pytest $(HANGS) -m ray tests/evaluation/cluster
+
+# Beside the environment: ovphysx asks for an older packaging than pytest, so nothing of it may be installed there.
+test-physx: dev
+	@test -e $(VENV)/.trundle-physx || { $(INSTALL) --no-deps --target $(VENV)/physx $$($(BIN)/python scripts/requirements.py physx) \
+	  && touch $(VENV)/.trundle-physx; } || echo "PhysX cannot be installed here: its tests are skipped"
+	PYTHONPATH=$(VENV)/physx $(BIN)/python -m pytest $(HANGS) tests/sim/physx
 
 # The other tests of this folder run in `make test` too, where the environments are there.
 test-ros2: dev ros2-env

@@ -1,4 +1,4 @@
-"""Print requirements from pyproject.toml: `build`, `demo` (with videos), `dev` (tests), `ray`, `docs` (the site)."""
+"""Print requirements of pyproject.toml: `build`, `demo` (with videos), `dev` (tests), `ray`, `physx`, `docs`."""
 
 import sys
 import tomllib

@@ -1,4 +1,6 @@
-"""How far MuJoCo's robot ends from where its commands lead: exact integration of the twist after the robot's limits.
+"""How far a simulator's robot ends from where its commands lead: exact integration of the twist after its limits.
+
+MuJoCo always, PhysX where ovphysx is installed.
 
 python benchmarks/simulation/accuracy.py [--robot NAME] [--out accuracy.md]
 """
@@ -14,12 +16,14 @@ from pathlib import Path
 
 import numpy as np
 
-from trundle.geometry import Pose2D, Twist2D, wrap_angle
+from trundle.errors import TrundleError
+from trundle.geometry import FloatArray, Pose2D, Twist2D, wrap_angle
 from trundle.robots import Robot
-from trundle.sim import Simulator
+from trundle.sim import Simulator, simulate
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.sim.mujoco.robot_parts import Servo
 from trundle.sim.mujoco.simulator import MujocoSimulator
+from trundle.sim.physx.engine import check_installation
 from trundle.worlds import World
 
 EMPTY = World("empty", ())
@@ -43,6 +47,44 @@ def errors(engine: Simulator, exact: Simulator, command: Twist2D) -> tuple[float
     """Distance [mm] and turn [°] by which the engine's robot ends elsewhere."""
     (got, turned), (expected, turn) = end_of(engine, command), end_of(exact, command)
     return 1000.0 * got.distance_to(expected), math.degrees(turned - turn)
+
+
+def has_physx() -> bool:
+    try:
+        check_installation()
+    except TrundleError:
+        return False
+    return True
+
+
+def report_physx(robot: Robot, twists: FloatArray) -> list[str]:
+    lines = [
+        "",
+        f"PhysX (ovphysx {version('ovphysx')}), from trailing casters; turn and distance are those of the commands "
+        "along one axis, drift is to the side:",
+        "",
+        "| command (v [m/s], w [rad/s]) | position [mm] | yaw [°] | turn [%] | distance [%] | drift [mm] |",
+        "| --- | --- | --- | --- | --- | --- |",
+    ]
+    with KinematicSimulator(EMPTY, robot) as exact, simulate(EMPTY, robot, backend="physx") as engine:
+        for v, w in COMMANDS:
+            (got, turned), (expected, turn) = (end_of(each, Twist2D(v, w)) for each in (engine, exact))
+            if w == 0.0:
+                shares = f"| – | {100.0 * (got.x / expected.x - 1.0):+.2f} | {1000.0 * got.y:+.2f} |"
+            else:
+                shares = f"| {100.0 * (turned / turn - 1.0):+.2f} | – | – |"
+            distance, by = 1000.0 * got.distance_to(expected), math.degrees(turned - turn)
+            lines.append(f"| ({v:g}, {w:g}) | {distance:.2f} | {by:+.3f} {shares}")
+        found = np.abs([errors(engine, exact, Twist2D(v, w)) for v, w in twists])
+    return [*lines, "", f"The same {RANDOM_TWISTS} random twists:", "", *table_of(found)]
+
+
+def table_of(found: FloatArray) -> list[str]:
+    lines = ["| | median | p90 | maximum |", "| --- | --- | --- | --- |"]
+    for label, values in (("position [mm]", found[:, 0]), ("yaw [°]", found[:, 1])):
+        middle, high, most = np.median(values), np.percentile(values, 90), values.max()
+        lines.append(f"| {label} | {middle:.2f} | {high:.2f} | {most:.2f} |")
+    return lines
 
 
 def report(robot: Robot) -> list[str]:
@@ -77,12 +119,8 @@ def report(robot: Robot) -> list[str]:
             "",
             f"{RANDOM_TWISTS} random twists, uniform within ± the limits (seed {RANDOM_SEED}), from trailing casters:",
             "",
-            "| | median | p90 | maximum |",
-            "| --- | --- | --- | --- |",
+            *table_of(found),
         ]
-        for label, values in (("position [mm]", found[:, 0]), ("yaw [°]", found[:, 1])):
-            middle, high, most = np.median(values), np.percentile(values, 90), values.max()
-            lines.append(f"| {label} | {middle:.2f} | {high:.2f} | {most:.2f} |")
         if swivel:
             ahead = found[twists[:, 0] >= 0.0].max(axis=0)
             back = found[twists[:, 0] < 0.0].max(axis=0)
@@ -91,7 +129,7 @@ def report(robot: Robot) -> list[str]:
                 f"Driving forward at most {ahead[0]:.2f} mm and {ahead[1]:.2f}°; backward, where the casters swing "
                 f"round first, {back[0]:.2f} mm and {back[1]:.2f}°.",
             ]
-    return lines
+    return lines + (report_physx(robot, twists) if has_physx() else [])
 
 
 def main() -> None:
@@ -100,9 +138,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, help="write the tables here as well")
     options = parser.parse_args()
     names = options.robot or ["nova_carter", "turtlebot3_burger", "turtlebot3_waffle", "jackal"]
-    text = "# Accuracy of the MuJoCo simulator\n\n" + "\n".join(
-        "\n".join(report(Robot.load(name))) + "\n" for name in names
-    )
+    text = "# Accuracy of the simulators\n\n" + "\n".join("\n".join(report(Robot.load(name))) + "\n" for name in names)
     sys.stdout.write(text)
     if options.out:
         options.out.write_text(text)

@@ -6,17 +6,19 @@ python benchmarks/simulation/wall_push.py [--robot NAME] [--out wall_push.md]
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import math
 import platform
 import sys
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from trundle.geometry import Pose2D, Pose3D, Twist2D
 from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot, robot_names
-from trundle.sim.mujoco.simulator import MujocoSimulator
+from trundle.sim import simulate
 from trundle.worlds import World
 
 PERIOD = 0.005
@@ -36,19 +38,22 @@ class Push:
         back: Farthest that it came away from the wall [m].
         lift: Highest that base_link was above its height at rest [m].
         turn: Largest change of yaw [rad].
+        slip: How far the wheels have turned in vain [m].
     """
 
     recoil: float
     back: float
     lift: float
     turn: float
+    slip: float
 
 
-def push(robot: Robot, *, gap: float, sign: float = 1.0, share: float = 1.0) -> Push:
+def push(robot: Robot, backend: str, *, gap: float, sign: float = 1.0, share: float = 1.0) -> Push:
     """Drive into a wall, keep pushing, then release.
 
     Args:
         robot: What pushes.
+        backend: In which simulator.
         gap: Between footprint and wall at the start [m].
         sign: 1 pushes with the front, -1 with the back.
         share: Of the top speed that is commanded.
@@ -57,8 +62,8 @@ def push(robot: Robot, *, gap: float, sign: float = 1.0, share: float = 1.0) -> 
     wall = Solid("wall", Box((0.2, 20.0, 1.0)), Pose3D((sign * (away + 0.1), 0.0, 0.5)))
     recoil = back = lift = turn = 0.0
     touched = False
-    with MujocoSimulator(World("wall", (wall,)), robot) as simulator:
-        rest = float(simulator.data.qpos[2])
+    with simulate(World("wall", (wall,)), robot, backend=backend) as simulator:
+        rest = height(simulator)
         simulator.reset(Pose2D(0.0, 0.0))
         speed = share * robot.limits.linear_speed
         approach = gap / speed + speed / robot.limits.linear_acceleration + 0.5
@@ -68,22 +73,29 @@ def push(robot: Robot, *, gap: float, sign: float = 1.0, share: float = 1.0) -> 
             touched = touched or bool(state.contacts)
             if not touched:
                 continue
-            recoil = max(recoil, -sign * float(simulator.data.qvel[0]))
+            if {contact.other for contact in state.contacts} - {"wall"}:
+                raise RuntimeError(f"{robot.name} touches {state.contacts}")
+            recoil = max(recoil, -sign * state.twist.v)
             back = max(back, gap - sign * state.pose.x)
-            lift = max(lift, float(simulator.data.qpos[2]) - rest)
+            lift = max(lift, height(simulator) - rest)
             turn = max(turn, abs(state.pose.yaw))
     if not touched:
         raise RuntimeError(f"{robot.name} did not reach the wall")
-    return Push(recoil, back, lift, turn)
+    return Push(recoil, back, lift, turn, state.odometry.distance_to(state.pose))
 
 
-def cases(robot: Robot) -> list[tuple[str, Push]]:
+def height(simulator: Any) -> float:
+    """Height of base_link [m]."""
+    return float(simulator.data.qpos[2]) if hasattr(simulator, "data") else simulator.base_pose().position[2]
+
+
+def cases(robot: Robot, backend: str) -> list[tuple[str, Push]]:
     return [
-        ("front, top speed", push(robot, gap=RUN_UP)),
-        ("front, from a stand 2 cm away", push(robot, gap=GAP)),
-        ("front, half speed", push(robot, gap=RUN_UP, share=0.5)),
-        ("back, top speed", push(robot, gap=RUN_UP, sign=-1.0)),
-        ("back, from a stand 2 cm away", push(robot, gap=GAP, sign=-1.0)),
+        ("front, top speed", push(robot, backend, gap=RUN_UP)),
+        ("front, from a stand 2 cm away", push(robot, backend, gap=GAP)),
+        ("front, half speed", push(robot, backend, gap=RUN_UP, share=0.5)),
+        ("back, top speed", push(robot, backend, gap=RUN_UP, sign=-1.0)),
+        ("back, from a stand 2 cm away", push(robot, backend, gap=GAP, sign=-1.0)),
     ]
 
 
@@ -92,23 +104,26 @@ def main() -> None:
     parser.add_argument("--robot", action="append", help="catalogue name or YAML; may be given again")
     parser.add_argument("--out", type=Path, help="write the table here as well")
     options = parser.parse_args()
+    has_physx = importlib.util.find_spec("ovphysx") is not None
+    physx = f", PhysX (ovphysx {version('ovphysx')})" if has_physx else ""
     lines = [
         "# Pushing a wall",
         "",
-        f"MuJoCo {version('mujoco')}, {platform.machine()}; physics steps of 5 ms. Each robot drives into a wall "
-        f"{RUN_UP:g} m or {GAP:g} m away, keeps pushing for {PUSH_S:g} s and stands still for {RELEASE_S:g} s. From "
-        "its first contact on: the largest speed away from the wall, the farthest that it came away from the wall's "
-        "face, and how far base_link lifted above its height at rest.",
+        f"MuJoCo {version('mujoco')}{physx}, {platform.machine()}; physics steps of 5 ms. Each robot drives into a "
+        f"wall {RUN_UP:g} m or {GAP:g} m away, keeps pushing for {PUSH_S:g} s and stands still for {RELEASE_S:g} s. "
+        "From its first contact on: the largest speed away from the wall, the farthest that it came away from the "
+        "wall's face, how far base_link lifted above its height at rest, and how far the wheels turned in vain.",
         "",
-        "| robot | push | recoil [m/s] | back [mm] | lift [mm] | turn [°] |",
-        "| --- | --- | --- | --- | --- | --- |",
+        "| simulator | robot | push | recoil [m/s] | back [mm] | lift [mm] | turn [°] | slip [m] |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
-    for name in options.robot or robot_names():
-        for label, result in cases(Robot.load(name)):
-            lines.append(
-                f"| {name} | {label} | {result.recoil:.3f} | {1000.0 * result.back:.2f} | {1000.0 * result.lift:.2f} "
-                f"| {math.degrees(result.turn):.2f} |"
-            )
+    for backend in ("mujoco", "physx") if physx else ("mujoco",):
+        for name in options.robot or robot_names():
+            for label, result in cases(Robot.load(name), backend):
+                lines.append(
+                    f"| {backend} | {name} | {label} | {result.recoil:.3f} | {1000.0 * result.back:.2f} | "
+                    f"{1000.0 * result.lift:.2f} | {math.degrees(result.turn):.2f} | {result.slip:.2f} |"
+                )
     text = "\n".join(lines) + "\n"
     sys.stdout.write(text)
     if options.out:

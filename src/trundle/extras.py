@@ -51,6 +51,16 @@ EXTRAS = {
         {"ray": "ray", "pyarrow": "pyarrow", "cloudpickle": "cloudpickle"},
     ),
     "pandas": Extra("tables of trajectories", {"pandas": "pandas"}),
+    "physx": Extra(
+        "--backend physx: NVIDIA PhysX on the CPU, under NVIDIA's licence",
+        {
+            "ovphysx": "ovphysx",
+            "ovstage": "ovstage",
+            "physx-usd-schemas": "physx_usd_schemas",
+            "usd-core": "pxr.Usd",
+            "scipy": "scipy.spatial",
+        },
+    ),
     "bench": Extra(
         "the comparisons in benchmarks/",
         {
@@ -89,7 +99,9 @@ def check_extra(extra: str, purpose: str) -> None:
 
 
 def is_offered(library: str) -> bool:
-    """Return whether an extra installs a library here: Cyclone DDS is left out where it has no wheels."""
+    """Return whether an extra installs a library here: it is left out where it has no wheels."""
+    if library in ("ovphysx", "ovstage", "physx-usd-schemas"):
+        return sys.platform == "linux" and platform.machine() == "x86_64"
     return library != "cyclonedds" or not lacks_wheels()
 
 

@@ -187,7 +187,7 @@ def test_a_drive_that_is_stopped_by_ctrl_c_keeps_its_record(trundle, fake):
     ("arguments", "says"),
     [
         (("--headless",), "--headless is for --backend isaac, but the backend is mujoco"),
-        (("--physics-dt", "0.01", "--backend", "kinematic"), "--physics-dt is for --backend isaac"),
+        (("--physics-dt", "0.01", "--backend", "kinematic"), "--physics-dt is for --backend isaac or physx"),
         (("--backend", "isaac", "--environment", "warehuose"), "Did you mean 'warehouse'"),
         (("--backend", "isaac", "--view"), "Isaac Sim has its own"),
         (("--backend", "isaac", "--assets-root", "nowhere"), "there is no such folder"),

@@ -7,7 +7,6 @@ from pxr import Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdValidation
 
 from trundle.errors import MissingExtraError, OutputError
 from trundle.export.usd import export_robot, export_world
-from trundle.export.usd_stages import robot_stage
 from trundle.geometry import Pose3D
 from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.maps import OccupancyGrid
@@ -15,6 +14,7 @@ from trundle.robots import Caster, Robot, robot_names
 from trundle.sim.mujoco.joints import list_joints
 from trundle.sim.mujoco.model import robot_spec
 from trundle.sim.mujoco.robot_parts import Servo, chassis_inertial
+from trundle.sim.mujoco.robot_stage import robot_stage
 from trundle.worlds import World
 from trundle.worlds.tessellate import cone_mesh
 from trundle.worlds.usd import load_usd
@@ -335,7 +335,7 @@ def test_names_that_usd_does_not_take_are_made_valid_and_stay_apart(tmp_path):
 
 
 def test_a_joint_about_any_axis_turns_about_it():
-    from trundle.export.usd_stages import _axis, _frame
+    from trundle.sim.mujoco.robot_stage import _axis, _frame
 
     for axis in ((0.0, 1.0, 0.0), (0.0, -1.0, 0.0), (0.6, 0.0, 0.8), (-0.36, 0.48, 0.8)):
         frame = _frame(np.array(axis))

@@ -9,12 +9,13 @@ from pxr import Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade, UsdValidation
 
 from trundle.errors import UnknownNameError
 from trundle.export import Scene, export_robot, export_scene, export_world
-from trundle.export.usd_stages import robot_stage, scene_stage
+from trundle.export.usd_scene import scene_stage
 from trundle.geometry import Pose2D, Pose3D
 from trundle.geometry.solids import Box, Solid, Sphere
 from trundle.robots import Robot, robot_names
 from trundle.sim import simulate
 from trundle.sim.mujoco.robot_parts import Servo, chassis_inertial
+from trundle.sim.mujoco.robot_stage import robot_stage
 from trundle.usd import GROUND_OFFSET
 from trundle.worlds import World
 

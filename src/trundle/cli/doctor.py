@@ -22,6 +22,7 @@ app = App(
         "Examples:\n"
         "  trundle doctor\n"
         "  trundle doctor --backend mujoco\n"
+        "  trundle doctor --backend physx\n"
         "  trundle doctor robot nova_carter --track-width 0.54"
     ),
 )

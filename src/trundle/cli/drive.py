@@ -141,7 +141,7 @@ def drive(
             except InputError as error:
                 raise InputError(f"--like {like}: {error}") from error
             pose = begin if start is None else pose
-        if backend != isaac.BACKEND or floor_z is not None:
+        if (backend != isaac.BACKEND and "environment" not in given) or floor_z is not None:
             place = sources.stand_on_floor(place, world, machine, pose, floor_z)
         lidars = {"lidar": True} if browser and by_hand and backend != isaac.BACKEND and machine.lidars else {}
         simulator = stack.enter_context(simulate(place, machine, backend=backend, **given, **lidars))

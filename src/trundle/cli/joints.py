@@ -28,22 +28,24 @@ def joints(
     robot: str,
     /,
     *,
-    backend: Annotated[Literal["mujoco", "isaac"], Parameter(help="The joints of this simulator's model.")] = "mujoco",
+    backend: Annotated[
+        Literal["mujoco", "physx", "isaac"], Parameter(help="The joints of this simulator's model.")
+    ] = "mujoco",
     json: options.Json = False,
     quiet: options.Quiet = False,
     isaac_options: isaac.IsaacOptions | None = None,
 ) -> int:
     """List a robot's joints: name, type, axis, limits, parent, child, and which ones drive it.
 
-    With --backend isaac: the joints that Isaac Sim moves in the robot's USD, in its order.
+    With --backend isaac or physx: the joints that it moves in the robot's USD, in its order.
 
     Args:
         robot: A robot (nova_carter, jackal, turtlebot3_burger, turtlebot3_waffle, a plug-in's), or the path of a
             robot's YAML, an MJCF, a URDF or a USD file.
     """
     given = isaac.simulator_options(isaac_options, backend)
-    if backend == isaac.BACKEND:
-        return isaac.print_joints(robot, given, json=json)
+    if isaac.opens_usd(backend):
+        return isaac.print_joints(robot, backend, given, json=json)
     from trundle.sim.mujoco.engine import import_engine
 
     import_engine()

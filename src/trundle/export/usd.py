@@ -48,7 +48,7 @@ def export_robot(robot: Robot, path: str | os.PathLike[str], *, profile: Profile
         MissingExtraError: If usd-core is not installed.
     """
     check_profile(profile)
-    from trundle.export.usd_stages import robot_stage
+    from trundle.sim.mujoco.robot_stage import robot_stage
     from trundle.usd.stage import save
 
     stage = robot_stage(robot)
@@ -77,7 +77,7 @@ def export_scene(scene: Scene, path: str | os.PathLike[str], *, profile: Profile
         MissingExtraError: If usd-core is not installed.
     """
     check_profile(profile)
-    from trundle.export.usd_stages import scene_stage
+    from trundle.export.usd_scene import scene_stage
     from trundle.usd.stage import save
 
     if profile == "isaac":

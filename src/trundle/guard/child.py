@@ -15,6 +15,7 @@ import pickle
 import sys
 import traceback
 import warnings
+from collections.abc import Iterator
 from typing import Any
 
 from trundle.guard.process import PROTOCOL
@@ -131,6 +132,30 @@ def limit_growth(size: int) -> tuple[int, int] | None:
     most = taken + size if before[1] == resource.RLIM_INFINITY else min(taken + size, before[1])
     resource.setrlimit(resource.RLIMIT_AS, (most, before[1]))
     return before
+
+
+@contextlib.contextmanager
+def uncounted_growth() -> Iterator[None]:
+    """Leave out of the limit what the block adds to the address space: a library may reserve far more than it uses.
+
+    A limit that somebody set for good, with `ulimit -v`, stays.
+    """
+    taken = _address_space()
+    if taken is None:
+        yield
+        return
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    if soft == resource.RLIM_INFINITY:
+        yield
+        return
+    resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
+    try:
+        yield
+    finally:
+        most = soft + max(0, (_address_space() or 0) - taken)
+        resource.setrlimit(resource.RLIMIT_AS, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
 
 
 def _address_space() -> int | None:

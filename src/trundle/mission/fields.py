@@ -191,7 +191,8 @@ class ScenarioFields(CostmapSettings, RunSettings):
         map: Path of a ROS map's YAML, extruded into a world. In a file, it is relative to that file.
         map_options: How the map is extruded. If None, walls of 1 m.
         floor_z: Height [m] of the floor in the world's file. If None, the one under the start, or where none is
-            given, under most of the world (with backend isaac 0, as Isaac Sim takes the file as it is).
+            given, under most of the world (0 with backend isaac, and with physx in a USD file, which they take as it
+            is).
         compat: "humble" reads the map and the masks as ROS 2 Humble does.
         keepout: Path of a keep-out mask's YAML, a ROS map; in a file, relative to that file.
         speed_mask: Path of a speed mask's YAML; in a file, relative to that file.

@@ -118,11 +118,16 @@ def _make_world(scenario: ScenarioFields, robot: Robot) -> tuple[World, Occupanc
 def _choose_floor(scenario: ScenarioFields, world: World, robot: Robot) -> float:
     """Height of the floor [m]; that of a generated world is 0."""
     choice = scenario.world
-    if scenario.floor_z is not None or choice is None or not choice.is_file or scenario.backend.name == "isaac":
+    if scenario.floor_z is not None or choice is None or not choice.is_file or _opens_file(scenario):
         return scenario.floor_z or 0.0
     if scenario.start is None:
         return find_common_floor(world, robot)
     return find_floor(world, robot, Pose2D.of(scenario.start))
+
+
+def _opens_file(scenario: ScenarioFields) -> bool:
+    """Whether the backend simulates the world's file itself, on its own floor."""
+    return scenario.backend.name == "isaac" or "environment" in scenario.backend.options
 
 
 def _map_bounds(scenario: ScenarioFields, world: World, robot: Robot) -> Bounds | None:

@@ -40,7 +40,7 @@ from trundle.version import __version__
 
 _LOGGER = logging.getLogger(__name__)
 
-_VERSIONS = ("numpy", "mujoco", "isaacsim", "pillow", "av")
+_VERSIONS = ("numpy", "mujoco", "ovphysx", "isaacsim", "pillow", "av")
 
 
 WriteExtra = Callable[[Path, Episode], object]

@@ -20,6 +20,7 @@ SIMULATORS: Registry[SomeSimulator] = Registry(
     {
         "isaac": "trundle.sim.isaac:IsaacSimulator",
         "mujoco": "trundle.sim.mujoco.simulator:MujocoSimulator",
+        "physx": "trundle.sim.physx.simulator:PhysxSimulator",
         "kinematic": "trundle.sim.kinematic:KinematicSimulator",
     },
 )
@@ -259,7 +260,7 @@ def world_of(simulator: SomeSimulator) -> World | None:
 def add_solid(simulator: SomeSimulator, solid: Solid) -> None:
     """Put a solid into the world of a simulator until its next reset. See `Simulator.add_solid`.
 
-    `kinematic` and `mujoco` can.
+    `kinematic`, `mujoco` and `physx` can.
 
     Raises:
         InputError: If the simulator cannot add solids.
@@ -270,7 +271,7 @@ def add_solid(simulator: SomeSimulator, solid: Solid) -> None:
 def place_robot(simulator: SomeSimulator, pose: Pose2D) -> RobotState:
     """Put the robot of a simulator somewhere else, at rest, in the middle of a run. See `Simulator.place`.
 
-    `kinematic` and `mujoco` can.
+    `kinematic`, `mujoco` and `physx` can.
 
     Args:
         simulator: The simulator.
@@ -287,14 +288,14 @@ def place_robot(simulator: SomeSimulator, pose: Pose2D) -> RobotState:
 
 def _cannot_add(simulator: object) -> InputError:
     return InputError(
-        f"{type(simulator).__name__} cannot put anything into its world during a run; use the backend mujoco or "
-        "kinematic"
+        f"{type(simulator).__name__} cannot put anything into its world during a run; use the backend mujoco, "
+        "physx or kinematic"
     )
 
 
 def _cannot_place(simulator: object) -> InputError:
     return InputError(
-        f"{type(simulator).__name__} cannot place the robot during a run; use the backend mujoco or kinematic"
+        f"{type(simulator).__name__} cannot place the robot during a run; use the backend mujoco, physx or kinematic"
     )
 
 
@@ -309,8 +310,9 @@ def simulate(world: World, robot: str | Robot, *, backend: str = "mujoco", **opt
     Args:
         world: The world.
         robot: A robot, a catalogue name or the path of a YAML file.
-        backend: "mujoco", "kinematic", "isaac" (in Isaac Sim's own Python), or a name registered by another package.
-        options: Passed to the backend (`lidar=True` enables lidars in "mujoco" and "kinematic").
+        backend: "mujoco", "kinematic", "physx", "isaac" (in Isaac Sim's own Python), or a name registered by another
+            package.
+        options: Passed to the backend (`lidar=True` enables lidars in all but "isaac").
 
     Raises:
         UnknownNameError: If there is no such backend or robot.

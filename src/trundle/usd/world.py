@@ -27,7 +27,7 @@ from trundle.worlds.usd.options import NAME, SEEDS
 from trundle.worlds.walls import merge_cells
 
 _ROOT = "World"
-_FRICTION = 1.0  # as the wheels': PhysX takes the mean of two materials
+FRICTION = 1.0  # as the wheels': PhysX takes the mean of two materials
 _FLOOR_MARGIN = 5.0  # how far the floor is drawn beyond the solids [m]
 _FLOOR_COLOR = (0.66, 0.67, 0.68, 1.0)
 
@@ -40,7 +40,7 @@ def world_stage(world: World) -> Any:
         seeds = stage.GetDefaultPrim().CreateAttribute(SEEDS, Sdf.ValueTypeNames.Double2Array)
         seeds.Set([Gf.Vec2d(*seed) for seed in world.seeds])
     UsdGeom.Scope.Define(stage, f"/{_ROOT}/Materials")
-    material = friction_material(stage, f"/{_ROOT}/Materials/Ground", _FRICTION, lowest=False)
+    material = friction_material(stage, f"/{_ROOT}/Materials/Ground", FRICTION, lowest=False)
     _add_floor(stage, world, material)
     home = f"/{_ROOT}/Solids"
     UsdGeom.Scope.Define(stage, home)
@@ -51,7 +51,7 @@ def world_stage(world: World) -> Any:
         for path in paths:
             Sdf.CreatePrimInLayer(stage.GetRootLayer(), path).specifier = Sdf.SpecifierDef
     for path, solid in zip(paths, world.solids, strict=True):
-        bind_friction(_add_solid(stage, path, solid), material)
+        bind_friction(add_solid(stage, path, solid), material)
     return stage
 
 
@@ -76,7 +76,8 @@ def _add_floor(stage: Any, world: World, material: Any) -> None:
     bind_friction(floor.GetPrim(), material)
 
 
-def _add_solid(stage: Any, path: str, solid: Solid) -> Any:
+def add_solid(stage: Any, path: str, solid: Solid) -> Any:
+    """Add a solid as a collider with its name, colour and kind, and return its prim."""
     match solid.shape:
         case Box(size):
             gprim = UsdGeom.Cube.Define(stage, path)

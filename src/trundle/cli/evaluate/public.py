@@ -84,7 +84,9 @@ class DriveOptions:
     collision_monitor: Annotated[
         bool | None, _flag("Check every command against the scans.", "--no-collision-monitor")
     ] = None
-    backend: Annotated[str, _crossed("backend", "The simulator: mujoco or kinematic. Commas cross several.")] = "mujoco"
+    backend: Annotated[str, _crossed("backend", "The simulator: mujoco, kinematic or physx. Commas cross several.")] = (
+        "mujoco"
+    )
 
     def conditions(self, robots: Sequence[str], *, seeds: str, drift: bool, monitor: bool) -> Conditions:
         """Return the conditions of the runs, for robots by name or file; `drift` and `monitor` are defaults.

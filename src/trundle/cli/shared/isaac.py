@@ -1,4 +1,4 @@
-"""Shared by the verbs that use Isaac Sim: its options and its application."""
+"""Shared by the verbs that use Isaac Sim or its physics: their options, and Isaac Sim's application."""
 
 from __future__ import annotations
 
@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from trundle.worlds import World
 
 BACKEND = "isaac"
+PHYSX = "physx"
+
+_WINDOW = ("headless", "livestream")
+"""Options of Isaac Sim's window, which PhysX alone does not have."""
 
 Profile = Annotated[str | None, Parameter(name="--profile", help="For usd: isaac adds what Isaac Sim needs.")]
 ScriptEnvironment = Annotated[
@@ -47,18 +51,22 @@ AssetsRoot = Annotated[
     ),
 ]
 
-_GROUP = Group("Isaac Sim", help="With --backend isaac, run with Isaac Sim's own interpreter.", sort_key=1)
+_GROUP = Group(
+    "Isaac Sim",
+    help="With --backend isaac, run with Isaac Sim's own interpreter; all but its window also with --backend physx.",
+    sort_key=1,
+)
 
 
 @Parameter(name="*", group=_GROUP)
 @dataclass(frozen=True, slots=True)
 class IsaacOptions:
-    """Options of `--backend isaac`.
+    """Options of `--backend isaac` and `--backend physx`.
 
     Attributes:
         environment: The stage to open: an environment (warehouse_with_forklifts, warehouse, full_warehouse,
             hospital, office) or a USD file, in the map's frame; default: the world or the map, written as USD.
-        robot_usd: The robot's USD file; default: that of Isaac Sim's assets.
+        robot_usd: The robot's USD file; default: that of Isaac Sim's assets; with physx trundle's own model.
         assets_root: Folder or address that holds Isaac/Environments and Isaac/Robots; default: TRUNDLE_ISAAC_ASSETS,
             or Isaac Sim's own asset root.
         physics_dt: Physics timestep [s]; default: 0.005.
@@ -92,9 +100,10 @@ def simulator_options(options: IsaacOptions | None, backend: str) -> dict[str, s
         InputError: If options of Isaac Sim are given to another backend.
     """
     given = options.given() if options is not None else {}
-    if given and backend != BACKEND:
-        name = next(iter(given)).replace("_", "-")
-        raise InputError(f"--{name} is for --backend isaac, but the backend is {backend}")
+    others = [name for name in given if backend != BACKEND and (backend != PHYSX or name in _WINDOW)]
+    if others:
+        takes = "isaac" if others[0] in _WINDOW else "isaac or physx"
+        raise InputError(f"--{others[0].replace('_', '-')} is for --backend {takes}, but the backend is {backend}")
     return given
 
 
@@ -109,17 +118,22 @@ def check_window(view: bool, backend: str) -> None:
 
 
 def adapt(scenario: Scenario, options: IsaacOptions | None) -> Scenario:
-    """Give a scenario's backend the options of the command line; a USD world is opened by Isaac Sim directly.
+    """Give a scenario's backend the options of the command line; Isaac Sim and PhysX open a USD world directly.
 
     Raises:
         InputError: If they are given to another backend, or conflict with the scenario's world.
     """
     given = simulator_options(options, scenario.backend.name)
-    if scenario.backend.name != BACKEND:
+    if not opens_usd(scenario.backend.name):
         return scenario
     settings = {**scenario.backend.options, **given}
     settings |= _environment(scenario.world.name if scenario.world is not None else None, settings)
     return scenario.model_copy(update={"backend": scenario.backend.model_copy(update={"options": settings})})
+
+
+def opens_usd(backend: str) -> bool:
+    """Return whether a backend opens a USD world itself."""
+    return backend in (BACKEND, PHYSX)
 
 
 def _early_application(world: str | None, settings: Mapping[str, object]) -> AbstractContextManager[Application | None]:
@@ -156,10 +170,13 @@ def open_place(
     Raises:
         InputError: If both an environment and another world are given.
     """
-    if backend != BACKEND:
+    if not opens_usd(backend):
         yield sources.load_place(world, seed=seed, settings=settings)
         return
     given |= _environment(world, given)
+    if backend == PHYSX:
+        yield sources.load_place(world, seed=seed, settings=settings)
+        return
     with _early_application(world, given):
         yield sources.load_place(world, seed=seed, settings=settings)
 
@@ -179,7 +196,7 @@ def _environment(world: str | None, settings: Mapping[str, object]) -> dict[str,
 
 
 def world_of(source: str, backend: str | None, options: IsaacOptions | None) -> str:
-    """Return the USD file if the source names an environment for a run in Isaac Sim, else the source unchanged.
+    """Return the USD file if the source names an environment for a run that opens it, else the source unchanged.
 
     Raises:
         InputError: If its file is not on this machine, so that no map can be built.
@@ -187,13 +204,13 @@ def world_of(source: str, backend: str | None, options: IsaacOptions | None) -> 
     from trundle.sim.isaac.assets import ENVIRONMENTS, local_environment
     from trundle.worlds import world_names
 
-    if backend != BACKEND or source not in ENVIRONMENTS or source in world_names():
+    if backend is None or not opens_usd(backend) or source not in ENVIRONMENTS or source in world_names():
         return source
     try:
         return str(local_environment(source, options.assets_root if options is not None else None))
     except InputError as error:
         raise InputError(
-            f"{error}; or use a map of it: trundle run map.yaml --backend isaac --environment {source}"
+            f"{error}; or use a map of it: trundle run map.yaml --backend {backend} --environment {source}"
         ) from error
 
 
@@ -229,15 +246,15 @@ def open_simulator(
     return simulator
 
 
-def print_joints(robot: str, settings: Mapping[str, str | float | bool], *, json: bool) -> int:
-    """Print the joints that Isaac Sim moves in a robot's USD, in its order; return the exit code."""
-    from trundle.geometry import Pose2D
+def print_joints(robot: str, backend: str, settings: Mapping[str, str | float | bool], *, json: bool) -> int:
+    """Print the joints that Isaac Sim or PhysX moves in a robot's USD, in its order; return the exit code."""
     from trundle.robots import Robot
+    from trundle.sim import simulate
     from trundle.worlds import World
 
     machine = Robot.load(robot)
     wheels = (machine.drive.left_joint, machine.drive.right_joint)
-    with open_simulator(World("empty", ()), machine, Pose2D(0.0, 0.0), settings) as simulator:
+    with cast("IsaacSimulator", simulate(World("empty", ()), machine, backend=backend, **settings)) as simulator:
         found = [
             {"index": index, "name": name, "drives": name in wheels}
             for index, name in enumerate(simulator.joint_names())

@@ -119,7 +119,7 @@ WorldName = Annotated[
     ),
 ]
 RobotName = Annotated[str, Parameter(name="--robot", help=ROBOT_HELP)]
-BACKEND_HELP = "The simulator: mujoco, kinematic, isaac or a plug-in's name."
+BACKEND_HELP = "The simulator: mujoco, kinematic, physx, isaac or a plug-in's name."
 Backend = Annotated[str, Parameter(name="--backend", help=BACKEND_HELP)]
 Compat = Annotated[
     Literal["humble"] | None,

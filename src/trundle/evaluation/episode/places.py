@@ -22,7 +22,7 @@ MOST_CELLS = 20_000_000
 _MOST_SIMULATORS = 2
 """Simulators that are kept for a place."""
 
-_REPEATABLE = ("kinematic", "mujoco")
+_REPEATABLE = ("kinematic", "mujoco", "physx")
 """Backends that `reset` puts back bit for bit, so that one simulator serves many episodes."""
 
 

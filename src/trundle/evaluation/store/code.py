@@ -17,7 +17,7 @@ COMMIT = "commit"
 SOURCES = "sources"
 KERNELS = "kernels"
 
-_PACKAGES = ("numpy", "mujoco", "pydantic", "scipy", "trimesh", "usd-core")
+_PACKAGES = ("numpy", "mujoco", "pydantic", "scipy", "trimesh", "usd-core", "ovphysx")
 _NOT_IN_AN_EPISODE = ("cli", "record", "viewer", "teleop", "doctor", "testing", "export", "pictures")
 _OF_EVALUATION = ("row.py", "suite", "episode")
 

@@ -239,8 +239,11 @@ class Hypotheses:
         low = self.main.score < self._settings.lost_below or self.main.pierced > _MOSTLY
         if not self.confirmed:
             return "lost" if low else "ambiguous"
-        better = max(self.main.score + _BETTER, _FAR_SCORE)
-        if any(one.is_far and one.scans > 2 and one.score > better for one in self.others):
+        main, better = self.main, max(self.main.score + _BETTER, _FAR_SCORE)
+        if any(
+            one.is_far and one.scans > 2 and one.score > better and one.quality > main.quality + _BETTER
+            for one in self.others
+        ):
             return "ambiguous"
         is_lost = self.main.scans > 0 and low and self._is_contradicted
         return "lost" if is_lost and not self._is_best_of_all else "localized"

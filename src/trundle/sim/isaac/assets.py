@@ -161,7 +161,15 @@ def check_units(path: str, meters: float, up: str) -> None:
 
 
 def check_joints(robot: Robot, usd: str, path: str) -> None:
-    """Check that the stage has the robot's wheel joints below a prim path, before Isaac Sim looks for them.
+    """Check that Isaac Sim's stage has the robot's wheel joints below a prim path; see `check_wheel_joints`."""
+    import omni.usd
+
+    stage: Any = omni.usd.get_context().get_stage()
+    check_wheel_joints(robot, usd, stage.GetPrimAtPath(path))
+
+
+def check_wheel_joints(robot: Robot, usd: str, prim: Any) -> None:
+    """Check that a stage has the robot's wheel joints below a prim, before a simulator looks for them.
 
     Raises:
         RobotError: If a joint is missing; the message lists the existing ones.
@@ -169,14 +177,12 @@ def check_joints(robot: Robot, usd: str, path: str) -> None:
     Warns:
         RobotWarning: If a wheel joint has no velocity drive.
     """
-    import omni.usd
     from pxr import Usd, UsdPhysics
 
-    stage: Any = omni.usd.get_context().get_stage()
     moving = {
-        prim.GetName(): prim
-        for prim in Usd.PrimRange(stage.GetPrimAtPath(path))
-        if prim.IsA(UsdPhysics.RevoluteJoint) or prim.IsA(UsdPhysics.PrismaticJoint)
+        each.GetName(): each
+        for each in Usd.PrimRange(prim)
+        if each.IsA(UsdPhysics.RevoluteJoint) or each.IsA(UsdPhysics.PrismaticJoint)
     }
     missing = [name for name in (robot.drive.left_joint, robot.drive.right_joint) if name not in moving]
     if missing:

@@ -43,7 +43,7 @@ def opened(path: str) -> Iterator[Any]:
     try:
         yield Usd.Stage.Open(path)
     except Tf.ErrorException as error:
-        raise WorldError(f"{path}: cannot be read as a USD file: {_reason(error)}") from None
+        raise WorldError(f"{path}: cannot be read as a USD file: {usd_reason(error)}") from None
     except (RuntimeError, UnicodeDecodeError) as error:
         raise WorldError(f"{path}: cannot be read as a USD file: {parser_reason(error)}") from error
     except (TypeError, OverflowError) as error:  # from attributes with an unexpected type
@@ -132,8 +132,8 @@ def warn(message: str) -> None:
     warnings.warn(message, WorldWarning, stacklevel=2)
 
 
-def _reason(error: Exception) -> str:
-    """Return USD's error message, without source code locations."""
+def usd_reason(error: Exception) -> str:
+    """Return USD's error message in one line, without source code locations."""
     try:
         text = str(error)
     except UnicodeDecodeError:  # its message quotes the file's bytes

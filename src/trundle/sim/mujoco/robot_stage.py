@@ -1,4 +1,4 @@
-"""A robot as a USD stage, with the bodies, joints and colliders of its simulation model; and a world with it."""
+"""A robot as a USD stage, with the bodies, joints and colliders of its simulation model."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics
 
 from trundle.errors import OutputError
-from trundle.export.plain import Scene
 from trundle.geometry import FloatArray, Pose3D
 from trundle.geometry.solids import Mesh
 from trundle.robots import Robot
@@ -28,7 +27,6 @@ from trundle.usd.stage import (
     set_extent,
     set_pose,
 )
-from trundle.usd.world import world_stage
 from trundle.worlds.affine import pose_of
 
 _DEGREE = math.pi / 180.0
@@ -59,31 +57,6 @@ def robot_stage(robot: Robot) -> Any:
     # The robot does not collide with itself; bodies connected by a joint are already excluded.
     others = [Sdf.Path(writer.paths[body]) for body in bodies if writer.paths[body] != str(base.GetPath())]
     UsdPhysics.FilteredPairsAPI.Apply(base).CreateFilteredPairsRel().SetTargets(others)
-    return stage
-
-
-def scene_stage(scene: Scene, *, height: float = 0.0) -> Any:
-    """Make the stage of a world with the robot in it, at its start.
-
-    Args:
-        scene: The scene.
-        height: Height of base_link above the floor [m].
-    """
-    stage = world_stage(scene.world)
-    root = stage.GetDefaultPrim()
-    names = PrimNames()
-    for taken in (*root.GetAllChildrenNames(), "Lights"):
-        names.take(taken)
-    robot = robot_stage(scene.robot)
-    source = robot.GetDefaultPrim()
-    path = root.GetPath().AppendChild(names.take(source.GetName()))
-    # Joints, materials and filtered pairs refer to prims within the robot, and are remapped with it.
-    Sdf.CopySpec(robot.GetRootLayer(), source.GetPath(), stage.GetRootLayer(), path)
-    start = scene.start
-    w, x, y, z = Pose3D.planar(start.x, start.y, height, start.yaw).quaternion
-    placed = UsdGeom.Xformable(stage.GetPrimAtPath(path))
-    placed.AddTranslateOp().Set(Gf.Vec3d(start.x, start.y, height))
-    placed.AddOrientOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Quatd(w, x, y, z))
     return stage
 
 

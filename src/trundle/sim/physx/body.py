@@ -1,0 +1,99 @@
+"""`RobotBody`: base_link of a robot whose articulation has its root, and its centre of mass, somewhere else."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from trundle.errors import InputError, SimulationError
+from trundle.geometry import FloatArray, Pose2D, Pose3D, Twist2D
+from trundle.robots import Robot
+from trundle.sim.physx.attachment import Attachment
+
+
+class RobotBody:
+    """Reads and writes the pose of base_link.
+
+    Args:
+        attachment: The robot as it is in its stage: its prim, which is base_link, stands upright at (0, 0).
+        robot: The robot.
+        height: Height at which the prim stands in the stage [m].
+        centre: The root body's centre of mass [m], in its frame: PhysX gives the velocity of that.
+        timestep: Length of a physics step [s], for messages.
+
+    Attributes:
+        rest: How high and how tilted base_link stands on the floor; at first as in the stage.
+
+    Raises:
+        SimulationError: If the root is far from base_link.
+    """
+
+    def __init__(
+        self, attachment: Attachment, robot: Robot, *, height: float, centre: FloatArray, timestep: float
+    ) -> None:
+        self._centre, self._timestep = centre, timestep
+        self.rest = Pose3D((0.0, 0.0, height))
+        at_root = self._root(attachment)[0]
+        self._T_root_base = at_root.inverse() @ self.rest
+        self._T_base_root = self._T_root_base.inverse()
+        x, y, _ = self._T_base_root.position
+        if math.hypot(x, y) > robot.circumscribed_radius:
+            raise SimulationError(
+                f"the root of the robot's articulation is {math.hypot(x, y):.2f} m away from its prim: is it a body of "
+                "the robot, and is the robot's prim at base_link?"
+            )
+
+    def _root(self, attachment: Attachment) -> tuple[Pose3D, FloatArray, FloatArray]:
+        try:
+            return attachment.root()
+        except InputError as error:
+            raise SimulationError(
+                f"the physics diverged: {error}; use a smaller physics_dt than {self._timestep} s, and check the "
+                "robot's masses and colliders"
+            ) from error
+
+    def pose(self, attachment: Attachment) -> Pose3D:
+        """Pose of base_link, map frame.
+
+        Raises:
+            SimulationError: If the physics diverged.
+        """
+        return self._root(attachment)[0] @ self._T_root_base
+
+    def motion(self, attachment: Attachment) -> tuple[Pose2D, Twist2D, float]:
+        """Pose and twist of base_link on the floor, and its tilt [rad].
+
+        Raises:
+            SimulationError: If the physics diverged.
+        """
+        T_world_root, linear, angular = self._root(attachment)
+        T_world_base = T_world_root @ self._T_root_base
+        arm = np.array(T_world_base.position) - T_world_root.transform_points([self._centre])[0]
+        vx, vy, _ = (linear + np.cross(angular, arm)).tolist()
+        x, y, _ = T_world_base.position
+        yaw = T_world_base.yaw()
+        twist = Twist2D(vx * math.cos(yaw) + vy * math.sin(yaw), float(angular[2]))
+        return Pose2D(x, y, yaw), twist, tilt_of(T_world_base)
+
+    def put(self, attachment: Attachment, T_world_base: Pose3D) -> None:
+        """Put base_link at a pose, at rest; the joints stay where they are."""
+        attachment.place_root(T_world_base @ self._T_base_root)
+        attachment.stop_joints()
+
+    def stand(self, attachment: Attachment, pose: Pose2D) -> None:
+        """Put it on the floor at a pose, at rest."""
+        self.put(attachment, Pose3D.planar(pose.x, pose.y, 0.0, pose.yaw) @ self.rest)
+
+    def keep_rest(self, attachment: Attachment) -> Pose3D:
+        """Keep how high and how tilted it stands now as `rest`; return its pose."""
+        T_world_base = self.pose(attachment)
+        x, y, _ = T_world_base.position
+        self.rest = Pose3D.planar(x, y, 0.0, T_world_base.yaw()).inverse() @ T_world_base
+        return T_world_base
+
+
+def tilt_of(pose: Pose3D) -> float:
+    """Angle of a pose's z axis from the vertical [rad]."""
+    _, qx, qy, _ = pose.quaternion
+    return math.acos(max(-1.0, 1.0 - 2.0 * (qx * qx + qy * qy)))
