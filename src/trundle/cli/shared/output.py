@@ -84,5 +84,5 @@ def plain(value: object) -> object:
 
 def _text(value: object) -> str:
     if isinstance(value, float):
-        return f"{value:.3f}" if math.isfinite(value) else "-"
+        return f"{value:z.3f}" if math.isfinite(value) else "-"
     return "-" if value is None else str(value)
