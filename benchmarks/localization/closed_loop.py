@@ -11,10 +11,12 @@ the robot's map with these boxes: a ghost stands in the way.
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
 import warnings
 from collections import Counter
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -42,8 +44,6 @@ class Judged:
 
 def judge(evaluation: Evaluation, row: Row) -> Judged:
     """Look for paths where a mission did not arrive."""
-    if row.outcome == "arrived":
-        return Judged(row, True, True)
     setting = evaluation.scenario_of(row.id).model_copy(update={"localizer": None, "start_error": None}).prepare()
     robot, goal = setting.robot, setting.goals[0]
     world = replace(setting.world, seeds=((setting.start.x, setting.start.y),))
@@ -76,6 +76,14 @@ def _is_open(grid: OccupancyGrid, robot: Robot, start: Pose2D, goal: Pose2D) -> 
     return True
 
 
+def _judge(folder: str, row: Row) -> Judged:
+    if row.outcome == "arrived":
+        return Judged(row, True, True)
+    warnings.simplefilter("ignore")
+    with Evaluation(folder) as evaluation:
+        return judge(evaluation, row)
+
+
 def summarize(judged: Sequence[Judged]) -> tuple[str, ...]:
     """One line of the table."""
     with_path = [each for each in judged if each.path]
@@ -100,13 +108,16 @@ def summarize(judged: Sequence[Judged]) -> tuple[str, ...]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folders", nargs="+", help="of evaluations")
+    parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--each", action="store_true", help="print each mission with a path that did not arrive")
     options = parser.parse_args()
     warnings.simplefilter("ignore")
     lines = []
     for folder in options.folders:
         with Evaluation(folder) as evaluation:
-            judged = [judge(evaluation, row) for row in evaluation.rows()]
+            rows = list(evaluation.rows())
+            with ProcessPoolExecutor(options.jobs) as pool:
+                judged = list(pool.map(_judge, itertools.repeat(folder), rows))
             lines.append((evaluation.suite.name, *summarize(judged)))
         for each in judged:
             if options.each and each.path and each.row.outcome != "arrived":
