@@ -24,6 +24,7 @@ _LOCAL_SCANS, _LOCAL_LEAD = 3, 0.04
 _LEAD_GAIN = 0.35
 _START_SCANS, _START_LEAD = 30, 0.3
 _DROP, _CLEAR_LEAD = 0.08, 0.25
+_SLIP_M, _SLIP_LEAD = 0.25, 0.05
 _FAR_TRAVEL_M = 0.6  # the robot sees other things by then; turning by 1.2 rad counts as much
 _FAR_LEAD, _FAR_CLEAR = 0.15, 0.3
 """By the second one a place elsewhere is better even if the main track agrees as it has agreed for some time."""
@@ -181,7 +182,13 @@ class Hypotheses:
             # A start that was off agrees with little: boxes all round fit a map by chance somewhat better than it.
             was_off = self.main.scans < _START_SCANS and track.score > self.main.score + _START_LEAD
             dropped = was_off or self.main.fit < self.main.usual - _DROP
-            return track.scans >= _LOCAL_SCANS and track.lead > (_LOCAL_LEAD if dropped else _CLEAR_LEAD)
+            # Hedges behind a kerb fit the kerb better than the kerb does, but the pose contradicts more of the map.
+            moves_far = not track.is_near(self.main.pose, _SLIP_M, _RIVAL_RAD)
+            return (
+                track.scans >= _LOCAL_SCANS
+                and track.lead > (_LOCAL_LEAD if dropped else _CLEAR_LEAD)
+                and (not moves_far or track.score > self.main.score + _SLIP_LEAD)
+            )
         return (
             self.confirmed
             and (self.is_doubtful or track.quality > self.main.quality + _FAR_CLEAR)
