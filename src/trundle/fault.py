@@ -37,6 +37,7 @@ LIBRARIES = frozenset(
         "ovphysx",
         "ovstage",
         "pandas",
+        "physx_usd_schemas",
         "PIL",
         "pxr",
         "pyarrow",
