@@ -27,7 +27,7 @@ Contacting = tuple[str, int, FloatArray]
 class Attachment:
     """A robot and movers of a stage, in the simulation.
 
-    PhysX has no way back to an earlier state that repeats a run to the last bit: whoever wants that attaches anew.
+    PhysX has no way back to an earlier state that repeats a run to the last bit: whoever wants that attaches again.
 
     Args:
         engine: An `ovphysx.PhysX` that has no stage.

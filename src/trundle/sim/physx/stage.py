@@ -1,4 +1,4 @@
-"""`RunningStage`: a stage in an engine of its own, which can begin anew and take further solids while it runs."""
+"""`RunningStage`: a stage in an engine of its own, which can start again and take further solids while it runs."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ class RunningStage:
         return self._attachment
 
     def begin(self) -> Attachment:
-        """Begin anew, without what was added: the same commands give the same run to the last bit."""
+        """Start again, without what was added: the same commands give the same run to the last bit."""
         self.attachment.detach()
         if self._handles:
             for handle in reversed(self._handles):
