@@ -1,5 +1,6 @@
 """`trundle ros2 serve|check` on a network in memory."""
 
+import gc
 import importlib.util
 import json
 import signal
@@ -60,9 +61,13 @@ def meanwhile() -> Iterator[Callable[[Callable[[], None]], list[Exception]]]:
         threads[-1].start()
         return errors
 
+    # Hypothesis times the garbage collector in a callback, and Python drops a KeyboardInterrupt that is raised in one.
+    callbacks = gc.callbacks.copy()
+    gc.callbacks.clear()
     yield prepare
     for thread in threads:
         thread.join()
+    gc.callbacks.extend(callbacks)
 
 
 def wait_for(is_so: Callable[[], object]) -> None:
