@@ -12,6 +12,7 @@ from trundle.maps import OccupancyGrid
 from trundle.mission import Scenario
 from trundle.nav2 import describe_remarks, read_nav2_params
 from trundle.nav2.parameters import ParameterFile
+from trundle.nav2.remarks import ROS_OWN
 from trundle.robots import Robot
 
 DATA = Path(__file__).parent / "data"
@@ -58,7 +59,20 @@ def test_nothing_is_dropped_silently(name):
     assert ignored < everything
     assert all(remark.text and (remark.line or "(Nav2's default)" in remark.text) for remark in found.remarks)
     text = "\n".join(describe_remarks(found.remarks))
-    assert all(remark.name in text for remark in found.remarks)
+    assert all(remark.name in text for remark in found.remarks if remark.text != ROS_OWN)
+    left = sum(remark.text == ROS_OWN for remark in found.remarks)
+    assert text.splitlines()[-1] == f"left to ROS ({ROS_OWN}): {left} parameters"
+
+
+def test_what_changes_the_motion_comes_first():
+    """The controller, how fast it may drive, how it drives; a person reads the first lines."""
+    lines = describe_remarks(read_nav2_params(DATA / "carter.yaml", "nova_carter").remarks)
+    assert "FollowPath.plugin" in lines[0]
+    assert "DWB is replaced by regulated_pure_pursuit" in lines[0]
+    nodes = [line.split(": ")[1] for line in lines if line.startswith("line")]
+    firsts = [nodes.index(node) for node in ("controller_server", "velocity_smoother", "global_costmap")]
+    assert firsts == sorted(firsts)
+    assert len(lines) < 30
 
 
 def test_jazzys_file_says_what_it_says():
@@ -93,7 +107,7 @@ def test_carters_outline_is_the_local_costmaps_and_its_pose_is_the_start():
     options = found.settings["controller"]["options"]
     assert (options["desired_linear_vel"], options["rotate_to_heading_angular_vel"]) == (1.0, 1.0)
     assert options["lookahead_dist"] == PursuitSettings().lookahead_dist
-    assert any("DWB has no counterpart" in text for text in texts_of(found, "FollowPath.plugin"))
+    assert any("DWB is replaced by" in text for text in texts_of(found, "FollowPath.plugin"))
     assert any("above the robot's own 0.8" in text for text in texts_of(found, "max_velocity"))
 
 
@@ -187,8 +201,8 @@ desired_linear_vel: 0.3""",
 @pytest.mark.parametrize(
     ("plugin", "text"),
     [
-        ("nav2_graceful_controller::GracefulController", "the graceful controller has no counterpart"),
-        ("my_package::MyController", "my_package::MyController is not known"),
+        ("nav2_graceful_controller::GracefulController", "the graceful controller is replaced by"),
+        ("my_package::MyController", "my_package::MyController, which is not known, is replaced by"),
     ],
 )
 def test_controllers_without_counterpart_are_named(write, plugin, text):

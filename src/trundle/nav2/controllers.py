@@ -74,8 +74,8 @@ def read_controller(server: NodeParameters, notes: Notes) -> dict[str, object]:
     if plugin == MPPI:
         return {"name": "mppi", "options": read_mppi(block, notes)}
     known = {DWB: "DWB", GRACEFUL: "the graceful controller"}
-    what = f"{known[plugin]} has no counterpart" if plugin in known else f"{plugin} is not known"
-    text = f"{what}: regulated_pure_pursuit is used, with its speeds; --controller chooses another"
+    what = known.get(plugin, f"{plugin}, which is not known,")
+    text = f"{what} is replaced by regulated_pure_pursuit with its speeds; --controller chooses another"
     notes.default(block, "plugin", plugin, text)
     return {"name": "regulated_pure_pursuit", "options": _read_speeds(block)}
 

@@ -7,9 +7,8 @@ from fnmatch import fnmatchcase
 from trundle.files.yaml_config import Plain
 from trundle.nav2.names import plain_plugin
 from trundle.nav2.parameters import NodeParameters, Parameter
-from trundle.nav2.remarks import Remark
+from trundle.nav2.remarks import ROS_OWN, Remark
 
-_ROS = "ROS's own: topics, frames, clocks and lifecycles"
 _WINDOW = "trundle has one costmap, the global one; a controller sees all of it"
 _SPEED = "trundle's own search, samples or checks take its place"
 
@@ -23,32 +22,32 @@ _BY_NODE = {
     "docking_server": "trundle does not dock",
     "following_server": "trundle does not follow objects",
     "loopback_simulator": "trundle simulates by itself",
-    "lifecycle_manager": _ROS,
-    "robot_state_publisher": _ROS,
+    "lifecycle_manager": ROS_OWN,
+    "robot_state_publisher": ROS_OWN,
     "smoother_server": "Nav2's default behavior trees call no smoother; --smoother constrained smooths trundle's paths",
 }
 
 _BY_NAME = (
-    ("use_sim_time", _ROS),
-    ("bond_*", _ROS),
-    ("*introspection_mode", _ROS),
-    ("*_topic", _ROS),
-    ("*.topic", _ROS),
-    ("topic", _ROS),
-    ("*_frame", _ROS),
-    ("*_frame_id", _ROS),
-    ("*base_frame", _ROS),
-    ("*sensor_frame", _ROS),
-    ("*transform_tolerance", _ROS),
-    ("tf_*", _ROS),
-    ("*publish*", _ROS),
-    ("*visualize*", _ROS),
-    ("*debug*", _ROS),
-    ("*TrajectoryVisualizer*", _ROS),
-    ("*map_subscribe_transient_local", _ROS),
-    ("*always_send_full_costmap", _ROS),
-    ("*enable_stamped_cmd_vel", _ROS),
-    ("*use_realtime_priority", _ROS),
+    ("use_sim_time", ROS_OWN),
+    ("bond_*", ROS_OWN),
+    ("*introspection_mode", ROS_OWN),
+    ("*_topic", ROS_OWN),
+    ("*.topic", ROS_OWN),
+    ("topic", ROS_OWN),
+    ("*_frame", ROS_OWN),
+    ("*_frame_id", ROS_OWN),
+    ("*base_frame", ROS_OWN),
+    ("*sensor_frame", ROS_OWN),
+    ("*transform_tolerance", ROS_OWN),
+    ("tf_*", ROS_OWN),
+    ("*publish*", ROS_OWN),
+    ("*visualize*", ROS_OWN),
+    ("*debug*", ROS_OWN),
+    ("*TrajectoryVisualizer*", ROS_OWN),
+    ("*map_subscribe_transient_local", ROS_OWN),
+    ("*always_send_full_costmap", ROS_OWN),
+    ("*enable_stamped_cmd_vel", ROS_OWN),
+    ("*use_realtime_priority", ROS_OWN),
     ("*update_frequency", "trundle's costmap is updated with every scan"),
     ("rolling_window", _WINDOW),
     ("resolution", _WINDOW),

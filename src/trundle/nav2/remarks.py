@@ -11,6 +11,9 @@ from trundle.files.yaml_config import Plain
 RemarkKind: TypeAlias = Literal["changed", "no counterpart"]
 """Whether something was taken over with another meaning, or not at all."""
 
+ROS_OWN = "topics, frames, clocks and lifecycles"
+"""Why most parameters have no counterpart."""
+
 
 @dataclass(frozen=True, slots=True)
 class Remark:
@@ -34,17 +37,30 @@ class Remark:
 
 
 def describe_remarks(remarks: Iterable[Remark]) -> list[str]:
-    """Return a line for each remark of kind "changed", and one, by node, for each reason of the others."""
+    """Return lines for people: what changes the motion, then what else means something else, then what is left out.
+
+    Each remark of kind "changed" has a line, the others one for each reason. What is ROS's own is in every file and
+    says nothing about the motion: one line counts it.
+    """
     given = list(remarks)
-    lines = [_describe_change(remark) for remark in given if remark.kind == "changed"]
-    groups: dict[tuple[str, str], list[Remark]] = {}
+    changed = sorted((remark for remark in given if remark.kind == "changed"), key=_rank)
+    lines = [_describe_change(remark) for remark in changed]
+    reasons: dict[str, dict[str, list[str]]] = {}
     for remark in given:
         if remark.kind == "no counterpart":
-            groups.setdefault((remark.node, remark.text), []).append(remark)
-    for (node, text), found in groups.items():
-        names = ", ".join(remark.name for remark in found)
-        lines.append(f"{node}: no counterpart: {names} ({text})" if node else f"no counterpart: {names} ({text})")
-    return lines
+            reasons.setdefault(remark.text, {}).setdefault(remark.node, []).append(remark.name)
+    own = sum(len(names) for names in reasons.pop(ROS_OWN, {}).values())
+    for text, nodes in reasons.items():
+        named = "; ".join(f"{node}: {', '.join(names)}" if node else ", ".join(names) for node, names in nodes.items())
+        lines.append(f"no counterpart: {named} ({text})")
+    return [*lines, f"left to ROS ({ROS_OWN}): {own} parameters"] if own else lines
+
+
+def _rank(remark: Remark) -> int:
+    """How much a parameter says about the motion: which controller, how fast, how the controller drives, the rest."""
+    if remark.node == "controller_server":
+        return 0 if remark.name.endswith(".plugin") else 2
+    return {"velocity_smoother": 1, "planner_server": 3, "collision_monitor": 4}.get(remark.node, 5)
 
 
 def _describe_change(remark: Remark) -> str:
