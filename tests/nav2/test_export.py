@@ -306,7 +306,9 @@ def test_the_map_and_the_masks_are_read_back(tmp_path, map_file):
     assert again["speed_mask"] == str(done.folder / "speed.yaml")
 
 
-@pytest.mark.parametrize("settings", [{}, {"lidar": True}, {"lidar": True, "known_map": False}])
+@pytest.mark.parametrize(
+    "settings", [{"collision_monitor": False}, {"lidar": True}, {"lidar": True, "known_map": False}]
+)
 def test_the_launch_file_starts_the_nodes_that_have_parameters(settings, tmp_path, map_file, monkeypatch):
     done = export_nav2(scenario_of(settings, map_file, "nova_carter"), tmp_path)
     text = (done.folder / "nav2.launch.py").read_text(encoding="utf-8")
@@ -316,13 +318,23 @@ def test_the_launch_file_starts_the_nodes_that_have_parameters(settings, tmp_pat
     assert len(set(names)) == len(names)
     managed = made[-1]["parameters"][0]["node_names"]
     assert [*managed, "lifecycle_manager_navigation"] == names
-    assert ("collision_monitor" in names) == bool(settings)
+    assert ("collision_monitor" in names) == ("collision_monitor" not in settings)
     assert ("map_server" in names) == ("amcl" in names) == (settings.get("known_map", True))
     nodes = set(yaml.safe_load((done.folder / "nav2_params.yaml").read_text(encoding="utf-8")))
     costmaps = {"local_costmap", "global_costmap"}  # nodes of the controller and the planner server
     without = {"lifecycle_manager_navigation", "map_server"}
     assert set(names) - without <= nodes
     assert nodes - costmaps - set(names) <= {"collision_monitor", "amcl"}
+
+
+def test_a_robot_with_lidars_senses_with_all_of_them(tmp_path, map_file):
+    """A scenario without lidars knows the true pose; Nav2's robot has nothing but its lidars."""
+    done = export_nav2(scenario_of({}, map_file, "nova_carter"), tmp_path)
+    nodes = yaml.safe_load((done.folder / "nav2_params.yaml").read_text(encoding="utf-8"))
+    for name in ("local_costmap", "global_costmap"):
+        layer = nodes[name][name]["ros__parameters"]["obstacle_layer"]
+        assert layer["observation_sources"] == "front back"
+    assert any("cannot do without" in remark.text for remark in done.remarks)
 
 
 def launch(text, path, monkeypatch):

@@ -214,7 +214,9 @@ def write_costmaps(draft: Draft, grid: OccupancyGrid, keepout: KeepoutMask | Non
     if layers.obstacle is not None and draft.lidars:
         sensed = {"obstacle_layer": _write_obstacles(draft, layers.obstacle)}
     elif not draft.lidars:
-        draft.changed("lidar", False, "no obstacle layers are written: Nav2 drives by the map alone")
+        draft.changed("lidar", False, "the robot has no lidars, so no obstacle layers: Nav2 drives by the map alone")
+    if draft.lidars and draft.scenario.lidar is False:
+        draft.changed("lidar", False, "Nav2's robot cannot do without: it localises itself and stops by its lidars")
     common: Block = {
         "robot_base_frame": "base_link",
         "footprint": str(corners),

@@ -74,11 +74,12 @@ class Draft:
 
     @property
     def lidars(self) -> tuple[str, ...]:
-        """Names of the lidars that are in use."""
+        """Names of the lidars that are in use: all of the robot's, where the scenario does not choose some.
+
+        A scenario without lidars knows the robot's true pose; Nav2 has nothing else to go by.
+        """
         chosen = self.scenario.lidar
-        if isinstance(chosen, bool):
-            return tuple(self.robot.lidars) if chosen else ()
-        return chosen
+        return tuple(self.robot.lidars) if isinstance(chosen, bool) else chosen
 
     def plugin(self, name: str) -> str:
         """Return a plugin's name as the distribution writes it."""
