@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import threading
+import time as clock
 from collections import Counter
 from collections.abc import Callable, Collection
 from typing import Any
@@ -15,6 +16,9 @@ from trundle.messages import readers
 
 STAMP_S = 0.5
 """A stamp that is farther than this from the simulated time [s] is of the past or the future."""
+
+WALL_S = 60.0
+"""How far the clock of another machine may be from this one's [s], for a stamp to be of wall time."""
 
 _LOGGER = logging.getLogger("trundle.ros2")
 
@@ -54,6 +58,12 @@ def check_stamp(stamp: Any, now: float, *, tolerance_s: float = STAMP_S) -> floa
         f"its stamp {time:.3f} s is {abs(time - now):.3g} s in the {where} of the simulated time {now:.3f} s: set the "
         "parameter use_sim_time of the node that sends it",
     )
+
+
+def is_wall_time(stamp: Any, now: float) -> bool:
+    """Return whether a stamp is of the wall clock, where the simulated time `now` [s] is another one."""
+    time, wall = readers.read_stamp(stamp), clock.time()
+    return abs(time - wall) <= WALL_S < abs(time - now)
 
 
 def check_frame(frame_id: str, frames: Collection[str]) -> str:

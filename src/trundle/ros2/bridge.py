@@ -20,6 +20,7 @@ from trundle.ros2.profile import Profile
 from trundle.ros2.role import BridgeContext, Driver, LiveDriver, Role, RoleName, SimulationClock
 from trundle.ros2.simulator_role.role import SimulatorRole
 from trundle.ros2.simulator_role.services import SimulationServices
+from trundle.ros2.static_frames import StaticFramesMode
 from trundle.ros2.wire import Record, Wire
 from trundle.sim.footprint import FootprintChecker
 
@@ -49,6 +50,8 @@ class Bridge:
         record: Keeps what goes over the wire.
         driver: Drives and steers the runs, as a page does. If None, they are driven at `speed`.
         observers: Makes what else follows each run.
+        static_frames: When the frames of sensors and wheels are published: where nobody else does ("auto"), "always" or
+            "never".
         report: Gets warnings and remarks. If None, the log does.
 
     Attributes:
@@ -73,6 +76,7 @@ class Bridge:
         record: Record | None = None,
         driver: Driver | None = None,
         observers: MakeObservers | None = None,
+        static_frames: StaticFramesMode = "auto",
         report: Callable[[str], None] | None = None,
     ) -> None:
         profile = Profile.load(profile) if isinstance(profile, str) else profile
@@ -85,7 +89,7 @@ class Bridge:
         try:
             self.mission = self._opened.enter_context(build_mission(scenario, profile))
             driver = LiveDriver(speed=speed) if driver is None else driver
-            self.context = BridgeContext(self.wire, profile, SimulationClock(), self.mission, driver)
+            self.context = BridgeContext(self.wire, profile, SimulationClock(), self.mission, driver, static_frames)
             self.wire.now = lambda: self.context.clock.now
             self._outputs = RobotOutputs(self.context)
             self._role = _ROLES[role](self.context)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -12,6 +13,7 @@ from pydantic import Field
 from trundle.errors import UnknownNameError
 from trundle.files.config_fields import PoseNumbers, Positive
 from trundle.files.yaml_config import Config, load_config
+from trundle.geometry import Pose2D
 from trundle.robots import Robot
 from trundle.robots.parts import Lidar
 
@@ -26,12 +28,15 @@ class Frames(Config):
         map: Frame of the map.
         odom: Frame of the odometry.
         base: Frame of the robot, on the floor between its drive wheels: trundle's base_link.
+        body: Frame that sensors and wheels are fixed to; `static_frames` says where it is in the base. If None, it is
+            the base.
         also_base: Other frames that a command may be stamped with, besides the base.
     """
 
     map: str = "map"
     odom: str = "odom"
     base: str = "base_link"
+    body: str | None = None
     also_base: tuple[str, ...] = ()
 
 
@@ -46,6 +51,8 @@ class Topics(Config):
         joint_states: The drive wheels' joints.
         robot_description: The robot as URDF.
         contacts: What the robot touches.
+        imu: The turn rate and the acceleration of the base, without noise.
+        battery_state: The battery, of which nothing is simulated: its numbers are not measured (NaN).
     """
 
     clock: OptionalName = "/clock"
@@ -56,6 +63,8 @@ class Topics(Config):
     joint_states: OptionalName = "joint_states"
     robot_description: OptionalName = "robot_description"
     contacts: OptionalName = "contacts"
+    imu: OptionalName = None
+    battery_state: OptionalName = None
 
 
 class Sensor(Config):
@@ -67,12 +76,15 @@ class Sensor(Config):
         points: Topic of its points. If None, they are not published.
         rings: Elevation of each ring of the points [deg], the lowest first. If empty, there is the level ring of the
             scans. Each ring has the beams of the lidar, and costs 3 µs for each of them.
+        first_beam: Direction of the first beam of a scan [rad], for a lidar that sees all around: 0 for one whose beams
+            go from 0 (forward) to 2π. If None, they go from −π to π.
     """
 
     frame: str | None = None
     scan: OptionalName = None
     points: OptionalName = None
     rings: tuple[Annotated[float, Field(ge=-85.0, le=85.0)], ...] = ()
+    first_beam: Annotated[float, Field(ge=-math.pi, le=math.pi)] | None = None
 
 
 class StaticFrame(Config):
@@ -102,7 +114,11 @@ class Profile(Config):
             `<name>/scan` and `<name>/lidar_points` where the robot has several. Not listed, if `only_listed`.
         only_listed: Whether lidars that are not listed are not published.
         static_frames: Frames besides those of the sensors.
-        publishes_static: Whether /tf_static has the sensors and those frames; else robot_state_publisher does that.
+        publishes_static: Whether /tf_static has the sensors and those frames from the start; else
+            robot_state_publisher is expected to do that, and waited for.
+        imu_frame: Frame of the IMU.
+        wheel_frames: Frames of the drive wheels by their joints, which are published where robot_state_publisher does
+            not do that.
         services_prefix: Before the names of the services of simulation_interfaces.
         control_period_s: Length of a control period [s]: /tf and /odom come once in each.
         joint_state_rate: How often joint states are published [Hz of simulated time]; above the control rate they come
@@ -119,6 +135,8 @@ class Profile(Config):
     only_listed: bool = False
     static_frames: tuple[StaticFrame, ...] = ()
     publishes_static: bool = True
+    imu_frame: str = "imu_link"
+    wheel_frames: dict[str, str] = Field(default_factory=dict)
     services_prefix: str = ""
     control_period_s: Positive = 0.02
     joint_state_rate: Positive = 50.0
@@ -138,6 +156,15 @@ class Profile(Config):
         if name not in found:
             raise UnknownNameError("profile", name, found)
         return load_config(found[name], cls)
+
+    @property
+    def body_pose(self) -> tuple[Pose2D, float]:
+        """Where the body is in the base, and its height above the floor [m]."""
+        for fixed in self.static_frames:
+            if fixed.child == self.frames.body and fixed.parent == self.frames.base:
+                x, y, z, yaw = fixed.pose
+                return Pose2D(x, y, yaw), z
+        return Pose2D(0.0, 0.0), 0.0
 
     def fit(self, robot: Robot) -> Robot:
         """Return the robot with the lidars of the profile."""

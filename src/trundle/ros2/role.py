@@ -13,6 +13,7 @@ from trundle.mission.simulation import SessionOptions
 from trundle.navigation import Agent
 from trundle.observation import Observation
 from trundle.ros2.profile import Profile
+from trundle.ros2.static_frames import StaticFramesMode
 from trundle.ros2.wire import Wire
 
 RoleName: TypeAlias = Literal["simulator", "navigator"]
@@ -140,6 +141,7 @@ class BridgeContext:
         clock: The time on the network.
         mission: World, robot, map, navigator and simulator.
         driver: Drives and steers.
+        static_frames: When fixed frames and those of the wheels are published.
         origin: Where the odometry of the simulator began in this run: the frame `odom` on the network begins there.
         periods: Counts control periods and runs.
         session: The present run, or None before the first one.
@@ -151,6 +153,7 @@ class BridgeContext:
     clock: SimulationClock
     mission: Mission
     driver: Driver
+    static_frames: StaticFramesMode = "auto"
     origin: Pose2D = field(default_factory=lambda: Pose2D(0.0, 0.0))
     periods: PeriodCounter = field(default_factory=PeriodCounter)
     session: Session | None = None

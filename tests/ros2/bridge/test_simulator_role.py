@@ -219,7 +219,7 @@ def test_names_frames_and_remaps_are_those_of_the_namespace(serve, peer):
     served = serve(start=False, names=names)
     topics = {outlet.topic for outlet in served.bridge.wire.outlets}
     assert topics >= {"/clock", "/r1/tf", "/tf_static", "/r1/wheel_odom", "/r1/front/scan"}
-    assert {inlet.topic for inlet in served.bridge.wire.inlets} == {"/r1/cmd_vel"}
+    assert {inlet.topic for inlet in served.bridge.wire.inlets} == {"/r1/cmd_vel", "/tf_static"}
     peer.read("/r1/tf", TF)
     served.start()
     wait_for(lambda: peer.got("/r1/tf"))
@@ -272,7 +272,8 @@ def test_profiles_have_the_names_of_their_launch_files(serve, profile, robot, to
     served = serve(start=False, profile=profile, scenario={"robot": robot})
     found = {outlet.topic for outlet in served.bridge.wire.outlets}
     assert found >= topics | {"/clock", "/tf"}
-    assert ("/tf_static" in found) == (profile != "turtlebot3")
+    assert "/tf_static" in found
+    assert ("/imu" in found) == ("/battery_state" in found) == (profile == "turtlebot3")
     assert ("/robot_description" in found) == (profile != "turtlebot3")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 from cyclopts import Parameter
 
@@ -15,6 +15,16 @@ if TYPE_CHECKING:
     from trundle.ros2.names import Names
     from trundle.ros2.transport.domain import Settings
     from trundle.ros2.transport.transport import Transport
+
+
+StaticFrames: TypeAlias = Annotated[
+    Literal["auto", "always", "never"],
+    Parameter(
+        name="--static-frames",
+        help="Publish where the robot's sensors and wheels are: where nobody else does (auto), always or never.",
+    ),
+]
+"""The option of every verb that publishes a robot's frames."""
 
 
 @Parameter(name="*")

@@ -86,6 +86,7 @@ def serve(
             help="Simulated seconds per second, 0.1 to 50, or max; /clock follows it.",
         ),
     ] = "1",
+    static_frames: network.StaticFrames = "auto",
     record: Annotated[
         bool,
         Parameter(
@@ -144,6 +145,7 @@ def serve(
             record=bag,
             driver=driver,
             observers=observers,
+            static_frames=static_frames,
         )
         opened.enter_context(bridge)
         settings_of_run = {"role": role, "profile": profile, "speed": factor, **told.facts}

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.messages.qos import Qos
 from trundle.mission import Step
@@ -21,6 +23,9 @@ from trundle.sim import RobotState
 from trundle.sim.lidar import beam_angles
 from trundle.sim.mujoco.ring_beams import RingBeams
 from trundle.worlds import World
+
+_SAME_RAD = 1e-6
+"""Directions that differ by less are the same."""
 
 _FLOAT32, _UINT16 = 7, 4
 _PARTS = (
@@ -82,7 +87,7 @@ class LidarOutput:
     """Publishes the scans of a lidar as LaserScan, and as PointCloud2 in rows of one ring each.
 
     Where the sensor has rings, the points are measured along them instead. A beam without a return is infinite in a
-    scan, and NaN in a cloud.
+    scan, and NaN in a cloud. The beams of a scan begin where the sensor says.
 
     Args:
         context: The bridge.
@@ -98,6 +103,13 @@ class LidarOutput:
         self._make, self._types = context.maker, wire.types
         self._frame = wire.names.frame(sensor.frame or name)
         self._scan_time = 1.0 / lidar.rate
+        if sensor.first_beam is not None and lidar.fov < 2.0 * math.pi - 1e-6:
+            raise InputError(
+                f"the profile's first_beam of the lidar {name!r} is for one that sees all around, and this one sees "
+                f"{math.degrees(lidar.fov):.0f}°: leave it out"
+            )
+        self._first_beam = sensor.first_beam
+        self._shift = 0
         scan, points = sensor.scan, sensor.points
         self._scans = None if scan is None else wire.outlet(scan, "sensor_msgs/msg/LaserScan", SCANS)
         self._points = None if points is None else wire.outlet(points, "sensor_msgs/msg/PointCloud2", SCANS)
@@ -122,7 +134,9 @@ class LidarOutput:
             self._scan_bytes = self._cloud_bytes = None
         if scans is not None and scans.is_wanted:
             filled = self._scan_bytes = self._scan_bytes or self._prepare_scan(scan)
-            filled.array[:] = scan.ranges
+            shift = self._shift
+            filled.array[: len(scan.ranges) - shift] = scan.ranges[shift:]
+            filled.array[len(scan.ranges) - shift :] = scan.ranges[:shift]
             scans.write_bytes(filled.stencil.fill(time))
         if points is not None and points.is_wanted:
             filled = self._cloud_bytes = self._cloud_bytes or self._prepare_cloud(scan)
@@ -137,6 +151,11 @@ class LidarOutput:
                 points.write_bytes(filled.stencil.fill(now))
 
     def _prepare_scan(self, scan: Scan) -> _Filled:
+        if self._first_beam is not None:
+            ahead = np.mod(scan.angles - self._first_beam + _SAME_RAD, 2.0 * math.pi)
+            self._shift = int(np.argmin(ahead))
+            angles = self._first_beam - _SAME_RAD + np.roll(ahead, -self._shift)
+            scan = replace(scan, angles=angles)
         message = self._make.scan(scan, self._frame)
         mark_stamp(message.header.stamp)
         message.scan_time = self._scan_time

@@ -11,6 +11,7 @@ from trundle.messages import MessageMaker
 from trundle.messages.qos import TRANSFORMS, Qos
 from trundle.mission import Step
 from trundle.robots import WheelSpeeds
+from trundle.ros2.outputs.odometry_covariance import OdometryCovariance
 from trundle.ros2.outputs.output import Cadence, Stencil, mark, mark_stamp, observed
 from trundle.ros2.role import BridgeContext
 from trundle.ros2.wire import Wire
@@ -25,7 +26,7 @@ _SPHERE, _ADD, _DELETE_ALL = 2, 0, 3
 
 
 class MotionOutput:
-    """Publishes odom → base on /tf, and the odometry.
+    """Publishes odom → base on /tf, and the odometry, with covariances of the errors that it is simulated with.
 
     Args:
         context: The bridge.
@@ -40,22 +41,29 @@ class MotionOutput:
         self._odometry_bytes = _stencil_of_odometry(wire, context.maker, odom, base)
         self._tf = wire.outlet(topics.tf, "tf2_msgs/msg/TFMessage", TRANSFORMS)
         self._odometry = None if topics.odom is None else wire.outlet(topics.odom, "nav_msgs/msg/Odometry", ODOMETRY)
+        mission = context.mission
+        self._covariance = OdometryCovariance(mission.scenario.odometry, mission.robot)
+        self._last_s = 0.0
 
     def publish(self, step: Step, time: float) -> None:
         """Publish the transform and the odometry of a control period."""
-        tf, odometry = self._tf, self._odometry
+        tf, odometry, seen = self._tf, self._odometry, observed(step)
+        pose = self._context.odometry(seen)
+        if step.index == 0:
+            self._covariance.reset()
+        self._covariance.update(pose, seen.twist, max(step.state.time - self._last_s, 1e-3))
+        self._last_s = step.state.time
         wants_odometry = odometry is not None and odometry.is_wanted
         if not (tf.is_wanted or wants_odometry):
             return
-        seen = observed(step)
-        pose = self._context.odometry(seen)
         half = 0.5 * pose.yaw
         place = (pose.x, pose.y, 0.0, 0.0, 0.0, math.sin(half), math.cos(half))
         if tf.is_wanted:
             tf.write_bytes(self._tf_bytes.fill(time, place))
         if odometry is not None and wants_odometry:
             twist = seen.twist
-            odometry.write_bytes(self._odometry_bytes.fill(time, place, (twist.v, 0.0, 0.0, 0.0, 0.0, twist.w)))
+            covariance, speeds = self._covariance, (twist.v, 0.0, 0.0, 0.0, 0.0, twist.w)
+            odometry.write_bytes(self._odometry_bytes.fill(time, place, covariance.pose, speeds, covariance.twist))
 
 
 class JointOutput:
@@ -110,9 +118,10 @@ def _stencil_of_odometry(wire: Wire, make: MessageMaker, frame: str, child: str)
     _mark_pose(message.pose.pose.position, message.pose.pose.orientation)
     twist = message.twist.twist
     twist.linear, twist.angular = replace(twist.linear), replace(twist.angular)
-    (twist.linear.x, twist.linear.y, twist.linear.z), angular = mark(1, 6)[:3].tolist(), mark(1, 6)[3:].tolist()
+    (twist.linear.x, twist.linear.y, twist.linear.z), angular = mark(2, 6)[:3].tolist(), mark(2, 6)[3:].tolist()
     twist.angular.x, twist.angular.y, twist.angular.z = angular
-    return Stencil(wire.types.encode(message), (7, 6))
+    message.pose.covariance, message.twist.covariance = mark(1, 36), mark(3, 36)
+    return Stencil(wire.types.encode(message), (7, 36, 6, 36))
 
 
 def _mark_pose(place: Any, turn: Any) -> None:

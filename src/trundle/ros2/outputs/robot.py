@@ -6,12 +6,13 @@ import threading
 import time as real_time
 
 from trundle.export.urdf import describe_robot
-from trundle.geometry import Pose2D
 from trundle.messages.qos import LATCHED, Qos
 from trundle.mission import Episode, RunInfo, Step
+from trundle.ros2.outputs.frames import WheelFrames, open_static_frames
 from trundle.ros2.outputs.lidar import LidarOutput
 from trundle.ros2.outputs.motion import ContactOutput, JointOutput, MotionOutput
 from trundle.ros2.outputs.output import Cadence, Output, Stencil, mark_stamp
+from trundle.ros2.outputs.sensors import BatteryOutput, ImuOutput
 from trundle.ros2.role import BridgeContext
 from trundle.sim import Substep
 
@@ -67,23 +68,6 @@ class ClockOutput:
             self._write(self._clock.now)
 
 
-def publish_static_frames(context: BridgeContext, topic: str) -> None:
-    """Publish where the lidars and the other frames of the profile are on the robot."""
-    wire, profile, robot = context.wire, context.profile, context.mission.robot
-    frame, make = wire.names.frame, context.maker
-    base = frame(profile.frames.base)
-    transforms = [
-        make.transform(0.0, frame(fixed.parent), frame(fixed.child), Pose2D(x, y, yaw), z)
-        for fixed in profile.static_frames
-        for x, y, z, yaw in (fixed.pose,)
-    ]
-    for name, sensor in profile.sensors_of(robot).items():
-        lidar = robot.lidars[name]
-        mount = Pose2D(lidar.x, lidar.y, lidar.yaw)
-        transforms.append(make.transform(0.0, base, frame(sensor.frame or name), mount, lidar.z))
-    wire.outlet(topic, "tf2_msgs/msg/TFMessage", LATCHED).write(make.transforms(transforms))
-
-
 def publish_description(context: BridgeContext, topic: str) -> None:
     """Publish the robot as URDF, as robot_state_publisher does."""
     wire = context.wire
@@ -99,6 +83,9 @@ class RobotOutputs:
 
     Args:
         context: The bridge.
+
+    Attributes:
+        static_frames: The fixed frames; None where the profile has no topic for them.
     """
 
     def __init__(self, context: BridgeContext) -> None:
@@ -115,9 +102,14 @@ class RobotOutputs:
         ]
         if topics.contacts is not None:
             outputs.append(ContactOutput(context, topics.contacts))
+        if topics.imu is not None:
+            outputs.append(ImuOutput(context, topics.imu))
+        if topics.battery_state is not None:
+            outputs.append(BatteryOutput(context, topics.battery_state))
+        if profile.wheel_frames:
+            outputs.append(WheelFrames(context))
         self._outputs: list[Output] = [output for output in outputs if output is not None]
-        if profile.publishes_static and topics.tf_static is not None:
-            publish_static_frames(context, topics.tf_static)
+        self.static_frames = open_static_frames(context)
         if topics.robot_description is not None:
             publish_description(context, topics.robot_description)
 

@@ -14,7 +14,7 @@ from trundle.mission.simulation import SessionOptions
 from trundle.navigation import Agent, AgentInfo, NavigationStatus
 from trundle.observation import Estimate, Observation
 from trundle.robots import Robot
-from trundle.ros2.bad_input import BadInputError, check_frame, check_stamp, check_twist
+from trundle.ros2.bad_input import BadInputError, check_frame, check_stamp, check_twist, is_wall_time
 from trundle.ros2.profile import Profile
 from trundle.ros2.role import BridgeContext, SimulationClock
 from trundle.ros2.wire import Inlet, Wire
@@ -142,7 +142,7 @@ class RosAgent(Agent):
         try:
             if message.__msgtype__ == _STAMPED:
                 check_frame(message.header.frame_id, self._frames)
-                check_stamp(message.header.stamp, self._clock.now, tolerance_s=TIMEOUT_S)
+                self._check_stamp(message.header.stamp, source)
                 twist = message.twist
             command = check_twist(twist)
         except BadInputError as error:
@@ -167,6 +167,20 @@ class RosAgent(Agent):
                 f"{writers} publishers command the robot on {self._topic}: the last command drives it, whosever it is",
             )
         self._arbiter.offer(command, source, self._clock.now)
+
+    def _check_stamp(self, stamp: Any, source: str) -> None:
+        """Drop a command that is too old; one with wall time is obeyed as it comes, as Gazebo does, and reported."""
+        if is_wall_time(stamp, self._clock.now):
+            self._wire.warn(
+                "cmd_vel: wall time",
+                lambda: (
+                    f"{self._wire.describe_source(source)} stamps its commands on {self._topic} with the wall clock "
+                    "instead of the simulated time: they are obeyed as they come, however old they are; start it with "
+                    "--ros-args -p use_sim_time:=true"
+                ),
+            )
+            return
+        check_stamp(stamp, self._clock.now, tolerance_s=TIMEOUT_S)
 
     def _writers(self) -> int:
         return sum(inlet.writers for inlet in self._inlets)
