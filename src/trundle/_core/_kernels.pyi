@@ -14,8 +14,8 @@ class Batch:
         frames: (x, y, yaw) of the corner of cell (0, 0) in the map frame [m, rad], shape (M, 3).
         resolution: Edge of a cell [m].
         outline: Footprint in base_link [m], counter-clockwise, shape (C, 2).
-        limits: Forward, reverse and turning speed, change of v and w in a substep, wheel radius, track width, speed of a
-            wheel (infinite without a limit), substep [s], shape (9,).
+        limits: Forward, reverse and turning speed, change of v and w in a substep, wheel radius, track width, speed of
+            a wheel (infinite without a limit), substep [s], shape (9,).
         lidars: (x, y, yaw, range_min, range_max) of each, shape (L, 5).
         beams: Number of beams of each, shape (L,).
         angles: Of all beams in their lidar's frame [rad], shape (B,).

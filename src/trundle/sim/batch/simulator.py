@@ -139,6 +139,11 @@ class BatchSimulator:
         return self._motions[:, 2:4]
 
     @property
+    def ranges(self) -> npt.NDArray[np.float32]:
+        """The last scan of each robot; see `scan`."""
+        return self._ranges
+
+    @property
     def columns(self) -> Mapping[str, slice]:
         """Which columns of `scan` are of which lidar."""
         return self._columns
