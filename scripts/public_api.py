@@ -19,8 +19,8 @@ LIST = Path(__file__).parents[1] / "tests" / "api" / "public_api.txt"
 MODULES = ("errors", "geometry.solids", "path")
 """Modules beside the packages whose names are public."""
 
-PRIVATE = {"cli"}
-"""Its interface is the command line."""
+PRIVATE = {"cli", "gym"}
+"""The interface of cli is the command line; gym can only be imported with its extra."""
 
 
 def lines() -> Iterator[str]:

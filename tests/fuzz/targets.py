@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from fuzz import (
     fuzz_any_angle,
+    fuzz_batch,
     fuzz_components,
     fuzz_cost_field,
     fuzz_curves,
@@ -68,6 +69,7 @@ TARGETS = {
         fuzz_components.one_round, ("label_components", "mark_gaps", "flood_free", "flood_largest"), 500
     ),
     "rays": Target(fuzz_rays.one_round, ("cast_grid_rays", "cast_outline_rays", "find_moved", "find_lone_hits"), 1000),
+    "batch": Target(fuzz_batch.one_round, ("Batch", "cast_jumping_rays", "chebyshev_field"), 300),
     "localization": Target(
         fuzz_localization.one_round,
         (

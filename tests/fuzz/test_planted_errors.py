@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from fuzz import (
+    fuzz_batch,
     fuzz_components,
     fuzz_cost_field,
     fuzz_curves,
@@ -132,6 +133,23 @@ class HeavyMppi(_core.Mppi):
         return costs
 
 
+class SlowBatch(_core.Batch):
+    """Drives a little less far than it should."""
+
+    def drive(self, poses: Any, *arguments: Any) -> None:
+        before = poses.copy()
+        super().drive(poses, *arguments)
+        poses -= 1e-6 * (poses - before)
+
+
+class ShortSightedBatch(_core.Batch):
+    """Measures too little."""
+
+    def scan(self, ranges: Any, *arguments: Any) -> None:
+        super().scan(ranges, *arguments)
+        ranges *= 1.0 - 1e-5
+
+
 class DriftingTracker(_core.ScanTracker):
     """Predicts too far."""
 
@@ -195,6 +213,10 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "largest area": ("components", fuzz_components, "flood_largest", one_more),
     "rays through cells": ("rays", fuzz_rays, "cast_grid_rays", scaled(1e-3)),
     "rays to outlines": ("rays", fuzz_rays, "cast_outline_rays", scaled(1e-2)),
+    "rays that jump": ("batch", fuzz_batch, "cast_jumping_rays", scaled(1e-6)),
+    "free squares": ("batch", fuzz_batch, "chebyshev_field", last_cell_changed),
+    "motion of many": ("batch", fuzz_batch, "Batch", lambda _: SlowBatch),
+    "scans of many": ("batch", fuzz_batch, "Batch", lambda _: ShortSightedBatch),
     "lone hits": ("rays", fuzz_rays, "find_lone_hits", one_more),
     "what has moved": ("rays", fuzz_rays, "find_moved", part(0, lambda velocities: velocities * 1.001)),
     "tracks": ("tracking", fuzz_tracking, "ScanTracker", lambda _: DriftingTracker),

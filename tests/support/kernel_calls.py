@@ -104,6 +104,32 @@ def marked(kernel: Callable[..., Any], cells: Any, *arguments: Any) -> Any:
     return kernel(cells, *arguments), cells
 
 
+JUMPS = _core.chebyshev_field(BLOCKED)
+MANY = _core.Batch(
+    *(JUMPS.ravel(), np.array([JUMPS.shape]), np.zeros((1, 3)), 0.1, OUTLINE),
+    *(np.array([1.0, 1.0, 1.0, 0.1, 0.1, 0.1, 0.3, 9.0, 0.01]), np.array([(0.0, 0.0, 0.0, 0.0, 2.0)])),
+    *(np.array([20]), np.linspace(-3.0, 3.0, 20), np.zeros((0, 2)), np.zeros(0, np.int64), np.zeros(0)),
+    *(np.zeros((0, 1, 3)), np.array([0]), 1.0),
+)
+MANY_PLACES = np.tile(np.array([0, -1]), (20, 1)), np.ones(20, bool)
+
+
+def drive_many() -> Any:
+    state = (
+        *(POSES.copy(), np.zeros((20, 6)), np.zeros((20, 2)), np.zeros(20), np.zeros(20, np.int64)),
+        np.zeros((20, 4), np.int64),
+    )
+    MANY.drive(*state, np.ones((20, 2)), *MANY_PLACES, 5, 2)
+    return state
+
+
+def scan_many() -> Any:
+    ranges = np.zeros((20, 20))
+    noise = np.full((20, 2), 0.1), np.arange(20, dtype=np.uint64)
+    MANY.scan(ranges, POSES, np.zeros(20, np.int64), *MANY_PLACES, *noise, 2)
+    return ranges
+
+
 def step_mppi() -> Any:
     state, controls, *others = MPPI_STEP
     controls = controls.copy()
@@ -156,6 +182,11 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
         COSTS, np.where(np.arange(256) < 253, 1, 0).astype(np.uint16), START, GOAL, 8, 10.0, None
     ),
     "cast_grid_rays": lambda: _core.cast_grid_rays(BLOCKED, 12.0, 0.5, np.linspace(0.0, 6.0, 40), 30.0),
+    "cast_jumping_rays": lambda: _core.cast_jumping_rays(JUMPS, 12.0, 0.5, np.linspace(0.0, 6.0, 40), 30.0),
+    "chebyshev_field": lambda: _core.chebyshev_field(BLOCKED),
+    "Batch": lambda: type(MANY).__name__,
+    "Batch.drive": drive_many,
+    "Batch.scan": scan_many,
     "HybridAStar": lambda: _core.HybridAStar(**HYBRID).bytes,
     "HybridAStar.plan": lambda: HYBRID_ASTAR.plan(
         OPEN, 0.1, OUTLINE, np.array([0.5, 0.5, 0.0]), np.array([1.8, 1.8, 2.0]), False, 0.02, 0.05, 500, 10.0, None

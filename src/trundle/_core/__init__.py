@@ -1,6 +1,7 @@
 """The C++ kernels: plain functions on arrays. They release the GIL and check their bounds at this edge."""
 
 from trundle._core._kernels import (
+    Batch,
     BinaryGrid,
     HybridAStar,
     LeastCost,
@@ -14,7 +15,9 @@ from trundle._core._kernels import (
     PathSmoother,
     ScanTracker,
     cast_grid_rays,
+    cast_jumping_rays,
     cast_outline_rays,
+    chebyshev_field,
     cost_field,
     distance_field,
     draw_triangles,
@@ -62,6 +65,7 @@ from trundle._core._kernels import (
 )
 
 __all__ = [
+    "Batch",
     "BinaryGrid",
     "HybridAStar",
     "LeastCost",
@@ -75,7 +79,9 @@ __all__ = [
     "PathSmoother",
     "ScanTracker",
     "cast_grid_rays",
+    "cast_jumping_rays",
     "cast_outline_rays",
+    "chebyshev_field",
     "cost_field",
     "distance_field",
     "draw_triangles",

@@ -5,6 +5,79 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+class Batch:
+    """Many robots of one model on many maps; no robot's results depend on the others or on the number of threads.
+
+    Args:
+        fields: Chebyshev fields of the maps, one after the other, shape (cells,).
+        shapes: (rows, cols) of each, shape (M, 2).
+        frames: (x, y, yaw) of the corner of cell (0, 0) in the map frame [m, rad], shape (M, 3).
+        resolution: Edge of a cell [m].
+        outline: Footprint in base_link [m], counter-clockwise, shape (C, 2).
+        limits: Forward, reverse and turning speed, change of v and w in a substep, wheel radius, track width, speed of
+            a wheel (infinite without a limit), substep [s], shape (9,).
+        lidars: (x, y, yaw, range_min, range_max) of each, shape (L, 5).
+        beams: Number of beams of each, shape (L,).
+        angles: Of all beams in their lidar's frame [rad], shape (B,).
+        corners: Of the polygons among the movers, in their frames [m], shape (C, 2).
+        corner_counts: Number of corners of each mover, 0 for a disc, shape (K,).
+        radii: Radius of each disc [m], shape (K,).
+        tracks: (x, y, yaw) of each mover at each sample, map frame, shape (K, T, 3).
+        recordings: Recording i is of the movers from `recordings[i]` up to `recordings[i + 1]`, shape (R + 1,).
+        period: Time between two samples [s].
+    """
+
+    def __init__(
+        self,
+        fields: npt.NDArray[np.uint8],
+        shapes: npt.NDArray[np.int64],
+        frames: npt.NDArray[np.float64],
+        resolution: float,
+        outline: npt.NDArray[np.float64],
+        limits: npt.NDArray[np.float64],
+        lidars: npt.NDArray[np.float64],
+        beams: npt.NDArray[np.int64],
+        angles: npt.NDArray[np.float64],
+        corners: npt.NDArray[np.float64],
+        corner_counts: npt.NDArray[np.int64],
+        radii: npt.NDArray[np.float64],
+        tracks: npt.NDArray[np.float64],
+        recordings: npt.NDArray[np.int64],
+        period: float,
+    ) -> None: ...
+    def drive(
+        self,
+        poses: npt.NDArray[np.float64],
+        motions: npt.NDArray[np.float64],
+        wheels: npt.NDArray[np.float64],
+        lengths: npt.NDArray[np.float64],
+        steps: npt.NDArray[np.int64],
+        contacts: npt.NDArray[np.int64],
+        commands: npt.NDArray[np.float64],
+        places: npt.NDArray[np.int64],
+        active: npt.NDArray[np.bool_],
+        substeps: int,
+        threads: int,
+    ) -> None:
+        """Drive the active robots by some substeps, in place; without substeps, find what they touch where they are.
+
+        `motions` are (ramp v, ramp w, v, w, left, right); `contacts` (kind, …): 0 nothing, 1 cell (row, col), 2 mover
+        (index, 0), and the substep of the first one; `places` (map, recording or −1).
+        """
+
+    def scan(
+        self,
+        ranges: npt.NDArray[np.float32] | npt.NDArray[np.float64],
+        poses: npt.NDArray[np.float64],
+        steps: npt.NDArray[np.int64],
+        places: npt.NDArray[np.int64],
+        active: npt.NDArray[np.bool_],
+        errors: npt.NDArray[np.float64],
+        keys: npt.NDArray[np.uint64],
+        threads: int,
+    ) -> None:
+        """Turn every lidar of the active robots once; `errors` are (noise [m], share of dropouts) of each robot."""
+
 class BinaryGrid:
     def __init__(self, blocked: npt.NDArray[np.uint8], connectivity: int, method: str) -> None: ...
     def find_path(
@@ -565,6 +638,14 @@ def cast_grid_rays(
     blocked: npt.NDArray[np.uint8], x: float, y: float, angles: npt.NDArray[np.float64], reach: float
 ) -> npt.NDArray[np.float64]:
     """Distances in cells from (x, y), in cell units, to the first blocked cell along each angle [rad], or infinity."""
+
+def cast_jumping_rays(
+    field: npt.NDArray[np.uint8], x: float, y: float, angles: npt.NDArray[np.float64], reach: float
+) -> npt.NDArray[np.float64]:
+    """As `cast_grid_rays`, by the Chebyshev field of the cells."""
+
+def chebyshev_field(blocked: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Chebyshev distance in cells from each cell to the nearest blocked one, 255 at most."""
 
 def mark_scan(
     evidence: npt.NDArray[np.uint8],

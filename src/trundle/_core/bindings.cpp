@@ -3,6 +3,7 @@
 
 namespace nb = nanobind;
 
+void bind_batch(nb::module_ &m);
 void bind_cost(nb::module_ &m);
 void bind_costmap(nb::module_ &m);
 void bind_curves(nb::module_ &m);
@@ -21,6 +22,7 @@ void bind_tracking(nb::module_ &m);
 
 NB_MODULE(_kernels, m) {
   m.doc() = "Kernels of trundle: arrays in, arrays out.";
+  bind_batch(m);
   bind_cost(m);
   bind_costmap(m);
   bind_curves(m);

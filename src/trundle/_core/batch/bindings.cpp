@@ -1,0 +1,24 @@
+// Names and arguments of these kernels in Python; kernels.hpp and batch.hpp say what they do.
+#include "batch/batch.hpp"
+#include "batch/kernels.hpp"
+
+void bind_batch(nanobind::module_ &m) {
+  using namespace trundle;
+  using nanobind::arg;
+  m.def("chebyshev_field", &chebyshev_field, arg("blocked"));
+  m.def("cast_jumping_rays", &cast_jumping_rays, arg("field"), arg("x"), arg("y"), arg("angles"), arg("reach"));
+  nb::class_<Batch>(m, "Batch")
+      .def(nb::init<In<std::uint8_t, 1>, In<std::int64_t, 2>, In<double, 2>, double, In<double, 2>, In<double, 1>,
+                    In<double, 2>, In<std::int64_t, 1>, In<double, 1>, In<double, 2>, In<std::int64_t, 1>,
+                    In<double, 1>, In<double, 3>, In<std::int64_t, 1>, double>(),
+           arg("fields"), arg("shapes"), arg("frames"), arg("resolution"), arg("outline"), arg("limits"),
+           arg("lidars"), arg("beams"), arg("angles"), arg("corners"), arg("corner_counts"), arg("radii"),
+           arg("tracks"), arg("recordings"), arg("period"))
+      .def("drive", &Batch::drive, arg("poses").noconvert(), arg("motions").noconvert(), arg("wheels").noconvert(),
+           arg("lengths").noconvert(), arg("steps").noconvert(), arg("contacts").noconvert(), arg("commands"),
+           arg("places"), arg("active"), arg("substeps"), arg("threads"))
+      .def("scan", &Batch::scan<float>, arg("ranges").noconvert(), arg("poses"), arg("steps"), arg("places"),
+           arg("active"), arg("errors"), arg("keys"), arg("threads"))
+      .def("scan", &Batch::scan<double>, arg("ranges").noconvert(), arg("poses"), arg("steps"), arg("places"),
+           arg("active"), arg("errors"), arg("keys"), arg("threads"));
+}

@@ -1,0 +1,167 @@
+"""`NavigationSettings`: what an environment of `trundle.gym` is made of, checked."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from typing import Any, Literal, Self, TypeAlias
+
+from trundle.errors import InputError, UnknownNameError
+from trundle.gym.variation import Variation
+from trundle.maps import OccupancyGrid
+from trundle.robots import Robot
+from trundle.sim.lidar import LidarChoice
+from trundle.sim.ramp import count_steps
+from trundle.values import check_count, check_flag, check_number
+from trundle.worlds import World
+
+Split: TypeAlias = Literal["train", "validation", "test"]
+SPLITS: tuple[Split, ...] = ("train", "validation", "test")
+
+REWARDS = {"progress": 1.0, "success": 10.0, "contact": -10.0, "time": -0.01}
+"""The reward terms of an environment that is given none, and their weights."""
+
+REWARD_TERMS = {
+    "progress": "metres that the shortest path to the goal has become shorter",
+    "success": "1 on arrival",
+    "contact": "1 on contact, or beyond the map",
+    "time": "1 in every step",
+    "smoothness": "squared change of the scaled action",
+    "reverse": "metres driven backwards",
+}
+"""What each reward term measures; a weight multiplies it."""
+
+WorldLike: TypeAlias = str | World | OccupancyGrid
+"""The name of a generated world, the file of a world or a map, a `World`, or a map."""
+
+_TIMESTEP = 0.005
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NavigationSettings:
+    """Settings of a navigation environment. All have a default.
+
+    Attributes:
+        world: Where to drive: the name of a generated world (`maze`, `office`, …), the file of a world or a map, a
+            `World` or an `OccupancyGrid`; or several of them.
+        robot: The robot, its name or its file.
+        seed: Which generated worlds, 0 to 99,999.
+        split: "train", "validation" or "test": their generated worlds, and their missions, are different ones.
+        worlds: How many worlds are generated of each name.
+        world_options: Options of the generated worlds, as for `World.generate`.
+        resolution: Edge of a cell of maps made of worlds [m].
+        lidar: Which lidars observe: True for all of the robot's, or names. If None, the first.
+        beams: Beams of each lidar. If None, the lidar's own number.
+        movers: How many people walk in each world. They do not react to the robot.
+        path_points: How many points of the shortest path ahead are observed; 0 for none.
+        costmap_cells: Cells along an edge of the observed local costmap; 0 for none.
+        critic: Whether `critic` is observed: what a robot without a map cannot know.
+        scaled_actions: Whether actions are from −1 to 1, as shares of the robot's largest speeds, or [m/s, rad/s].
+        period_s: Time of a step [s].
+        max_time_s: Time after which an episode is truncated [s].
+        goal_tolerance: Distance to the goal that counts as arrived [m].
+        min_distance: Shortest path from start to goal, at least [m]; less where the world has no room for it.
+        rewards: Weight of each reward term; see `REWARD_TERMS`.
+        vary: What differs from episode to episode; see `Variation`.
+        threads: Number of threads. If None, TRUNDLE_THREADS, or as many as there are processors.
+        device: Where it computes: "cpu".
+
+    Raises:
+        InputError: If a value is out of range.
+        UnknownNameError: If a split, a reward term or a varied name is not known.
+    """
+
+    world: WorldLike | Sequence[WorldLike] = "maze"
+    robot: Robot | str = "nova_carter"
+    seed: int = 0
+    split: Split = "train"
+    worlds: int = 4
+    world_options: Mapping[str, Any] = field(default_factory=dict)
+    resolution: float = 0.05
+    lidar: LidarChoice | None = None
+    beams: int | None = 180
+    movers: int = 0
+    path_points: int = 0
+    costmap_cells: int = 0
+    critic: bool = False
+    scaled_actions: bool = True
+    period_s: float = 0.2
+    max_time_s: float = 120.0
+    goal_tolerance: float = 0.3
+    min_distance: float = 5.0
+    rewards: Mapping[str, float] = field(default_factory=lambda: dict(REWARDS))
+    vary: Mapping[str, Any] | Variation = field(default_factory=dict)
+    threads: int | None = None
+    device: str = "cpu"
+
+    def __post_init__(self) -> None:
+        if self.split not in SPLITS:
+            raise UnknownNameError("split", str(self.split), SPLITS)
+        check_count("seed", self.seed, 0, 99_999)
+        check_count("worlds", self.worlds, 1, 10_000)
+        check_count("movers", self.movers, 0, 500)
+        check_count("path_points", self.path_points, 0, 200)
+        check_count("costmap_cells", self.costmap_cells, 0, 512)
+        if self.beams is not None:
+            check_count("beams", self.beams, 1, 100_000)
+        check_flag("critic", self.critic)
+        check_flag("scaled_actions", self.scaled_actions)
+        count_steps(self.period_s, _TIMESTEP)
+        check_number("resolution", self.resolution, 0.005, 1.0, "m")
+        check_number("max_time_s", self.max_time_s, self.period_s, 86_400.0, "s")
+        check_number("goal_tolerance", self.goal_tolerance, 1e-3, 100.0, "m")
+        check_number("min_distance", self.min_distance, 0.0, 1e5, "m")
+        if not isinstance(self.rewards, Mapping):
+            raise InputError(f"rewards must be a mapping from terms to weights, got {self.rewards!r}")
+        for name, weight in self.rewards.items():
+            if name not in REWARD_TERMS:
+                raise UnknownNameError("reward term", str(name), REWARD_TERMS)
+            check_number(f"the weight of the reward {name}", weight, -1e6, 1e6)
+        object.__setattr__(self, "vary", Variation.of(self.vary))
+
+    @classmethod
+    def of(cls, options: Mapping[str, Any]) -> Self:
+        """Create from options by name.
+
+        Raises:
+            InputError: If there is no such option; the nearest is offered.
+        """
+        known = [each.name for each in fields(cls)]
+        for name in options:
+            if name not in known:
+                nearest = difflib.get_close_matches(name, known, n=1)
+                hint = f" (did you mean {nearest[0]}?)" if nearest else ""
+                raise InputError(f"an environment has no option {name}{hint}; there are: {', '.join(known)}")
+        return cls(**options)
+
+    @property
+    def timestep(self) -> float:
+        """Length of a substep [s]."""
+        return _TIMESTEP
+
+    @property
+    def max_steps(self) -> int:
+        """Steps after which an episode is truncated."""
+        return math.ceil(self.max_time_s / self.period_s - 1e-9)
+
+    def load_robot(self) -> Robot:
+        """Return the robot, with the beams that are asked for and the chosen lidars alone."""
+        robot = Robot.load(self.robot)
+        names = list(robot.lidars)
+        if self.lidar is None:
+            names = names[:1]
+        elif self.lidar is False:
+            names = []
+        elif self.lidar is not True:
+            names = [self.lidar] if isinstance(self.lidar, str) else list(self.lidar)
+        for name in names:
+            if name not in robot.lidars:
+                raise UnknownNameError(f"lidar of {robot.name}", name, robot.lidars)
+        if not names:
+            raise InputError(f"the robot {robot.name} has no lidar to observe with; choose a robot that has one")
+        changed = {} if self.beams is None else {"beams": self.beams}
+        return robot.model_copy(
+            update={"lidars": {name: robot.lidars[name].model_copy(update=changed) for name in names}}
+        )

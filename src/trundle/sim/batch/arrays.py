@@ -1,0 +1,115 @@
+"""What the batch kernel is made of: maps, robot, lidars and recordings as arrays."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle._core import Batch, chebyshev_field
+from trundle.errors import InputError
+from trundle.maps import OccupancyGrid
+from trundle.maps.cells import OCCUPIED, UNKNOWN
+from trundle.robots import Lidar, Robot
+from trundle.sim.batch.recording import MoverRecording
+from trundle.sim.lidar import beam_angles
+
+
+def check_maps(maps: Sequence[OccupancyGrid], robot: Robot) -> None:
+    """Check that a batch can use these maps.
+
+    Raises:
+        InputError: If there are none, they have different resolutions, or the robot is larger than one of them.
+    """
+    if not maps:
+        raise InputError("a batch needs at least one map")
+    for number, grid in enumerate(maps):
+        if not isinstance(grid, OccupancyGrid):
+            raise InputError(
+                f"map {number} must be an OccupancyGrid, got {type(grid).__name__}; OccupancyGrid.from_world(world, "
+                "z_range=robot.z_range) makes one of a world"
+            )
+        if not math.isclose(grid.resolution, maps[0].resolution, rel_tol=1e-9):
+            raise InputError(
+                f"map {number} has cells of {grid.resolution:g} m, map 0 of {maps[0].resolution:g} m: all maps of a "
+                "batch need one resolution; make or resample them with the same one"
+            )
+        room, swing = min(grid.shape) * grid.resolution, 2.0 * robot.planar.circumscribed_radius
+        if swing > room:
+            raise InputError(
+                f"map {number} is {room:g} m wide, and {robot.name} needs {swing:.3g} m to turn: the robot is larger "
+                "than the map; check the map's resolution"
+            )
+
+
+def make_batch(
+    maps: Sequence[OccupancyGrid],
+    blocked: Sequence[npt.NDArray[np.bool_]],
+    robot: Robot,
+    lidars: Sequence[Lidar],
+    recordings: Sequence[MoverRecording],
+    timestep: float,
+) -> Batch:
+    """Make the kernel's model of checked arguments."""
+    fields = [chebyshev_field(cells.view(np.uint8)) for cells in blocked]
+    limits, drive = robot.limits, robot.drive
+    angles = [beam_angles(lidar) for lidar in lidars]
+    shapes = [outline for recording in recordings for outline in recording.outlines]
+    polygons = [np.zeros((0, 2)) if isinstance(shape, float) else np.asarray(shape, dtype=float) for shape in shapes]
+    samples = {recording.tracks.shape[1:] for recording in recordings}
+    tracks = np.concatenate([recording.tracks for recording in recordings]) if samples else np.zeros((0, 1, 3))
+    ends = np.cumsum([0, *(len(recording.outlines) for recording in recordings)])
+    return Batch(
+        np.concatenate([field.ravel() for field in fields]),
+        np.array([field.shape for field in fields], dtype=np.int64),
+        np.array([grid.origin.as_tuple() for grid in maps]),
+        maps[0].resolution,
+        np.ascontiguousarray(robot.planar.outline),
+        np.array(
+            [
+                limits.linear_speed,
+                limits.linear_speed if limits.reverse_speed is None else limits.reverse_speed,
+                limits.angular_speed,
+                limits.linear_acceleration * timestep,
+                limits.angular_acceleration * timestep,
+                drive.wheel_radius,
+                drive.track_width,
+                math.inf if drive.max_wheel_speed is None else drive.max_wheel_speed,
+                timestep,
+            ]
+        ),
+        np.array([(each.x, each.y, each.yaw, each.range_min, each.range_max) for each in lidars]).reshape(-1, 5),
+        np.array([each.beams for each in lidars], dtype=np.int64),
+        np.concatenate([np.zeros(0), *angles]),
+        np.concatenate([np.zeros((0, 2)), *polygons]),
+        np.array([len(polygon) for polygon in polygons], dtype=np.int64),
+        np.array([shape if isinstance(shape, float) else 0.0 for shape in shapes]),
+        tracks,
+        ends.astype(np.int64),
+        recordings[0].period if recordings else 1.0,
+    )
+
+
+def check_recordings(recordings: Sequence[MoverRecording]) -> None:
+    """Check that a batch can use these recordings.
+
+    Raises:
+        InputError: If one is none, or they have different periods or numbers of samples.
+    """
+    for number, recording in enumerate(recordings):
+        if not isinstance(recording, MoverRecording):
+            raise InputError(f"recording {number} must be a MoverRecording, got {type(recording).__name__}")
+        first = recordings[0]
+        if recording.period != first.period or recording.tracks.shape[1] != first.tracks.shape[1]:
+            raise InputError(
+                f"recording {number} has {recording.tracks.shape[1]} samples of {recording.period:g} s, recording 0 "
+                f"{first.tracks.shape[1]} of {first.period:g} s: those of a batch must be alike"
+            )
+
+
+def blocked_cells(grid: OccupancyGrid, *, unknown_is_solid: bool) -> npt.NDArray[np.bool_]:
+    """Cells that are walls: as in a costmap, only 100 is occupied and 1 to 99 are free."""
+    blocked = grid.data == OCCUPIED
+    return blocked | (grid.data == UNKNOWN) if unknown_is_solid else blocked

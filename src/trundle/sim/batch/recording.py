@@ -1,0 +1,111 @@
+"""`MoverRecording`: where the movers of a world are, recorded once for all robots of a batch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Self
+
+import numpy as np
+
+from trundle.errors import InputError
+from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry.solids import Cylinder, Solid
+from trundle.robots import Robot
+from trundle.sim.movers import MoverField
+from trundle.values import as_array, check_kind, check_number
+from trundle.worlds import World
+from trundle.worlds.movers.mover import outline_of
+
+PERIOD_S = 0.05
+"""Time between two samples of a recording [s]."""
+
+_MOST_SAMPLES = 10_000_000
+_FAR_AWAY = Pose2D(1e5, 1e5)
+"""Where the robot is while a crowd is recorded: no walker sees it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MoverRecording:
+    """Where some movers are at evenly spaced times.
+
+    Positions are interpolated between them; after the last one the movers stand.
+
+    They do not react to robots. Lidars and footprints meet the outline of a mover whatever their height.
+
+    Attributes:
+        outlines: The convex outline of each mover in its frame [m], counter-clockwise, shape (N, 2), or the radius [m]
+            of a disc around its origin.
+        tracks: (x, y, yaw) at each sample, map frame [m, rad], shape (movers, samples, 3), read-only. Yaws are
+            continuous: a turn from π to −π is no jump.
+        period: Time between two samples [s].
+
+    Raises:
+        InputError: If there are other numbers of outlines than of tracks, no samples, or numbers that are not finite.
+    """
+
+    outlines: tuple[FloatArray | float, ...]
+    tracks: FloatArray
+    period: float = field(default=PERIOD_S)
+
+    def __post_init__(self) -> None:
+        tracks = as_array(self.tracks, np.float64, "tracks of a recording")
+        if tracks.ndim != 3 or tracks.shape[2] != 3 or tracks.shape[1] == 0 or len(tracks) != len(self.outlines):
+            raise InputError(
+                f"a recording of {len(self.outlines)} movers needs tracks of shape ({len(self.outlines)}, samples, 3), "
+                f"got {tracks.shape}"
+            )
+        if not (np.abs(tracks) < 1e9).all():
+            raise InputError("the tracks of a recording must be finite")
+        tracks.flags.writeable = False
+        object.__setattr__(self, "tracks", tracks)
+        object.__setattr__(self, "period", check_number("period", self.period, 1e-6, 1e6, "s"))
+
+    def __repr__(self) -> str:
+        count, samples, _ = self.tracks.shape
+        return f"MoverRecording({count} movers, {(samples - 1) * self.period:g} s)"
+
+    @classmethod
+    def of_world(
+        cls, world: World, robot: Robot, *, duration_s: float, seed: int = 0, period_s: float = PERIOD_S
+    ) -> Self:
+        """Record the movers of a world, crowds included, as if there were no robot.
+
+        Args:
+            world: The world.
+            robot: The robot that will drive there.
+            duration_s: How long [s]; for a motion that repeats, as long as the episodes are.
+            seed: Of the crowds.
+            period_s: Time between two samples [s].
+
+        Raises:
+            InputError: If the world has no movers, or a number is out of range.
+            WorldError: If there is no room for a crowd.
+        """
+        check_kind(world, World, "world", "World.generate(name) makes one")
+        period = check_number("period_s", period_s, 1e-3, 60.0, "s")
+        duration = check_number("duration_s", duration_s, 0.0, 86_400.0, "s")
+        if not world.movers:
+            raise InputError(f"the world {world.name!r} has no movers to record")
+        movers = MoverField(world, robot)
+        samples = int(np.ceil(duration / period - 1e-9)) + 1
+        if samples * len(movers.names) > _MOST_SAMPLES:
+            raise InputError(
+                f"{len(movers.names)} movers for {duration:g} s are {samples * len(movers.names):,} samples, more than "
+                f"{_MOST_SAMPLES:,}; use a longer period_s than {period:g} s, or less time"
+            )
+        movers.reset(seed, _FAR_AWAY)
+        tracks = np.empty((len(movers.names), samples, 3))
+        for sample in range(samples):
+            tracks[:, sample] = movers.advance(sample * period, lambda: (_FAR_AWAY, 0.0))[:, :3]
+        tracks[:, :, 2] = np.unwrap(tracks[:, :, 2], axis=1)
+        shapes = [_shape_of(body) for body in movers.bodies]
+        return cls(tuple(shapes[kind] for kind in movers.kinds), tracks, period)
+
+
+def _shape_of(body: tuple[Solid, ...]) -> FloatArray | float:
+    """The radius of a body of one upright cylinder about its origin, else its outline."""
+    if len(body) == 1 and isinstance(body[0].shape, Cylinder) and body[0].pose.is_upright():
+        x, y, _ = body[0].pose.position
+        if x == 0.0 and y == 0.0:
+            return body[0].shape.radius
+    return outline_of(body)

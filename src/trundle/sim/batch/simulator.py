@@ -1,0 +1,325 @@
+"""`BatchSimulator`: N robots on M maps in arrays, each exactly as the kinematic simulator moves one."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.errors import InputError, UnknownNameError
+from trundle.geometry import FloatArray
+from trundle.maps import OccupancyGrid
+from trundle.robots import Robot
+from trundle.sim.batch.arrays import blocked_cells, check_maps, check_recordings, make_batch
+from trundle.sim.batch.recording import MoverRecording
+from trundle.sim.lidar import LidarChoice
+from trundle.sim.ramp import count_steps
+from trundle.values import as_array, check_count, check_kind, check_number
+
+NOTHING, CELL, MOVER = 0, 1, 2
+"""What a robot touches: the first column of `BatchSimulator.contacts`."""
+
+_MOST_ROBOTS = 10_000_000
+_DEVICES = ("cpu", "cuda")
+
+Robots: TypeAlias = npt.ArrayLike | None
+"""Which robots: indices, a bool for each robot, or None for all."""
+
+
+class BatchSimulator:
+    """Simulates many robots of one kind, each alone on one of several maps.
+
+    The motion is that of `KinematicSimulator`: the robot's limits at every substep, every arc integrated exactly, and
+    a robot that touches something drives through it. Blocked cells of the map are walls of any height; beyond the map
+    is nothing. Each robot has the same rollout, bit for bit, whatever the other robots do, how many there are, and how
+    many threads compute them.
+
+    Arrays of it are views of its state, and change with every `step`; copy what is to be kept. Reset robots stand at
+    the time 0 of their recording.
+
+    Args:
+        maps: The maps; all have one resolution.
+        robot: The robot.
+        count: Number of robots, N.
+        lidar: Lidars to simulate: all of the robot's, none, or those named.
+        recordings: Movers that robots may be among; all have one period and length.
+        timestep: Length of a substep [s].
+        unknown: Treat unknown cells as "solid" or "free".
+        device: Where it computes: "cpu".
+        threads: Number of threads. If None, TRUNDLE_THREADS, or as many as there are processors.
+
+    Attributes:
+        poses: (x, y, yaw) of base_link, map frame [m, rad], shape (N, 3). Yaws are not wrapped.
+        wheels: Angles of the left and the right wheel since the reset [rad], shape (N, 2).
+        lengths: Length of the path driven since the reset [m], shape (N,).
+        steps: Substeps since the reset, shape (N,).
+        contacts: What each robot touched first during the last step: (`NOTHING`, 0, 0, 0), (`CELL`, row, col, substep)
+            or (`MOVER`, number, 0, substep), shape (N, 4).
+        places: Map and recording, −1 for none, of each robot, shape (N, 2).
+
+    Raises:
+        InputError: If an argument is out of range, maps have different resolutions, or the robot is larger than a map.
+        UnknownNameError: If the robot has no lidar of a chosen name, or there is no such device.
+    """
+
+    def __init__(
+        self,
+        maps: OccupancyGrid | Sequence[OccupancyGrid],
+        robot: Robot,
+        *,
+        count: int,
+        lidar: LidarChoice = False,
+        recordings: Sequence[MoverRecording] = (),
+        timestep: float = 0.005,
+        unknown: Literal["solid", "free"] = "solid",
+        device: str = "cpu",
+        threads: int | None = None,
+    ) -> None:
+        _check_device(device)
+        check_kind(robot, Robot, "robot", "Robot.load(name) loads one")
+        self._count = check_count("count", count, 1, _MOST_ROBOTS)
+        self._timestep = check_number("timestep", timestep, 1e-6, 1.0, "s")
+        if unknown not in ("solid", "free"):
+            raise InputError(f"unknown must be solid or free, got {unknown!r}")
+        self._maps = (maps,) if isinstance(maps, OccupancyGrid) else tuple(maps)
+        check_maps(self._maps, robot)
+        check_recordings(recordings)
+        self._recordings = tuple(recordings)
+        self._threads = _choose_threads(threads)
+        self._robot = robot
+        names = _choose_lidars(robot, lidar)
+        chosen = [robot.lidars[name] for name in names]
+        blocked = [blocked_cells(grid, unknown_is_solid=unknown == "solid") for grid in self._maps]
+        self._batch = make_batch(self._maps, blocked, robot, chosen, self._recordings, self._timestep)
+        ends = np.cumsum([0, *(each.beams for each in chosen)]).tolist()
+        self._columns = {name: slice(first, end) for name, first, end in zip(names, ends, ends[1:], strict=False)}
+        self.poses = np.zeros((count, 3))
+        self.wheels = np.zeros((count, 2))
+        self.lengths = np.zeros(count)
+        self.steps = np.zeros(count, dtype=np.int64)
+        self.contacts = np.zeros((count, 4), dtype=np.int64)
+        self.places = np.full((count, 2), (0, -1), dtype=np.int64)
+        self._motions = np.zeros((count, 6))
+        self._errors = np.zeros((count, 2))
+        self._keys = np.zeros(count, dtype=np.uint64)
+        self._ranges = np.full((count, ends[-1]), np.inf, dtype=np.float32)
+        self._everyone = np.ones(count, dtype=bool)
+
+    @property
+    def count(self) -> int:
+        """Number of robots, N."""
+        return self._count
+
+    @property
+    def robot(self) -> Robot:
+        """The robot that they all are."""
+        return self._robot
+
+    @property
+    def maps(self) -> tuple[OccupancyGrid, ...]:
+        """The maps."""
+        return self._maps
+
+    @property
+    def timestep(self) -> float:
+        """Length of a substep [s]."""
+        return self._timestep
+
+    @property
+    def times(self) -> FloatArray:
+        """Time since each robot's reset [s], shape (N,)."""
+        return self.steps.astype(np.float64) * self._timestep
+
+    @property
+    def twists(self) -> FloatArray:
+        """Speed v [m/s] and turning speed w [rad/s] of each robot now, shape (N, 2); a view."""
+        return self._motions[:, 2:4]
+
+    @property
+    def ranges(self) -> npt.NDArray[np.float32]:
+        """The last scan of each robot; see `scan`."""
+        return self._ranges
+
+    @property
+    def columns(self) -> Mapping[str, slice]:
+        """Which columns of `scan` are of which lidar."""
+        return self._columns
+
+    def reset(
+        self,
+        poses: npt.ArrayLike,
+        *,
+        robots: Robots = None,
+        maps: npt.ArrayLike = 0,
+        recordings: npt.ArrayLike = -1,
+        seeds: npt.ArrayLike = 0,
+        noise: npt.ArrayLike = 0.0,
+        dropouts: npt.ArrayLike = 0.0,
+    ) -> None:
+        """Put robots at rest, and find what they touch there. The others go on as they are.
+
+        Args:
+            poses: (x, y, yaw), map frame [m, rad], shape (3,) or (n, 3) for n robots.
+            robots: Which: indices, a bool for each robot, or None for all.
+            maps: Number of the map, for all of them or for each.
+            recordings: Number of the recording, −1 for none; likewise.
+            seeds: Of the noise of the lidars; likewise.
+            noise: Standard deviation of a range [m]; likewise.
+            dropouts: Share of the beams without a return, 0 to 1; likewise.
+
+        Raises:
+            InputError: If a value is out of range or has another shape; nothing is reset then.
+        """
+        chosen = self._choose(robots)
+        count = len(chosen)
+        placed = _spread(as_array(poses, np.float64, "poses"), (count, 3), "poses")
+        lost = np.logical_not(np.abs(placed) < 1e9).any(axis=1)
+        if lost.any():
+            raise InputError(f"the pose of robot {_first(chosen, lost)} is not finite")
+        map_of = self._check_range(maps, chosen, "map", 0, len(self._maps) - 1)
+        recording_of = self._check_range(recordings, chosen, "recording", -1, len(self._recordings) - 1)
+        keys = _spread(as_array(seeds, np.uint64, "seeds"), (count,), "seeds")
+        errors = np.column_stack(
+            [
+                _spread(as_array(value, np.float64, name), (count,), name)
+                for name, value in (("noise", noise), ("dropouts", dropouts))
+            ]
+        )
+        if not ((errors >= 0.0) & (errors <= (10.0, 1.0))).all():
+            raise InputError("noise must be from 0 to 10 m, and dropouts from 0 to 1")
+        self.poses[chosen] = placed
+        self.places[chosen] = np.column_stack([map_of, recording_of])
+        self._keys[chosen], self._errors[chosen] = keys, errors
+        for array in (self.wheels, self.lengths, self.steps, self._motions):
+            array[chosen] = 0
+        self._drive(np.zeros((self._count, 2)), self._mask(chosen), 0)
+
+    def step(self, commands: npt.ArrayLike, dt: float, *, robots: Robots = None) -> None:
+        """Drive one control period with a commanded twist for each robot.
+
+        Args:
+            commands: (v, w) [m/s, rad/s], shape (2,), or (N, 2) for all N robots, also where only some drive. Those
+                above the robot's limits are clipped.
+            dt: Length of the period [s], a multiple of the timestep.
+            robots: Which robots drive; the others stay as they are, and their time stands still.
+
+        Raises:
+            InputError: If a command is not finite or has another shape, or `dt` is no such multiple; no robot has
+                moved then.
+        """
+        given = _spread(as_array(commands, np.float64, "commands"), (self._count, 2), "commands")
+        substeps = count_steps(dt, self._timestep)
+        bad = ~(np.abs(given) < 1e9).all(axis=1)
+        if bad.any():
+            first = int(np.argmax(bad))
+            raise InputError(
+                f"the command of robot {first} is ({given[first, 0]:g}, {given[first, 1]:g}); commands must be finite. "
+                "No robot has moved"
+            )
+        self._drive(given, self._mask(self._choose(robots)), substeps)
+
+    def scan(self, *, robots: Robots = None) -> npt.NDArray[np.float32]:
+        """Turn every lidar of the robots once.
+
+        Returns:
+            Ranges of all beams [m], one lidar after the other, infinite without a return; float32, shape (N, beams),
+            a view. Robots that are not chosen keep the scan that they have.
+        """
+        self._scan_into(self._ranges, self._mask(self._choose(robots)))
+        return self._ranges
+
+    def scan_exactly(self) -> FloatArray:
+        """Turn every lidar of all robots once; as `scan`, in float64."""
+        ranges = np.full(self._ranges.shape, np.inf)
+        self._scan_into(ranges, self._everyone)
+        return ranges
+
+    def is_off_map(self) -> npt.NDArray[np.bool_]:
+        """Return which robots have their base_link beyond their map, shape (N,)."""
+        off = np.empty(self._count, dtype=bool)
+        for number, grid in enumerate(self._maps):
+            here = self.places[:, 0] == number
+            local = grid.origin.inverse().transform_points(self.poses[here, :2]) / grid.resolution
+            off[here] = ((local < 0.0) | (local > grid.shape[::-1])).any(axis=1)
+        return off
+
+    def _drive(self, commands: FloatArray, active: npt.NDArray[np.bool_], substeps: int) -> None:
+        state = (self.poses, self._motions, self.wheels, self.lengths, self.steps, self.contacts)
+        self._batch.drive(*state, commands, self.places, active, substeps, self._threads)
+
+    def _scan_into(self, ranges: npt.NDArray[np.float32] | FloatArray, active: npt.NDArray[np.bool_]) -> None:
+        self._batch.scan(ranges, self.poses, self.steps, self.places, active, self._errors, self._keys, self._threads)
+
+    def _choose(self, robots: Robots) -> npt.NDArray[np.int64]:
+        if robots is None:
+            return np.arange(self._count)
+        array = np.asarray(robots)
+        if array.dtype == np.bool_:
+            if array.shape != (self._count,):
+                raise InputError(f"robots as bools need shape ({self._count},), got {array.shape}")
+            return np.flatnonzero(array)
+        chosen = np.atleast_1d(array)
+        if chosen.size == 0:
+            return np.zeros(0, dtype=np.int64)
+        if chosen.ndim != 1 or chosen.dtype.kind not in "iu":
+            raise InputError("robots must be indices, a bool for each robot, or None for all")
+        if chosen.min() < 0 or chosen.max() >= self._count or len(np.unique(chosen)) != len(chosen):
+            raise InputError(f"robots must be different indices from 0 to {self._count - 1}")
+        return chosen.astype(np.int64)
+
+    def _mask(self, chosen: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+        if len(chosen) == self._count:
+            return self._everyone
+        mask = np.zeros(self._count, dtype=bool)
+        mask[chosen] = True
+        return mask
+
+    def _check_range(
+        self, values: npt.ArrayLike, chosen: npt.NDArray[np.int64], what: str, least: int, most: int
+    ) -> npt.NDArray[np.int64]:
+        array = _spread(as_array(values, np.int64, f"{what}s"), (len(chosen),), f"{what}s")
+        bad = (array < least) | (array > most)
+        if bad.any():
+            number, robot = array[np.argmax(bad)], _first(chosen, bad)
+            raise InputError(f"robot {robot} is to be on {what} {number}; there are {most + 1} {what}s, from 0 on")
+        return array
+
+
+def _first(chosen: npt.NDArray[np.int64], bad: npt.ArrayLike) -> int:
+    return int(chosen[np.argmax(bad)])
+
+
+def _spread(array: npt.NDArray[np.generic], shape: tuple[int, ...], what: str) -> npt.NDArray:
+    try:
+        return np.ascontiguousarray(np.broadcast_to(array, shape))
+    except ValueError:
+        raise InputError(f"{what} need shape {shape}, or one value for all, got {array.shape}") from None
+
+
+def _choose_lidars(robot: Robot, choice: LidarChoice) -> tuple[str, ...]:
+    if isinstance(choice, bool):
+        return tuple(robot.lidars) if choice else ()
+    names = (choice,) if isinstance(choice, str) else tuple(choice)
+    for name in names:
+        if name not in robot.lidars:
+            raise UnknownNameError(f"lidar of {robot.name}", name, robot.lidars)
+    return names
+
+
+def _check_device(device: str) -> None:
+    if device not in _DEVICES:
+        raise UnknownNameError("device", str(device), _DEVICES)
+    if device != "cpu":
+        raise InputError('device "cuda" is not supported yet: the batch computes on the CPU; use device="cpu"')
+
+
+def _choose_threads(threads: int | None) -> int:
+    if threads is not None:
+        return check_count("threads", threads, 1, 1024)
+    given = os.environ.get("TRUNDLE_THREADS", "").strip()
+    if given:
+        return check_count("TRUNDLE_THREADS", int(given) if given.isdecimal() else given, 1, 1024)
+    return os.cpu_count() or 1
