@@ -19,6 +19,7 @@ WRITES = {
     "09_tour": {"tour.png"},
     "10_own_loop_in_the_browser": set(),
     "11_localization": set(),
+    "12_learning": set(),
 }
 SAYS = {
     "01_load_and_view": "nova_carter: 57.5 kg",
@@ -32,17 +33,26 @@ SAYS = {
     "09_tour": "spin (task of goal 4) succeeded",
     "10_own_loop_in_the_browser": "stopped at Pose2D(",
     "11_localization": "s: localized, 0.0",
+    "12_learning": "generation 1: reward",
 }
-OPTIONS = {"10_own_loop_in_the_browser": ["--seconds", "1", "--no-open"], "11_localization": ["--fast"]}
-"""Those of an example that waits for a person."""
+OPTIONS = {
+    "10_own_loop_in_the_browser": ["--seconds", "1", "--no-open"],
+    "11_localization": ["--fast"],
+    "12_learning": ["--generations", "1"],
+}
+"""Those of an example that waits for a person, or takes long."""
+NEEDS = {"12_learning": "gymnasium"}
+"""The library of an extra that an example needs."""
 
 
-def test_there_is_an_example_for_each_step_for_evaluations_for_sensing_goals_the_browser_and_localization() -> None:
+def test_there_is_an_example_for_each_step_and_for_each_larger_part() -> None:
     assert [path.stem for path in EXAMPLES] == sorted(WRITES)
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
 def test_an_example_runs_in_an_empty_folder(example: Path, tmp_path: Path) -> None:
+    if example.stem in NEEDS:
+        pytest.importorskip(NEEDS[example.stem])
     done = subprocess.run(
         [sys.executable, "-W", "error", str(example), *OPTIONS.get(example.stem, [])],
         cwd=tmp_path,

@@ -88,6 +88,7 @@ class Arena:
         self._frames = np.array([grid.origin.as_tuple() for grid in grids])
         self._turns = np.column_stack([np.cos(self._frames[:, 2]), np.sin(self._frames[:, 2])])
         self.resolution = grids[0].resolution
+        self._guides: npt.NDArray[np.float32] | None = None
 
     def cells_of(self, points: FloatArray, maps: npt.NDArray[np.int64]) -> tuple[npt.NDArray[np.int64], ...]:
         """Return (row, col) of points (x, y), map frame, shape (…, 2), each on its map; not clipped."""
@@ -105,13 +106,43 @@ class Arena:
         return np.stack([x, frames[..., 1] + turns[..., 1] * along + turns[..., 0] * up], axis=-1)
 
     def field_at(
-        self, row: npt.NDArray[np.int64], col: npt.NDArray[np.int64], maps: npt.NDArray[np.int64], fields: Any
+        self,
+        row: npt.NDArray[np.int64],
+        col: npt.NDArray[np.int64],
+        maps: npt.NDArray[np.int64],
+        fields: Any,
+        *,
+        guide: bool = False,
     ) -> FloatArray:
-        """Return the distance to the goal from cells [m]; infinite in walls and beyond the map."""
+        """Return the distance to the goal from cells [m], or the cost to go there of `guides`.
+
+        It is infinite in walls and beyond the map.
+        """
+        values = self.guides if guide else self._values
         rows, cols = self.shapes[maps].T
         inside = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
         at = self._offsets[fields] + np.where(inside, row * cols + col, 0)
-        return np.where(inside, self._values[at], np.inf)
+        return np.where(inside, values[at], np.inf)
+
+    @property
+    def guides(self) -> npt.NDArray[np.float32]:
+        """Costs to go to the goals on paths that keep away from walls; made on first use."""
+        if self._guides is None:
+            maps = np.repeat(np.arange(len(self.grids)), self.mission_counts)
+            costmaps = [Costmap.from_grid(grid, self.robot) for grid in self.grids]
+            found: list[npt.NDArray[np.float32]] = []
+            for mission in np.unique(self.mission_fields, return_index=True)[1]:
+                costmap = costmaps[maps[mission]]
+                cell = [int(index) for index in costmap.world_to_cell(*self.goals[mission])]
+                found.append(cost_field(_guide_costs(costmap), cell, threads=1).ravel())
+            self._guides = np.concatenate(found)
+        return self._guides
+
+
+def _guide_costs(costmap: Costmap) -> npt.NDArray[np.uint8]:
+    """Costs of cells from 8, in the open, to 208, where the robot nearly touches something."""
+    costs = 8 + (costmap.data.astype(np.int64) * 200) // (INSCRIBED - 1)
+    return np.where(costmap.data >= INSCRIBED, 255, costs).astype(np.uint8)
 
 
 def make_arena(settings: NavigationSettings, robot: Robot) -> Arena:

@@ -27,9 +27,9 @@ class Observer:
     - `ranges`: Of all beams, one lidar after the other [m]; without a return `range_max`.
     - `goal`: Straight distance to the goal [m], up to 200, and the cosine and sine of its direction.
     - `velocity`: v [m/s] and w [rad/s].
-    - `path`: Points of the shortest path ahead [m], 0.5 m apart, as (x, y), with `path_points`.
+    - `path`: Points of a path to the goal that keeps away from walls [m], 0.5 m apart, as (x, y), with `path_points`.
     - `costmap`: Costs around the robot, uint8, its x axis along the columns, with `costmap_cells`.
-    - `critic`: Length of the shortest path [m], and the cosine and sine of its direction, with `critic`.
+    - `critic`: Length of the shortest path [m], and the cosine and sine of the direction of that path, with `critic`.
 
     Args:
         episodes: The episodes.
@@ -95,19 +95,19 @@ class Observer:
         self._episodes.sim.scan(robots=robots)
 
     def _path(self, points: int) -> npt.NDArray[np.float64]:
-        """Points of the shortest path ahead, map frame [m], shape (N, points, 2): descent on the goal's field."""
+        """Points of the path ahead, map frame [m], shape (N, points, 2): descent on the costs to go to the goal."""
         episodes = self._episodes
         arena, maps = episodes.arena, episodes.sim.places[:, 0]
         row, col = arena.cells_of(episodes.sim.poses[:, :2], maps)
         steps = max(1, round(_POINT_SPACING / arena.resolution))
-        best = arena.field_at(row, col, maps, episodes.fields)
+        best = arena.field_at(row, col, maps, episodes.fields, guide=True)
         out = np.empty((episodes.count, points, 2))
         around = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
         for point in range(points):
             for _ in range(steps):
                 here_row, here_col = row, col
                 for down, right in around:
-                    value = arena.field_at(here_row + down, here_col + right, maps, episodes.fields)
+                    value = arena.field_at(here_row + down, here_col + right, maps, episodes.fields, guide=True)
                     better = value < best
                     row, col = np.where(better, here_row + down, row), np.where(better, here_col + right, col)
                     best = np.where(better, value, best)

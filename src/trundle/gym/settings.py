@@ -55,7 +55,7 @@ class NavigationSettings:
         lidar: Which lidars observe: True for all of the robot's, or names. If None, the first.
         beams: Beams of each lidar. If None, the lidar's own number.
         movers: How many people walk in each world. They do not react to the robot.
-        path_points: How many points of the shortest path ahead are observed; 0 for none.
+        path_points: How many points of the path ahead are observed, 0.5 m apart; 0 for none.
         costmap_cells: Cells along an edge of the observed local costmap; 0 for none.
         critic: Whether `critic` is observed: what a robot without a map cannot know.
         scaled_actions: Whether actions are from −1 to 1, as shares of the robot's largest speeds, or [m/s, rad/s].

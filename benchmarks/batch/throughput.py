@@ -1,0 +1,99 @@
+"""Robots stepped and scanned a second by the batch core, and steps of the environments: `throughput.py [--threads N]`.
+
+Figures are of CPU time with one thread, and of the clock with more.
+"""
+
+from __future__ import annotations
+
+import argparse
+import platform
+import time
+from pathlib import Path
+
+import numpy as np
+
+from trundle.costmap import Costmap
+from trundle.maps import OccupancyGrid
+from trundle.robots import Robot
+from trundle.sim import BatchSimulator
+from trundle.worlds import World
+
+ROBOTS, PERIOD = 1024, 0.05
+
+
+def processor() -> str:
+    lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
+    return next((line.partition(": ")[2] for line in lines if line.startswith("model name")), platform.processor())
+
+
+def clock(threads: int) -> float:
+    return time.process_time() if threads == 1 else time.perf_counter()
+
+
+def rate(work, count: int, threads: int) -> float:
+    """Robots a second; the best of three."""
+    best = 0.0
+    for _ in range(3):
+        started = clock(threads)
+        for _ in range(count):
+            work()
+        best = max(best, count * ROBOTS / (clock(threads) - started))
+    return best
+
+
+def core(threads: int, *, clear: bool) -> None:
+    robot = Robot.load("nova_carter")
+    front = robot.lidars["front"].model_copy(update={"beams": 180, "range_max": 12.0, "noise": 0.0})
+    robot = robot.model_copy(update={"lidars": {"front": front}})
+    grid = OccupancyGrid.from_world(World.generate("office", seed=3), z_range=robot.z_range)
+    costmap = Costmap.from_grid(grid, robot)
+    cells = np.argwhere(costmap.data == 0) if clear else np.argwhere(costmap.data < 128)
+    rng = np.random.default_rng(0)
+    x, y = costmap.cell_to_world(*cells[rng.choice(len(cells), ROBOTS)].T)
+    poses = np.column_stack([x, y, rng.uniform(-3.0, 3.0, ROBOTS)])
+    commands = np.column_stack([rng.uniform(0.2, 0.6, ROBOTS), rng.uniform(-1.0, 1.0, ROBOTS)])
+    sim = BatchSimulator(grid, robot, count=ROBOTS, lidar=True, threads=threads)
+
+    def drive() -> None:
+        sim.reset(poses)
+        for _ in range(10):
+            sim.step(commands, PERIOD)
+
+    where = "in open space" if clear else "near walls"
+    print(
+        f"{grid.data.size / 1e6:.2f} M cells, {where}: drive and contact {10 * rate(drive, 10, threads) / 1e6:.2f} M/s"
+    )
+
+    def both() -> None:
+        sim.step(commands, PERIOD)
+        sim.scan()
+
+    sim.reset(poses)
+    print(f"    with 180 beams to 12 m {rate(both, 5, threads) / 1e3:.1f} k/s")
+
+
+def environments(threads: int) -> None:
+    import gymnasium
+
+    import trundle.gym  # noqa: F401 - registers
+
+    for count, steps in ((1, 1500), (16, 600), (1024, 20)):
+        env = gymnasium.make_vec("trundle/Navigation-v0", num_envs=count, world="office", worlds=1, threads=threads)
+        env.reset(seed=0)
+        actions = np.random.default_rng(0).uniform(0.0, 1.0, (steps, count, 2)).astype(np.float32)
+        started = clock(threads)
+        for action in actions:
+            env.step(action)
+        print(f"VectorEnv, N = {count}: {count * steps / (clock(threads) - started) / 1e3:.1f} k steps/s")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--no-gym", action="store_true", help="without the environments, which need the extra gym")
+    chosen = parser.parse_args()
+    print(f"{processor()}, {chosen.threads} thread{'s' * (chosen.threads > 1)}")
+    for clear in (True, False):
+        core(chosen.threads, clear=clear)
+    if not chosen.no_gym:
+        environments(chosen.threads)
