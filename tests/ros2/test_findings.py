@@ -82,7 +82,7 @@ def test_two_clocks_are_a_problem_if_both_are_heard():
     seen = graph(pub("/clock", CLOCK_TYPE, "/sim"), pub("/clock", CLOCK_TYPE, "/gazebo"))
     found = next(findings.find_clock(seen, ClockSeen(301, 10.0, 13.0, 3.0, went_back=True, sources=2)))
     assert found.status == "problem"
-    assert "2 of the publishers /gazebo, /sim" in found.detail
+    assert "2 of the 2 publishers of /gazebo, /sim" in found.detail
 
 
 def test_a_silent_bridge_of_another_simulator_is_no_second_clock():

@@ -257,8 +257,12 @@ class Agent(ABC):
         """
         raise self._lacks("runs no behaviors")
 
-    def clear_obstacles(self, region: Literal["all", "around", "except"] = "all", size: float = 0.0) -> None:
+    def clear_obstacles(
+        self, region: Literal["all", "around", "except"] = "all", size: float = 0.0, *, at: Pose2D | None = None
+    ) -> None:
         """Forget what the scans saw, everywhere or by a square of this size [m]. By default it is refused.
+
+        The middle of the square is the robot, or `at` (map frame) where that is given.
 
         Raises:
             InputError: If the agent has no costmap to clear.

@@ -114,12 +114,15 @@ class NavigatorRequests(NavigatorAttributes):
         """Stop only the behavior that was asked for, if one runs: then the robot plans again, and drives on."""
         self._apply(self._goal_queue.drop(self._state))
 
-    def clear_obstacles(self, region: Literal["all", "around", "except"] = "all", size: float = 0.0) -> None:
+    def clear_obstacles(
+        self, region: Literal["all", "around", "except"] = "all", size: float = 0.0, *, at: Pose2D | None = None
+    ) -> None:
         """Forget what the scans saw; the map stays.
 
         Args:
             region: All of it, a square around the robot ("around"), or all but that square ("except").
             size: Edge of the square [m], which is aligned with the odom frame.
+            at: The middle of the square, map frame. If None, it is the robot.
 
         Raises:
             InputError: If the region is none of these, or its size is not positive.
@@ -129,7 +132,7 @@ class NavigatorRequests(NavigatorAttributes):
         if region == "all":
             self._sensed.reset()
         else:
-            self._sensed.clear_region(region, size)
+            self._sensed.clear_region(region, size, at)
 
     # Latency --------------------------------------------------------------------------------------------------------
 

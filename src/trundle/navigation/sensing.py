@@ -72,10 +72,10 @@ class SensedMap:
         else:
             self.costmap = self._layered.replace_static(costmap)
 
-    def clear_region(self, region: Literal["around", "except"], size: float) -> None:
-        """Forget what was sensed in a square around the robot of this edge [m], or outside of it."""
+    def clear_region(self, region: Literal["around", "except"], size: float, at: Pose2D | None = None) -> None:
+        """Forget what was sensed in a square of this edge [m] around the robot or another pose, or outside of it."""
         if self._layered is not None:
-            self.costmap = self._layered.clear(region, size)
+            self.costmap = self._layered.clear(region, size, at=at)
 
     def begin(self) -> None:
         """Expect that the time may start over, and the robot be elsewhere: there is a new goal."""

@@ -120,12 +120,14 @@ def find_clock(graph: Graph, seen: ClockSeen) -> Iterator[Finding]:
 
 def _judge_clock(sources: Sequence[Endpoint], seen: ClockSeen) -> Finding:
     names = _list(sorted({one.node or one.source for one in sources}))
-    if seen.sources > 1:
+    if seen.sources > 1 or (seen.went_back and len(sources) > 1):
         return Finding(
             "clock",
             "problem",
-            f"/clock comes from {seen.sources} of the publishers {names}; time jumps between them",
-            "End all but one simulator, or give each its own ROS_DOMAIN_ID",
+            f"/clock comes from {max(seen.sources, 2)} of the {len(sources)} publishers of {names}; time jumps between "
+            "them, and transforms and stamps of one are in the past or the future of the other",
+            "Two simulators are on this domain: end all but one (trundle ros2 serve, Gazebo, Isaac Sim), or give each "
+            "its own domain: --domain, and ROS_DOMAIN_ID of its nodes",
         )
     if seen.unreadable:
         return Finding(

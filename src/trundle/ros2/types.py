@@ -84,6 +84,20 @@ class Types:
         """Return whether there is such a type, and it has this field."""
         return self.knows(type_name) and field in self.codec.fields(type_name)
 
+    def item_type(self, type_name: str, field: str) -> str:
+        """Return the type of the messages in a list of a type; "" where it has no such field, or that holds numbers.
+
+        Raises:
+            UnknownNameError: If there is no such type.
+        """
+        from rosbags.interfaces import Nodetype
+
+        self._learn(type_name)
+        what, detail = self.codec.fields(type_name).get(field, (Nodetype.BASE, None))
+        if what not in (Nodetype.ARRAY, Nodetype.SEQUENCE) or detail[0][0] != Nodetype.NAME:
+            return ""
+        return str(detail[0][1])
+
     def constant(self, type_name: str, name: str, default: int = 0) -> int:
         """Return a constant of a type, such as an error code, or `default` where this distribution does not have it."""
         return getattr(self.kind(type_name), name, default) if self.knows(type_name) else default

@@ -297,7 +297,7 @@ def test_a_true_pose_stays_and_is_answered(serve, client):
     client.publish("/initialpose", initial(client, 5.0, 5.0))
     wait_for(lambda: len(client.got("/amcl_pose")) > before)
     assert place(client.got("/amcl_pose")[-1].pose.pose) == pytest.approx((1.5, 1.5), abs=0.05)
-    wait_for(lambda: served.counts == {"initialpose: refused": 1})
+    wait_for(lambda: served.counts == {"initialpose: no localizer": 1})
 
 
 @pytest.mark.parametrize(

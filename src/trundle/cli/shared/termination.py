@@ -160,15 +160,22 @@ def _describe_unused(unused: list[str], arguments: list[str]) -> str:
 
 @contextmanager
 def ends_as_by_ctrl_c() -> Iterator[None]:
-    """Let SIGTERM end what runs in the block as Ctrl-C does, if this is the main thread."""
+    """Let SIGTERM end what runs in the block as Ctrl-C does, if this is the main thread.
+
+    So does SIGINT, where a shell has it ignored, as it does for what it starts in the background of a script.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGTERM, _interrupt)
+    numbers = [signal.SIGTERM]
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        numbers.append(signal.SIGINT)
+    before = {number: signal.signal(number, _interrupt) for number in numbers}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _interrupt(number: int, frame: object) -> None:

@@ -196,14 +196,15 @@ class LayeredCostmap:
             self._rebuild()
             return self.costmap
 
-    def clear(self, region: Literal["around", "except"], size: float) -> Costmap:
-        """Forget the obstacles that were sensed in a square around the robot, or outside of it.
+    def clear(self, region: Literal["around", "except"], size: float, *, at: Pose2D | None = None) -> Costmap:
+        """Forget the obstacles that were sensed in a square around the robot, or around another pose, or outside of it.
 
         Layers that were given as `extra_layers` keep what they have.
 
         Args:
             region: "around" for the square, "except" for all but the square.
             size: Its edge [m]; it is aligned with the map frame.
+            at: The middle of the square, map frame. If None, it is the robot.
 
         Returns:
             The costmap then.
@@ -218,7 +219,7 @@ class LayeredCostmap:
             if self._pose is None:
                 raise InputError("there is nothing to clear before the first update")
             if self._obstacle is not None:
-                self._obstacle.forget(self._pose, size, outside=region == "except")
+                self._obstacle.forget(self._pose if at is None else at, size, outside=region == "except")
             self._repaint([EVERYWHERE])
             return self.costmap
 

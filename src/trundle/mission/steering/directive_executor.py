@@ -223,8 +223,9 @@ class DirectiveExecutor:
                     self._goals.cancel()
                 self._let_go()
                 self._tasks.cancel(state.time, behavior_alone=what == "behavior")
-            case kinds.ClearObstacles(region, size):
-                self._stack.agent.clear_obstacles(region, size)
+            case kinds.ClearObstacles(region, size, at):
+                elsewhere = {} if at is None else {"at": Pose2D.of(at)}
+                self._stack.agent.clear_obstacles(region, size, **elsewhere)
             case kinds.SetPose() as given:
                 self._stack.relocate(given.target, given.covariance)
             case kinds.ReinitializeGlobal():

@@ -212,6 +212,7 @@ class ClearObstacles(CheckedDirective):
     Attributes:
         region: "all", "around" for a square around the robot, or "except" for all but that square.
         size: Edge of the square [m], which is aligned with the odom frame.
+        at: The middle of the square: (x, y, yaw), or a pose; map frame. If None, it is the robot.
 
     Raises:
         InputError: If it is none of these, or the size is not positive where it is needed.
@@ -219,6 +220,7 @@ class ClearObstacles(CheckedDirective):
 
     region: Region = "all"
     size: float = 0.0
+    at: Pose2D | Sequence[float] | None = None
 
     @field_validator("region", mode="plain")
     @classmethod
@@ -228,6 +230,11 @@ class ClearObstacles(CheckedDirective):
         return region
 
     _check_size = field_validator("size", mode="plain")(number_of("the region to clear", 0.0, MOST_REGION_M, "m"))
+
+    @field_validator("at", mode="plain")
+    @classmethod
+    def _check_at(cls, at: Any) -> tuple[float, float, float] | None:
+        return None if at is None else Pose2D.of(at).as_tuple()
 
     @model_validator(mode="after")
     def _check_has_size(self) -> Self:

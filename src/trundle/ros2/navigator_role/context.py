@@ -29,6 +29,9 @@ _UNKNOWN = {
     "BackUp": 710,
     "DriveOnHeading": 720,
     "Wait": 740,
+    "AssistedTeleop": 730,
+    "SmoothPath": 500,
+    "FollowWaypoints": 600,
 }
 """UNKNOWN of each action from Iron on: what is sent where a distribution lacks the name of a code."""
 

@@ -52,16 +52,33 @@ class PoseInputs:
         kit.context.driver.steering.put(SetGoal(pose), by=_GOAL, refused=self._refused(_GOAL))
 
     def _pose(self, message: Any, source: str) -> None:
+        self.take_pose(message, _POSE)
+
+    def take_pose(self, message: Any, where: str) -> None:
+        """Tell the localizer the pose of a geometry_msgs/PoseWithCovarianceStamped; what is wrong is reported.
+
+        Args:
+            message: The message.
+            where: The topic or service that it came by.
+        """
         kit = self._kit
         try:
             check_frame(message.header.frame_id, (kit.map_frame,))
             pose = check_pose(message.pose.pose)
             given = SetPose(pose, _covariance_of(message.pose))
         except BadInputError as error:
-            self._drop(_POSE, error)
+            self._drop(where, error)
             return
-        self._look_at_stamp(_POSE, message)
-        kit.context.driver.steering.put(given, by=_POSE, refused=self._refused(_POSE))
+        if kit.context.mission.scenario.localizer is None:
+            kit.context.wire.warn(
+                f"{where}: no localizer",
+                f"a pose of {where} changes nothing: the robot knows its true pose, which is in amcl_pose; start "
+                "trundle with --localizer amcl for one that has to be found",
+            )
+            self._told()
+            return
+        self._look_at_stamp(where, message)
+        kit.context.driver.steering.put(given, by=where, refused=self._refused(where))
         self._told()
 
     def _drop(self, topic: str, error: BadInputError | FrameError) -> None:

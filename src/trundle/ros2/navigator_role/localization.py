@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
 from trundle.messages.makers import DIAGNOSTICS, POSE
@@ -12,6 +14,7 @@ from trundle.messages.qos import LATCHED, SENSOR, TRANSFORMS, Qos
 from trundle.mission import Step
 from trundle.observation import LocalizationState, describe_state
 from trundle.ros2.navigator_role.context import Kit
+from trundle.ros2.outputs.odometry_covariance import EXACT
 from trundle.ros2.outputs.output import Cadence
 from trundle.ros2.wire import Outlet, Wire
 
@@ -45,11 +48,11 @@ class PoseOutput:
         self._pose = context.wire.outlet("amcl_pose", POSE, LATCHED)
         self._last: Pose2D | None = None
         self._state: LocalizationState = "localized"
-        self._covariance: FloatArray | None = None
+        self._covariance = self._exact = np.diag([EXACT] * 3)
 
     def begin(self) -> None:
         """Forget the last pose: a run begins."""
-        self._last = self._covariance = None
+        self._last, self._covariance = None, self._exact
 
     def publish(self, step: Step, time: float) -> None:
         """Publish what the robot believes at the end of a control period."""
@@ -60,7 +63,8 @@ class PoseOutput:
             self._tf.write(kit.make.transforms([transform]))
         last, pose, state = self._last, belief.pose, self._state
         if step.estimate is not None:
-            self._covariance, state = step.estimate.covariance, step.estimate.state
+            known, state = step.estimate.covariance, step.estimate.state
+            self._covariance = known if known is not None and known.any() else self._exact
         turned = math.inf if last is None else abs(wrap_angle(pose.yaw - last.yaw))
         if last is None or pose.distance_to(last) >= MOVED_M or turned >= TURNED_RAD or state != self._state:
             self._publish_pose()

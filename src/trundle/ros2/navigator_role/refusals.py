@@ -1,8 +1,7 @@
-"""Actions and services of Nav2 that trundle does not serve: they are refused at once, with the reason."""
+"""Actions of Nav2 that trundle does not serve: they are refused at once, with the reason."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,28 +28,10 @@ class Refusal:
 
 REFUSED_ACTIONS = (
     Refusal(
-        "follow_waypoints",
-        "nav2_msgs/action/FollowWaypoints",
-        "followWaypoints",
-        "trundle has no waypoint follower: send the poses one by one with goToPose, or use goThroughPoses",
-    ),
-    Refusal(
         "follow_gps_waypoints",
         "nav2_msgs/action/FollowGPSWaypoints",
         "followGpsWaypoints",
         "trundle knows no geographic coordinates: use goToPose or goThroughPoses on the map",
-    ),
-    Refusal(
-        "smooth_path",
-        "nav2_msgs/action/SmoothPath",
-        "smoothPath",
-        "paths are smoothed where the scenario says so (--smoother); getPath gives the planner's",
-    ),
-    Refusal(
-        "assisted_teleop",
-        "nav2_msgs/action/AssistedTeleop",
-        "assistedTeleop",
-        "/cmd_vel is not read while trundle drives: drive by hand on the page (--browser), or use --role simulator",
     ),
     Refusal("dock_robot", "nav2_msgs/action/DockRobot", "dockRobotByPose, dockRobotByID", "trundle has no docks"),
     Refusal("undock_robot", "nav2_msgs/action/UndockRobot", "undockRobot", "trundle has no docks"),
@@ -68,19 +49,6 @@ REFUSED_ACTIONS = (
     ),
 )
 """The actions that `BasicNavigator` of any distribution may ask for, and that are refused."""
-
-REFUSED_SERVICES = (
-    Refusal(
-        "map_server/load_map",
-        "nav2_msgs/srv/LoadMap",
-        "changeMap",
-        "the map is that of the world that is simulated: start trundle with another one",
-    ),
-)
-"""Services that are refused."""
-
-_FAILED_TO_LOAD = 255
-"""RESULT_UNDEFINED_FAILURE of nav2_msgs/srv/LoadMap."""
 
 
 class Refuse:
@@ -112,15 +80,3 @@ class Refuse:
     def cancel(self, goal: ActionGoal) -> bool:
         """Return False: nothing runs that could be cancelled."""
         return False
-
-
-def refuse_service(wire: Wire, refusal: Refusal) -> Callable[[Any], Any]:
-    """Return a handler that answers every request of a service with a failure."""
-
-    def answer(request: Any) -> Any:
-        wire.warn(f"{refusal.name}: refused", f"a request of {refusal.name} is refused: {refusal.why}")
-        response = f"{refusal.type_name}_Response"
-        failure = wire.types.constant(response, "RESULT_UNDEFINED_FAILURE", _FAILED_TO_LOAD)
-        return wire.types.make(response, result=failure)
-
-    return answer

@@ -20,12 +20,17 @@ from trundle.ros2.navigator_role.context import NAVIGATOR, Beliefs, Kit
 from trundle.ros2.navigator_role.costmap_outputs import FootprintOutput, GlobalCostmapOutput, LocalCostmapOutput
 from trundle.ros2.navigator_role.driving import Follow, Navigate
 from trundle.ros2.navigator_role.inputs import PoseInputs
+from trundle.ros2.navigator_role.lifecycle import Lifecycle
 from trundle.ros2.navigator_role.localization import ParticleOutput, PoseOutput, StateOutput
+from trundle.ros2.navigator_role.maps import MapServices
 from trundle.ros2.navigator_role.outputs import MapOutput, MarkerOutput, PlanOutput
 from trundle.ros2.navigator_role.plans import ComputePath, PlanServer
-from trundle.ros2.navigator_role.refusals import REFUSED_ACTIONS, REFUSED_SERVICES, Refuse, refuse_service
-from trundle.ros2.navigator_role.services import OPTIONAL, Lifecycle, Services
+from trundle.ros2.navigator_role.refusals import REFUSED_ACTIONS, Refuse
+from trundle.ros2.navigator_role.services import OPTIONAL, Services
+from trundle.ros2.navigator_role.smoothing import SmoothPath
 from trundle.ros2.navigator_role.tasks import Tasks
+from trundle.ros2.navigator_role.teleop import AssistedTeleop
+from trundle.ros2.navigator_role.waypoints import FollowWaypoints
 from trundle.ros2.outputs.output import Output
 from trundle.ros2.role import BridgeContext
 
@@ -49,7 +54,7 @@ class NavigatorRole:
 
     def open(self) -> None:
         """Open topics, services and actions."""
-        kit, wire = self._kit, self._context.wire
+        kit = self._kit
         self._pose_output, self._markers = PoseOutput(kit), MarkerOutput(kit)
         self._outputs: list[Output] = [
             self._pose_output,
@@ -63,12 +68,12 @@ class NavigatorRole:
             PlanOutput(kit),
             self._markers,
         ]
-        PoseInputs(kit, self._pose_output.answer).open()
+        poses = PoseInputs(kit, self._pose_output.answer)
+        poses.open()
         self._open_actions()
         self.lifecycle.open(self._serve)
-        Services(kit).open(self._serve)
-        for refusal in REFUSED_SERVICES:
-            self._serve(refusal.name, refusal.type_name, refuse_service(wire, refusal))
+        Services(kit, poses).open(self._serve)
+        MapServices(kit).open(self._serve)
 
     def begin(self, observers: Sequence[Observer], seed: int | None) -> Session:
         """Begin a run; see `Role`. It waits for goals."""
@@ -116,6 +121,12 @@ class NavigatorRole:
             ("wait", "Wait", read_wait),
         ):
             self._act(name, action, Behave(kit, name, action, read))
+        self._act("follow_waypoints", "FollowWaypoints", FollowWaypoints(kit, "follow_waypoints"))
+        self._act("smooth_path", "SmoothPath", SmoothPath(kit, "smooth_path"))
+        teleop = AssistedTeleop(kit, "assisted_teleop")
+        self._act("assisted_teleop", "AssistedTeleop", teleop)
+        teleop.open()
+        self._outputs.append(teleop)
         wire = self._context.wire
         for refusal in REFUSED_ACTIONS:
             self._act(refusal.name, refusal.type_name.rpartition("/")[2], Refuse(wire, refusal), optional=True)

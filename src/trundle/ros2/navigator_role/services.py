@@ -1,4 +1,4 @@
-"""Services of Nav2's nodes: their lifecycle, and those of costmaps, map server and planner server."""
+"""Services of Nav2's costmaps, planner server and localizer."""
 
 from __future__ import annotations
 
@@ -11,41 +11,8 @@ from trundle.errors import InputError
 from trundle.mission import ClearObstacles, ReinitializeGlobal
 from trundle.ros2.navigator_role.context import Kit
 from trundle.ros2.navigator_role.costmap_outputs import local_window
-from trundle.ros2.wire import Wire
-
-NODES = (
-    "amcl",
-    "behavior_server",
-    "bt_navigator",
-    "collision_monitor",
-    "controller_server",
-    "global_costmap/global_costmap",
-    "local_costmap/local_costmap",
-    "map_server",
-    "planner_server",
-    "smoother_server",
-    "velocity_smoother",
-    "waypoint_follower",
-)
-"""Nodes of Nav2 whose state can be asked for: all have the state of the navigator."""
-
-MANAGERS = ("lifecycle_manager_localization", "lifecycle_manager_navigation")
-
-_STATES = {"unconfigured": 1, "inactive": 2, "active": 3, "finalized": 4}
-"""Numbers of lifecycle_msgs/msg/State."""
-
-_STARTUP, _PAUSE, _RESUME, _RESET, _SHUTDOWN = range(5)
-"""Commands of nav2_msgs/srv/ManageLifecycleNodes; CONFIGURE and CLEANUP follow from Kilted on."""
-
-_AFTER = {
-    _STARTUP: "active",
-    _PAUSE: "inactive",
-    _RESUME: "active",
-    _RESET: "unconfigured",
-    _SHUTDOWN: "finalized",
-    5: "inactive",
-    6: "unconfigured",
-}
+from trundle.ros2.navigator_role.inputs import PoseInputs
+from trundle.ros2.navigator_role.lifecycle import Serve
 
 _CLEARS: dict[str, tuple[str, Literal["all", "around", "except"]]] = {
     "clear_entirely": ("nav2_msgs/srv/ClearEntireCostmap", "all"),
@@ -56,78 +23,42 @@ _CLEARS: dict[str, tuple[str, Literal["all", "around", "except"]]] = {
 _VALID = "nav2_msgs/srv/IsPathValid"
 _SEARCH = "reinitialize_global_localization"
 
-OPTIONAL = frozenset({_VALID})
+_AROUND_POSE = "nav2_msgs/srv/ClearCostmapAroundPose"
+_SET_POSE = "nav2_msgs/srv/SetInitialPose"
+
+OPTIONAL = frozenset({_VALID, _AROUND_POSE, _SET_POSE, "nav2_msgs/srv/SaveMap"})
 """Types that a distribution may lack."""
-
-Serve = Callable[[str, str, Callable[[Any], Any]], object]
-"""Serves a service of a name, a type and a handler."""
-
-
-class Lifecycle:
-    """Answers who asks for the state of a node, and takes the commands of lifecycle managers.
-
-    The navigator is active from the start. Where it is paused, reset or shut down, goals are refused and what the robot
-    does is cancelled; started up again, it goes on.
-
-    Args:
-        wire: What serves it.
-        changed: Called with the reason why goals are refused from now on; empty where they are taken.
-
-    Attributes:
-        state: The state of all nodes.
-    """
-
-    def __init__(self, wire: Wire, changed: Callable[[str], None]) -> None:
-        self._wire, self._changed = wire, changed
-        self.state = "active"
-
-    def open(self, serve: Serve) -> None:
-        """Offer the services."""
-        for node in NODES:
-            serve(f"{node}/get_state", "lifecycle_msgs/srv/GetState", self._get_state)
-        for manager in MANAGERS:
-            serve(f"{manager}/manage_nodes", "nav2_msgs/srv/ManageLifecycleNodes", self._manage)
-            serve(f"{manager}/is_active", "std_srvs/srv/Trigger", self._is_active)
-
-    def _get_state(self, request: Any) -> Any:
-        make = self._wire.types.make
-        state = make("lifecycle_msgs/msg/State", id=_STATES[self.state], label=self.state)
-        return make("lifecycle_msgs/srv/GetState_Response", current_state=state)
-
-    def _is_active(self, request: Any) -> Any:
-        active = self.state == "active"
-        message = "" if active else f"the navigator is {self.state}"
-        return self._wire.types.make("std_srvs/srv/Trigger_Response", success=active, message=message)
-
-    def _manage(self, request: Any) -> Any:
-        after = _AFTER.get(int(request.command))
-        ok = after is not None and (self.state != "finalized" or after == "finalized")
-        if after is not None and ok and after != self.state:
-            self.state = after
-            self._changed("" if after == "active" else f"the navigator is {after}: a lifecycle manager made it so")
-        return self._wire.types.make("nav2_msgs/srv/ManageLifecycleNodes_Response", success=ok)
 
 
 class Services:
-    """Clears costmaps, lets the localizer search, and answers with the map, the costmaps and whether a path is free.
+    """Clears costmaps, lets the localizer search, and answers with the costmaps and whether a path is free.
 
     trundle has one costmap of map and obstacles: the global one of Nav2 is all of it, and the local one a window of it
     around the robot. Clearing either clears what was sensed in both.
 
     Args:
         kit: What actions work with.
+        poses: Takes the pose of the localizer.
     """
 
-    def __init__(self, kit: Kit) -> None:
-        self._kit = kit
+    def __init__(self, kit: Kit, poses: PoseInputs) -> None:
+        self._kit, self._poses = kit, poses
 
     def open(self, serve: Serve) -> None:
         """Offer the services."""
         for which in ("global", "local"):
             for verb, (type_name, region) in _CLEARS.items():
                 serve(f"{which}_costmap/{verb}_{which}_costmap", type_name, self._clear(type_name, region))
+            serve(f"{which}_costmap/clear_around_pose_{which}_costmap", _AROUND_POSE, self._clear_around_pose)
             serve(f"{which}_costmap/get_costmap", "nav2_msgs/srv/GetCostmap", self._costmap(which == "local"))
-        serve("map_server/map", "nav_msgs/srv/GetMap", self._map)
+        # As BasicNavigator of newer distributions calls them; Nav2's own costmaps have only the names above.
+        for name, kind, handler in (
+            ("clear_costmap_around_robot", _CLEARS["clear_around"][0], self._clear(*_CLEARS["clear_around"])),
+            ("clear_costmap_except_region", _CLEARS["clear_except"][0], self._clear(*_CLEARS["clear_except"])),
+            ("clear_costmap_around_pose", _AROUND_POSE, self._clear_around_pose),
+        ):
+            serve(f"local_costmap/{name}", kind, handler)
+        serve("set_initial_pose", _SET_POSE, self._set_pose)
         serve("is_path_valid", _VALID, self._is_path_valid)
         serve(_SEARCH, "std_srvs/srv/Empty", self._search)
 
@@ -144,6 +75,20 @@ class Services:
 
         return clear
 
+    def _clear_around_pose(self, request: Any) -> Any:
+        kit, size = self._kit, float(request.reset_distance)
+        if not size > 0.0:
+            raise InputError(f"reset_distance must be positive, got {size:g} m: nothing is cleared")
+        pose = kit.beliefs.read(request.pose, "the pose to clear around")
+        directive = ClearObstacles("around", size, pose)
+        kit.context.driver.steering.put(directive, by=_AROUND_POSE.rpartition("/")[2])
+        types, response = kit.types, f"{_AROUND_POSE}_Response"
+        return types.make(response, success=True) if types.has(response, "success") else types.make(response)
+
+    def _set_pose(self, request: Any) -> Any:
+        self._poses.take_pose(request.pose, "set_initial_pose")
+        return self._kit.types.make(f"{_SET_POSE}_Response")
+
     def _search(self, request: Any) -> Any:
         kit = self._kit
 
@@ -152,11 +97,6 @@ class Services:
 
         kit.context.driver.steering.put(ReinitializeGlobal(), by=_SEARCH, refused=report)
         return kit.types.make("std_srvs/srv/Empty_Response")
-
-    def _map(self, request: Any) -> Any:
-        kit = self._kit
-        grid = kit.make.grid(0.0, kit.context.mission.grid, kit.map_frame)
-        return kit.types.make("nav_msgs/srv/GetMap_Response", map=grid)
 
     def _costmap(self, local: bool) -> Callable[[Any], Any]:
         kit = self._kit

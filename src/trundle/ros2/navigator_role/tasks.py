@@ -44,47 +44,54 @@ class Task:
         goal: The goal.
         report: What is sent about it.
         later: Calls something in the listening thread.
+
+    Attributes:
+        goal: The goal.
+        report: What is sent about it.
+        later: Calls something in the listening thread.
+        runs: Whether the run has taken it up.
+        failed: Called where it has failed, or None.
     """
 
     def __init__(self, goal: ActionGoal, report: Report, later: Callable[[Callable[[], None]], None]) -> None:
-        self.goal, self._report, self._later = goal, report, later
+        self.goal, self.report, self.later = goal, report, later
         self._lock = threading.Lock()
-        self._runs = False
+        self.runs = False
         self.failed: Callable[[], None] | None = None
 
     def begin(self, time: float) -> None:
         """Begin to report: the run has taken the goal up; see `TaskWatcher`."""
-        self._report.begin(time)
-        self._runs = True
+        self.report.begin(time)
+        self.runs = True
 
     def refuse(self, error: TrundleError) -> None:
         """Send the result of a goal that the run has refused."""
-        fields = self._report.refused(error)
-        self._later(lambda: self._fail(fields))
+        fields = self.report.refused(error)
+        self.later(lambda: self._fail(fields))
 
     def end(self, end: TaskEnd) -> None:
         """Send the result of a goal that the run has ended."""
-        self._runs = False
-        fields = self._report.ended(end)
+        self.runs = False
+        fields = self.report.ended(end)
         match end.result:
             case "succeeded":
-                self._later(lambda: self._finish(self.goal.succeed, fields))
+                self.later(lambda: self.finish(self.goal.succeed, fields))
             case "cancelled":
-                self._later(lambda: self._finish(self._cancelled, fields))
+                self.later(lambda: self.finish(self.cancelled, fields))
             case "failed":
-                self._later(lambda: self._fail(fields))
+                self.later(lambda: self._fail(fields))
             case _:
-                self._later(lambda: self._finish(self.goal.abort, fields))
+                self.later(lambda: self.finish(self.goal.abort, fields))
 
     def preempt(self, end: TaskEnd) -> None:
         """End the goal as aborted because another one has come, as Nav2 does."""
-        self._finish(self.goal.abort, self._report.ended(end))
+        self.finish(self.goal.abort, self.report.ended(end))
 
     def follow(self, step: Step) -> None:
         """Send feedback for a control period."""
-        if not self._runs or self.goal.is_over:
+        if not self.runs or self.goal.is_over:
             return
-        fields = self._report.feedback(step)
+        fields = self.report.feedback(step)
         if fields is not None:
             with self._lock:
                 self.goal.publish_feedback(**fields)
@@ -92,13 +99,15 @@ class Task:
     def _fail(self, fields: dict[str, Any]) -> None:
         if self.failed is not None:
             self.failed()
-        self._finish(self.goal.abort, fields)
+        self.finish(self.goal.abort, fields)
 
-    def _cancelled(self, **fields: Any) -> None:
+    def cancelled(self, **fields: Any) -> None:
+        """End the goal as cancelled, if its client has asked for that; else as aborted."""
         end = self.goal.canceled if self.goal.cancel_requested else self.goal.abort
         end(**fields)
 
-    def _finish(self, end: Callable[..., None], fields: dict[str, Any]) -> None:
+    def finish(self, end: Callable[..., None], fields: dict[str, Any]) -> None:
+        """End the goal in this way, with these fields of its result."""
         with self._lock:
             end(**fields)
 
@@ -120,11 +129,15 @@ class Slot:
 
     def start(self, goal: ActionGoal, report: Report, directive: Directive, by: str) -> None:
         """Do what a goal asks for from now on; what runs is aborted."""
-        self.preempt("another goal has come")
         task = Task(goal, report, self._later)
         task.failed = lambda: self._give_up(task)
-        self._current = task
+        self.adopt(task)
         self._steering.put(directive, by=by, watcher=task)
+
+    def adopt(self, task: Task) -> None:
+        """Take a task that gives its own directives as the one that runs; what ran is aborted."""
+        self.preempt("another goal has come")
+        self._current = task
 
     def preempt(self, why: str) -> bool:
         """End what runs as aborted, and return whether something ran."""
@@ -163,6 +176,7 @@ class Tasks:
         drive: A drive to a goal, through several, or along a path.
         behavior: A behavior.
         refuses: Why goals are refused now; empty where they are taken.
+        ends: End other goals as aborted, for a reason.
     """
 
     def __init__(self, context: BridgeContext) -> None:
@@ -171,6 +185,7 @@ class Tasks:
         self.drive = Slot(context, self.later, Cancel())
         self.behavior = Slot(context, self.later, Cancel("behavior"))
         self.refuses = ""
+        self.ends: list[Callable[[str], None]] = []
         context.wire.every_round(self.flush)
 
     def follow(self, step: Step) -> None:
@@ -192,6 +207,8 @@ class Tasks:
         self.flush()
         self.drive.preempt(why)
         self.behavior.preempt(why)
+        for end in self.ends:
+            end(why)
 
     def later(self, call: Callable[[], None]) -> None:
         """Call this in the listening thread, after what clients have asked for; from any thread."""

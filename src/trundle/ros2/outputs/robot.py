@@ -21,6 +21,12 @@ CLOCK = Qos(10)
 
 _REPEAT_S = 0.5
 
+_DISCOVERY_S, _LOOK_S = 1.0, 5.0
+"""When other clocks are looked for first, and how often then [real time]."""
+
+_TWINS = 6
+"""So often a clock of a node of the same name is seen before it is reported: one that was killed is seen for 20 s."""
+
 FASTEST = 10.0
 """How fast a run may pass, relative to real time, for /clock to come from its physics steps."""
 
@@ -45,6 +51,8 @@ class ClockOutput:
         self._clock, self._cadence = context.clock, Cadence(1.0 / context.profile.clock_rate)
         self._written_s = 0.0
         wire.every_round(self._repeat)
+        self._wire, self._look_at, self._twins, self._told = wire, real_time.monotonic() + _DISCOVERY_S, 0, False
+        wire.every_round(self._look)
 
     def tick(self, time: float) -> None:
         """Publish a time [s] if it is due."""
@@ -62,6 +70,26 @@ class ClockOutput:
             with self._lock:
                 data = self._bytes.fill(time)
             self._outlet.write_bytes(data)
+
+    def _look(self) -> None:
+        """Say once that another node publishes the clock, too, where one is seen; it is looked for every few seconds."""
+        now = real_time.monotonic()
+        if self._told or now < self._look_at:
+            return
+        self._look_at = now + _LOOK_S
+        wire = self._wire
+        publishers = wire.transport.graph().publishers(self._outlet.topic)
+        others = {one.node or "a node without a name" for one in publishers if not one.ours}
+        self._twins = self._twins + 1 if len(publishers) > 1 else 0
+        if others or self._twins >= _TWINS:
+            self._told = True
+            names = ", ".join(sorted(others)) or f"another node that is called {wire.transport.node}, too,"
+            wire.warn(
+                f"{self._outlet.topic}: two clocks",
+                f"there is a {self._outlet.topic} of {names} already: nodes on this domain get two times that "
+                "contradict each other, unless it is silent. Give each simulator its own domain: --domain, and "
+                "ROS_DOMAIN_ID of its nodes",
+            )
 
     def _repeat(self) -> None:
         if 0.0 < self._written_s < real_time.monotonic() - _REPEAT_S:
