@@ -1,6 +1,6 @@
 """Mapping public logs: how far the mapped path is from the reference, and what it takes.
 
-python benchmarks/mapping/slam.py FOLDER [--only intel aces] [--drift 0.5 2] [--seeds 0] [--picture DIR]
+python -m benchmarks.mapping.slam FOLDER [--only intel aces] [--drift 0.5 2] [--seeds 0] [--picture DIR]
 
 FOLDER has the CARMEN logs `*-corrected.log.gz`, and `intel.rawlog` with `intel_ODO.txt`. References are poses that a
 particle-filter SLAM corrected: not the truth.
@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from logs import Log, read_corrected, read_intel
+from benchmarks.mapping.logs import Log, read_corrected, read_intel
 
 from trundle import Mapper, Observation, Pose2D, Robot, Scan, Twist2D, draw_map
 
