@@ -82,12 +82,35 @@ def test_the_same_observations_give_the_same_map(robot: Robot) -> None:
 
 def test_a_graph_is_continued(robot: Robot, twice_round) -> None:
     mapper = Mapper.from_graph(twice_round[0].graph(), robot)
+    errors = []
     for truth, observation in drive([ring(0.2 + i / 180) for i in range(120)], seed=2):
-        found = mapper.update(observation).pose
-    assert mapper.joined and found.distance_to(truth) < 0.1
+        errors.append(mapper.update(observation).pose.distance_to(truth))
+    assert mapper.joined
+    assert errors[-1] < 0.1
 
 
 def test_the_live_map_follows_corrections(twice_round) -> None:
     mapper, _ = twice_round
     live, final = mapper.grid(), draw_map(mapper.graph())
     assert ((live.data >= 65).sum() / (final.data >= 65).sum()) == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_robot_that_circles_in_one_place_adds_nothing_more(robot: Robot) -> None:
+    mapper, sizes, errors = Mapper(robot), [], []
+    mapper.reset(ring(0.0))
+    for i, (truth, observation) in enumerate(drive([ring(i / 90) for i in range(90 * 24)])):
+        errors.append(mapper.update(observation).pose.distance_to(truth))
+        if i % (90 * 6) == 90 * 6 - 1:
+            graph = mapper.graph()
+            sizes.append((len(graph.times), len(graph.scan_nodes), len(graph.edges)))
+    assert sizes[3][0] <= 1.1 * sizes[2][0]
+    assert sizes[3][1] <= 1.1 * sizes[2][1]
+    assert max(errors) < 0.15
+
+
+def test_a_robot_that_stands_adds_nothing(robot: Robot) -> None:
+    mapper = Mapper(robot)
+    for _, observation in drive([ring(0.1)] * 50):
+        mapper.update(observation)
+    assert len(mapper.graph().times) == 1
+    assert len(mapper.graph().scan_nodes) == 1

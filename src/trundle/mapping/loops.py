@@ -17,7 +17,7 @@ from trundle._core import search_poses
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
 from trundle.mapping.nodes import Nodes, Surface
 from trundle.mapping.submaps import Submaps
-from trundle.mapping.window import SETTINGS, match_surface
+from trundle.mapping.window import match_surface
 
 _APART = 45  # nodes: what is nearer is in the window of the front end
 _VIEW_M = 6.0  # how far apart two places are that see the same
@@ -191,10 +191,9 @@ class LoopFinder:
         metres, radians = compute_drift(along + back)
         return one.distance_to(other) <= 0.15 + 0.5 * metres and abs(wrap_angle(one.yaw - other.yaw)) <= 0.5 * radians
 
-    def redo(self, count: int) -> None:
-        """Forget what was tried; after corrections others are near."""
-        del count
-        self._tried.clear()
+    def forget(self, node: int) -> None:
+        """Forget what was found for a node that is removed."""
+        self._pending = [one for one in self._pending if node not in (one.a, one.b)]
 
 
 def compute_drift(length: float) -> tuple[float, float]:
@@ -217,5 +216,3 @@ def _thin(points: FloatArray) -> FloatArray:
         first = first[np.linspace(0, len(first) - 1, _POINTS).astype(np.intp)]
     return np.ascontiguousarray(points[first])
 
-
-__all__ = ["SETTINGS", "Loop", "LoopFinder", "compute_drift"]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -38,7 +39,24 @@ _EDGE_FLOOR = np.diag((0.008**2, 0.008**2, math.radians(0.1) ** 2))
 _LOST_FIT = 0.2
 _GOOD_FIT, _MOST_DOUBT = 0.8, 100.0
 _LOOP_EVERY = 2  # key frames
+# So many key frames from one place and in one direction are enough; a robot that circles adds no more.
+_PLACE_M, _SECTORS, _ENOUGH = 1.0, 8, 8
 _JOIN_TRIES = 12  # submaps that a key frame of an unjoined part is compared with
+
+
+@dataclass(frozen=True, slots=True)
+class _Floating:
+    """The last node, in a place that is known: the next one there replaces it.
+
+    Attributes:
+        before: The node before it, and its pose in the frame of the window.
+        covariance: Of the edge between them.
+        anchor: An old node that it was recognised from, or None.
+    """
+
+    before: tuple[int, Pose2D]
+    covariance: FloatArray
+    anchor: int | None
 
 
 class Mapper:
@@ -70,13 +88,19 @@ class Mapper:
         self._live: LiveMap | None = None
         self._picker = BeamPicker(self.robot, MOST_POINTS, self._max_range)
         self._start = start
+        self._key_frames = 0
+        self._seen_from: dict[tuple[int, int, int], int] = {}
+        for node in range(len(nodes)):
+            place = _place_of(nodes.pose(node))
+            self._seen_from[place] = self._seen_from.get(place, 0) + 1
         self._part = max(nodes.parts, default=-1)
         self._begin_part()
 
     def _begin_part(self) -> None:
         self._part += 1
         self._window = ScanWindow()
-        self._recent: deque[tuple[int, Surface]] = deque(maxlen=_CLOUD)
+        self._recent: deque[tuple[Pose2D, Surface]] = deque(maxlen=_CLOUD)
+        self._floats: _Floating | None = None  # the last node, where it stands for many
         self._key: tuple[int, Pose2D] | None = None  # the last node, and its pose in the frame of the window
         self._last: tuple[Pose2D, Pose2D] | None = None  # the last match: odometry, and pose in the frame of the window
         self._kept: Pose2D | None = None
@@ -108,7 +132,11 @@ class Mapper:
         """The last node, and the robot's pose seen from it; None before the first. It moves as the node is corrected."""
         if self._key is None or self._last is None:
             return None
-        return self._key[0], self._key[1].inverse() @ self._local
+        seen = self._key[1].inverse() @ self._local
+        if self._floats is None:
+            return self._key[0], seen
+        stays = self._floats.anchor if self._floats.anchor is not None else self._floats.before[0]
+        return stays, self._nodes.pose(stays).inverse() @ self._nodes.pose(self._key[0]) @ seen
 
     @property
     def joined(self) -> bool:
@@ -165,6 +193,8 @@ class Mapper:
         if math.hypot(since.x, since.y) >= _KEY_M or abs(since.yaw) >= _KEY_RAD:
             self._add_key(observation, surface, match)
             return
+        if self._floats is not None:
+            return
         kept = since if self._kept is None else self._kept.inverse() @ since
         if math.hypot(kept.x, kept.y) >= _KEPT_M or abs(kept.yaw) >= _KEPT_RAD:
             self._kept = since
@@ -172,25 +202,44 @@ class Mapper:
 
     def _add_key(self, observation: Observation, surface: Surface, match: Match | None) -> None:
         nodes, local = self._nodes, self._local
-        if match is None or self._key is None:
-            pose = local
-        else:
-            step = self._key[1].inverse() @ local
-            pose = nodes.pose(self._key[0]) @ step
-        node = nodes.add_node(observation.time, self._part, pose, observation.odometry, self._travelled)
+        pose, covariance = local, _EDGE_FLOOR
         if match is not None and self._key is not None:
-            before = self._key[1]
+            pose = nodes.pose(self._key[0]) @ (self._key[1].inverse() @ local)
             # What fits badly may be wrong by far more than its covariance says.
             doubt = min(_MOST_DOUBT, max(1.0, _GOOD_FIT / max(self._worst, 1e-3)) ** 4)
-            covariance = doubt * (turned(match.covariance, -before.yaw) + _EDGE_FLOOR)
-            nodes.add_edge(self._key[0], node, FOLLOWS, before.inverse() @ local, covariance)
+            covariance = doubt * (turned(match.covariance, -self._key[1].yaw) + _EDGE_FLOOR)
+        known = self._is_known(pose)
+        if known and self._floats is not None and self._key is not None:
+            covariance = covariance + self._floats.covariance
+            before = self._floats.before
+            self._remove_key()
+        else:
+            before = self._key
+        node = nodes.add_node(observation.time, self._part, pose, observation.odometry, self._travelled)
+        if before is not None:
+            nodes.add_edge(before[0], node, FOLLOWS, before[1].inverse() @ local, covariance)
+        self._floats = _Floating(before, covariance, None) if known and before is not None else None
         self._key, self._kept, self._worst = (node, local), None, 1.0
-        self._add_scans(observation, Pose2D(0.0, 0.0))
+        if self._floats is None:
+            place = _place_of(pose)
+            self._seen_from[place] = self._seen_from.get(place, 0) + 1
+            self._add_scans(observation, Pose2D(0.0, 0.0))
         self._window.add(surface, local)
-        self._recent.append((node, surface))
+        self._recent.append((local, surface))
         self._submaps.add(node)
-        if node % _LOOP_EVERY == 0:
+        self._key_frames += 1
+        if self._key_frames % _LOOP_EVERY == 0:
             self._close_loops(node, surface)
+
+    def _is_known(self, pose: Pose2D) -> bool:
+        """Whether a place was seen from here often enough: the map does not get better by more of the same."""
+        return self._seen_from.get(_place_of(pose), 0) >= _ENOUGH
+
+    def _remove_key(self) -> None:
+        node = len(self._nodes) - 1
+        self._loops.forget(node)
+        self._submaps.remove_last()
+        self._nodes.remove_last()
 
     def _add_scans(self, observation: Observation, since: Pose2D) -> None:
         for scan in observation.scans:
@@ -202,9 +251,10 @@ class Mapper:
         placed = self._picker.scan_poses(scan, observation)
         return placed if placed is not None else (Pose2D(0.0, 0.0), Pose2D(0.0, 0.0))
 
-    def _cloud(self, node: int) -> Surface:
-        """What the last key frames saw, seen from a node."""
-        seen = [(self._nodes.pose(node).inverse() @ self._nodes.pose(other), one) for other, one in self._recent]
+    def _cloud(self) -> Surface:
+        """What the last key frames saw, seen from the newest of them."""
+        here = self._recent[-1][0].inverse()
+        seen = [(here @ local, one) for local, one in self._recent]
         parts = [
             (_moved(one.points, pose), _turned(one.normals, pose), _moved(one.sensors, pose)) for pose, one in seen
         ]
@@ -212,7 +262,7 @@ class Mapper:
         return Surface(points, normals, sensors)
 
     def _close_loops(self, node: int, surface: Surface) -> None:
-        loops = self._loops.search(node, surface, self._cloud(node))
+        loops = self._loops.search(node, surface, self._cloud())
         if loops:
             self._take(loops)
 
@@ -230,6 +280,8 @@ class Mapper:
             return
         for loop in loops:
             self._submaps.tie(loop.a, loop.b)
+        if self._floats is not None:
+            self._floats = replace(self._floats, anchor=loops[-1].a)
         self._correct(poses)
 
     def _join(self, loop: Loop) -> None:
@@ -289,6 +341,11 @@ def _motion_spread(moved: Pose2D) -> FloatArray:
     metres = _DRIFT_M + _DRIFT_SHARE * far
     radians = _TURN_RAD + _TURN_SHARE * turn + _TURN_PER_M * far
     return np.diag((metres**2, metres**2, radians**2))
+
+
+def _place_of(pose: Pose2D) -> tuple[int, int, int]:
+    sector = round(pose.yaw / (2.0 * math.pi) * _SECTORS) % _SECTORS
+    return math.floor(pose.x / _PLACE_M), math.floor(pose.y / _PLACE_M), sector
 
 
 def turned(covariance: FloatArray, yaw: float) -> FloatArray:

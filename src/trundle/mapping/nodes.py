@@ -110,6 +110,17 @@ class Nodes:
         self.transforms.append(np.array(transform.as_tuple()))
         self.covariances.append(covariance)
 
+    def remove_last(self) -> None:
+        """Remove the last node, with its scans and edges."""
+        node = len(self) - 1
+        del self.scans[self.first_scan[node] :]
+        kept = [i for i, (a, b, _) in enumerate(self.edges) if node not in (a, b)]
+        self.edges = [self.edges[i] for i in kept]
+        self.transforms = [self.transforms[i] for i in kept]
+        self.covariances = [self.covariances[i] for i in kept]
+        for column in (self.times, self.parts, self.poses, self.odometry, self.travelled, self.first_scan):
+            column.pop()
+
     def scans_of(self, node: int) -> list[ScanRecord]:
         """Return the scans of a node."""
         end = self.first_scan[node + 1] if node + 1 < len(self) else len(self.scans)

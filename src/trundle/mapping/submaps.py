@@ -79,6 +79,17 @@ class Submaps:
         self.of_node.append(len(self.all) - 1)
         return self.all[-1].last - self.all[-1].first + 1 == KEY_FRAMES
 
+    def remove_last(self) -> None:
+        """Forget the newest node."""
+        index = self.of_node.pop()
+        self._surfaces.pop(index, None)
+        if self.all[index].first == self.all[index].last:
+            self.all.pop()
+            for other in self._beside.pop(index, {}):
+                self._beside[other].pop(index, None)
+        else:
+            self.all[index].last -= 1
+
     def tie(self, a: int, b: int) -> None:
         """Note that a loop joins two nodes."""
         first, second = self.of_node[a], self.of_node[b]
