@@ -33,7 +33,8 @@ _LEAST_SCORE = 130.0  # of 255
 _SHARE, _APART_M, _APART_RAD, _MOST, _MOST_NODES = 0.93, 0.6, 0.2, 3, 300_000
 _AGREE = 3  # matches of different key frames
 _RIVAL = 0.04  # how much better than elsewhere the right place fits at least
-_KEPT = 150  # key frames
+_KEPT, _MOST_PENDING = 150, 100  # key frames, and matches
+_FARTHEST_M = 60.0  # between matches that are compared: over more the odometry proves nothing
 _FLOOR = np.diag((0.02**2, 0.02**2, math.radians(0.25) ** 2))
 
 
@@ -151,7 +152,7 @@ class LoopFinder:
 
     def _prove(self, loop: Loop) -> list[Loop]:
         """Return the loop and those that agree with it, if they are enough; keep it otherwise."""
-        self._pending = [one for one in self._pending if one.b > loop.b - _KEPT]
+        self._pending = [one for one in self._pending if one.b > loop.b - _KEPT][-_MOST_PENDING:]
         clique = self._clique(loop)
         self._pending.append(loop)
         if len(clique) < _AGREE or not self._beats_rivals(clique):
@@ -178,22 +179,36 @@ class LoopFinder:
         return True
 
     def _agree(self, first: Loop, second: Loop) -> bool:
-        nodes = self._nodes
-        if nodes.parts[first.a] != nodes.parts[second.a] or nodes.parts[first.b] != nodes.parts[second.b]:
+        """Whether the two matches close to nearly nothing with the way between their ends."""
+        nodes, (a, b), (c, d) = self._nodes, (first.a, first.b), (second.a, second.b)
+        if nodes.parts[a] != nodes.parts[c] or nodes.parts[b] != nodes.parts[d]:
             return False
-        along = abs(nodes.travelled[first.a] - nodes.travelled[second.a])
-        back = abs(nodes.travelled[first.b] - nodes.travelled[second.b])
-        if along > 60.0 or back > 60.0:
+        along = abs(nodes.travelled[a] - nodes.travelled[c]), abs(nodes.travelled[b] - nodes.travelled[d])
+        if max(along) > _FARTHEST_M:
             return False
-        between_a = nodes.pose(first.a).inverse() @ nodes.pose(second.a)
-        between_b = nodes.pose(first.b).inverse() @ nodes.pose(second.b)
-        one, other = between_a @ second.transform, first.transform @ between_b
-        metres, radians = compute_drift(along + back)
-        return one.distance_to(other) <= 0.15 + 0.5 * metres and abs(wrap_angle(one.yaw - other.yaw)) <= 0.5 * radians
+        metres, radians = compute_drift(sum(along))
+        ends = nodes.poses
+        one = chain(between(ends[a], ends[c]), second.transform.as_tuple())
+        other = chain(first.transform.as_tuple(), between(ends[b], ends[d]))
+        off = math.hypot(one[0] - other[0], one[1] - other[1])
+        return off <= 0.15 + 0.5 * metres and abs(wrap_angle(one[2] - other[2])) <= 0.5 * radians
 
     def forget(self, node: int) -> None:
         """Forget what was found for a node that is removed."""
         self._pending = [one for one in self._pending if node not in (one.a, one.b)]
+
+
+def between(a: FloatArray, b: FloatArray) -> tuple[float, float, float]:
+    """Return pose b seen from a; many thousand a second, so without objects."""
+    (ax, ay, at), (bx, by, bt) = a.tolist(), b.tolist()
+    cos, sin, dx, dy = math.cos(at), math.sin(at), bx - ax, by - ay
+    return cos * dx + sin * dy, cos * dy - sin * dx, bt - at
+
+
+def chain(a: tuple[float, float, float], b: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Return pose b, seen from a, in the frame of a."""
+    cos, sin = math.cos(a[2]), math.sin(a[2])
+    return a[0] + cos * b[0] - sin * b[1], a[1] + sin * b[0] + cos * b[1], a[2] + b[2]
 
 
 def compute_drift(length: float) -> tuple[float, float]:
@@ -203,8 +218,8 @@ def compute_drift(length: float) -> tuple[float, float]:
     """
     if length == math.inf:
         return math.inf, math.pi
-    radians = math.radians(0.8 + 0.6 * math.sqrt(length))
-    return 0.1 + 0.015 * length + 0.5 * length * radians, min(math.pi, radians)
+    radians = math.radians(0.5 + 0.25 * math.sqrt(length))
+    return 0.1 + 0.01 * length + 0.3 * length * radians, min(math.pi, radians)
 
 
 def _thin(points: FloatArray) -> FloatArray:
