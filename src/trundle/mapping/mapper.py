@@ -39,6 +39,7 @@ _EDGE_FLOOR = np.diag((0.008**2, 0.008**2, math.radians(0.1) ** 2))
 _LOST_FIT = 0.2
 _GOOD_FIT, _MOST_DOUBT = 0.8, 100.0
 _LOOP_EVERY = 2  # key frames
+_TRUE_M, _TRUE_RAD, _MOST_LATE = 0.03, math.radians(0.3), 10
 # So many key frames from one place and in one direction are enough; a robot that circles adds no more.
 _PLACE_M, _SECTORS, _ENOUGH = 1.0, 8, 8
 _JOIN_TRIES = 12  # submaps that a key frame of an unjoined part is compared with
@@ -89,6 +90,7 @@ class Mapper:
         self._picker = BeamPicker(self.robot, MOST_POINTS, self._max_range)
         self._start = start
         self._key_frames = 0
+        self._late = 0  # loops since the graph was solved
         self._seen_from: dict[tuple[int, int, int], int] = {}
         for node in range(len(nodes)):
             place = _place_of(nodes.pose(node))
@@ -274,19 +276,35 @@ class Mapper:
         for loop in loops:
             nodes.add_edge(loop.a, loop.b, LOOP, loop.transform, loop.covariance)
         new = list(range(first, len(nodes.edges)))
+        if self._late < _MOST_LATE and all(self._is_true(loop) for loop in loops):
+            self._late += 1
+            self._note(loops)
+            return
+        self._late = 0
         poses, errors = optimize(nodes, free=new)
         if not fits(errors[new]):
             del nodes.edges[first:], nodes.transforms[first:], nodes.covariances[first:]
             return
+        self._note(loops)
+        self._correct(poses)
+
+    def _note(self, loops: list[Loop]) -> None:
         for loop in loops:
             self._submaps.tie(loop.a, loop.b)
         if self._floats is not None:
             self._floats = replace(self._floats, anchor=loops[-1].a)
-        self._correct(poses)
+
+    def _is_true(self, loop: Loop) -> bool:
+        """Whether a loop says what the poses say already: then the graph need not be solved again."""
+        seen = self._nodes.pose(loop.a).inverse() @ self._nodes.pose(loop.b)
+        turn = abs(wrap_angle(seen.yaw - loop.transform.yaw))
+        return seen.distance_to(loop.transform) < _TRUE_M and turn < _TRUE_RAD
 
     def _join(self, loop: Loop) -> None:
         """Move the part of a key frame to where a loop says, if nothing joined it to the old place before."""
         nodes = self._nodes
+        if nodes.parts[loop.a] == nodes.parts[loop.b]:
+            return
         roots = component_of(len(nodes), nodes.edges)
         if roots[loop.a] == roots[loop.b]:
             return

@@ -16,7 +16,7 @@ from trundle.mapping.pose_graph import LOOP
 from trundle.mapping.window import CELL_M
 
 KEY_FRAMES = 12
-_KEPT = 48  # surfaces in memory, about a megabyte each
+_KEPT = 24  # surfaces in memory, up to 5 MB each
 _LOOP_LENGTH_M = 0.5  # what a closed loop counts as
 
 

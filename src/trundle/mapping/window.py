@@ -26,7 +26,7 @@ _FIRST_WIDTH_M, _LAST_WIDTH_M, _NOISE_M, _MOST_BEAMS, _ITERATIONS = 0.2, 0.08, 0
 _POOR_FIT, _BETTER = 0.65, 0.1
 _WIDE_M, _WIDE_RAD = 0.25, math.radians(8.0)
 SETTINGS = np.array((_FIRST_WIDTH_M, _LAST_WIDTH_M, _NOISE_M, _MOST_BEAMS, _ITERATIONS))
-_MOST_BYTES = 64 << 20
+_MOST_BYTES = 32 << 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ def match_surface(
         window = np.array((reach[0], reach[1], _YAW_STEP))
         sigmas = np.array((max(reach[0] / 3.0, 0.02), max(reach[1] / 3.0, 0.005)))
         found, _ = known.search(_thinned(surface.points, _SEARCH_POINTS), prior, window, sigmas)
-        starts.append(found)
+        starts = [found]
     keep = slice(None, None, -(-len(surface.points) // _MATCH_POINTS) or 1)
     points, normals = (np.ascontiguousarray(array[keep]) for array in (surface.points, surface.normals))
     poses, spreads, fits = known.match(points, normals, np.array(starts), prior, covariance, SETTINGS)

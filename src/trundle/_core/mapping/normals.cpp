@@ -24,15 +24,16 @@ Floats find_normals(In<double, 2> points, In<double, 2> sensors, double gap, dou
     constexpr std::ptrdiff_t kSide = 3;
     for (std::ptrdiff_t i = 0; i < count; ++i) {
       const double range = std::hypot(p[2 * i] - s[2 * i], p[2 * i + 1] - s[2 * i + 1]);
-      const double most = std::max(least, gap * range), around = std::max(2.0 * least, 2.0 * gap * range);
+      const double most = std::max(least, gap * range), most2 = most * most, around2 = 4.0 * most2;
       double n = 1.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;  // from the point itself
       for (const std::ptrdiff_t step : {std::ptrdiff_t{-1}, std::ptrdiff_t{1}}) {
         for (std::ptrdiff_t k = 1, j = i; k <= kSide; ++k) {
           const std::ptrdiff_t next = j + step;
           if (next < 0 || next >= count) break;
-          if (std::hypot(p[2 * next] - p[2 * j], p[2 * next + 1] - p[2 * j + 1]) > most) break;
+          const double sx = p[2 * next] - p[2 * j], sy = p[2 * next + 1] - p[2 * j + 1];
+          if (sx * sx + sy * sy > most2) break;
           const double dx = p[2 * next] - p[2 * i], dy = p[2 * next + 1] - p[2 * i + 1];
-          if (std::hypot(dx, dy) > around) break;
+          if (dx * dx + dy * dy > around2) break;
           n += 1.0, x += dx, y += dy, xx += dx * dx, xy += dx * dy, yy += dy * dy;
           j = next;
         }
