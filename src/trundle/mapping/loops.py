@@ -230,4 +230,3 @@ def _thin(points: FloatArray) -> FloatArray:
     if len(first) > _POINTS:
         first = first[np.linspace(0, len(first) - 1, _POINTS).astype(np.intp)]
     return np.ascontiguousarray(points[first])
-

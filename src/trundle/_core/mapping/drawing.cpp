@@ -102,6 +102,7 @@ nb::ndarray<nb::numpy, std::int8_t> draw_cells(In<std::int32_t, 3> counts, In<do
     // Where the ends of each cell come to lie on the surface.
     std::vector<float> moved(static_cast<std::size_t>(rows * cols), 0.0f);
     std::vector<float> beams(static_cast<std::size_t>(rows * cols), 0.0f);  // what passed where those had been
+    std::vector<std::uint8_t> across(static_cast<std::size_t>(rows * cols), 0);  // the axis that a wall is across: 1 x, 2 y
     constexpr std::ptrdiff_t kReach = 2;
     for (std::ptrdiff_t row = 0; row < rows; ++row) {
       for (std::ptrdiff_t col = 0; col < cols; ++col) {
@@ -124,10 +125,12 @@ nb::ndarray<nb::numpy, std::int8_t> draw_cells(In<std::int32_t, 3> counts, In<do
         xx = xx / n - x * x, xy = xy / n - x * y, yy = yy / n - y * y;
         const double half = std::hypot(0.5 * (xx - yy), xy), mean = 0.5 * (xx + yy);
         double u = mx, v = my;
+        std::uint8_t axis = 0;
         if (mean - half < 0.5 * (mean + half)) {  // a line, so it has a normal
           const double along = 0.5 * std::atan2(2.0 * xy, xx - yy), nx = -std::sin(along), ny = std::cos(along);
           const double by = x * nx + y * ny;
           u += by * nx, v += by * ny;
+          axis = std::abs(nx) > std::abs(ny) ? 1 : 2;
         } else {
           u += x, v += y;
         }
@@ -136,15 +139,34 @@ nb::ndarray<nb::numpy, std::int8_t> draw_cells(In<std::int32_t, 3> counts, In<do
         const auto to = static_cast<std::size_t>(r * cols + c);
         moved[to] += static_cast<float>(mine[0]);
         beams[to] += static_cast<float>(mine[1]);
+        if (axis) across[to] = axis;
       }
     }
+    const auto is_wall = [&](std::size_t at) {
+      return moved[at] >= s[0] && moved[at] >= s[1] * (moved[at] + beams[at]);
+    };
+    // A wall on the border of two cells comes to lie in both of them by turns: the one with more ends keeps it.
+    const auto is_beaten = [&](std::ptrdiff_t row, std::ptrdiff_t col) {
+      const auto at = static_cast<std::size_t>(row * cols + col);
+      if (!across[at]) return false;
+      for (const std::ptrdiff_t step : {std::ptrdiff_t{-1}, std::ptrdiff_t{1}}) {
+        const std::ptrdiff_t r = across[at] == 2 ? row + step : row, c = across[at] == 1 ? col + step : col;
+        if (r < 0 || c < 0 || r >= rows || c >= cols) continue;
+        const auto other = static_cast<std::size_t>(r * cols + c);
+        if (across[other] != across[at] || !is_wall(other)) continue;
+        if (moved[other] > moved[at] || (moved[other] == moved[at] && step < 0)) return true;
+      }
+      return false;
+    };
     for (std::ptrdiff_t row = 0; row < rows; ++row) {
       for (std::ptrdiff_t col = 0; col < cols; ++col) {
         const auto at = static_cast<std::size_t>(row * cols + col);
         const std::int32_t *mine = cells + (row * cols + col) * kKinds;
         const double ends = moved[at], passed = ends > 0.0 ? beams[at] : 0.0;
         const double share = ends > 0.0 ? ends / (ends + passed) : 0.0;
-        if (ends >= s[0] && share >= s[1]) {
+        if (is_wall(at) && is_beaten(row, col)) {
+          out[at] = mine[1] > 0 ? 20 : -1;
+        } else if (is_wall(at)) {
           // From the least share on 65 to 100: what maps take for occupied.
           out[at] = static_cast<std::int8_t>(std::lround(65.0 + 35.0 * (share - s[1]) / (1.0 - s[1])));
         } else if (mine[1] + mine[0] >= s[2]) {

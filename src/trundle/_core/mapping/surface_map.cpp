@@ -59,6 +59,7 @@ void SurfaceMap::add(In<double, 2> points, In<double, 2> normals, In<double, 1> 
   refuse_far(pose.data(), 3, "the pose must be finite and within 10,000 km");
   refuse_unless(sign == 1 || sign == -1, "points are added (1) or taken away (-1)");
   nb::gil_scoped_release release;
+  const std::lock_guard<std::mutex> lock(mutex_);
   const double *p = pose.data(), cos = std::cos(p[2]), sin = std::sin(p[2]);
   for (std::size_t i = 0; i < points.shape(0); ++i) {
     const double x = points.data()[2 * i], y = points.data()[2 * i + 1];
@@ -146,6 +147,7 @@ nb::tuple SurfaceMap::match(In<double, 2> points, In<double, 2> normals, In<doub
   std::vector<double> poses(starts.data(), starts.data() + 3 * count), found(9 * count), told(4 * count, 0.0);
   {
     nb::gil_scoped_release release;
+    const std::lock_guard<std::mutex> lock(mutex_);
     for (std::size_t k = 0; k < count; ++k) {
       double *pose = poses.data() + 3 * k, width = std::max(s[0], s[1]);
       Matrix3 total{}, scan{};
@@ -218,6 +220,7 @@ nb::tuple SurfaceMap::search(In<double, 2> points, In<double, 1> centre, In<doub
   double top = -1.0, plain = 0.0;
   {
     nb::gil_scoped_release release;
+    const std::lock_guard<std::mutex> lock(mutex_);
     const auto steps = static_cast<std::int64_t>(std::ceil(r[0] / cell_));
     const auto turns = static_cast<std::int64_t>(std::ceil(r[1] / r[2]));
     const std::size_t count = points.shape(0);
@@ -261,6 +264,7 @@ nb::tuple SurfaceMap::table(double resolution) const {
   std::int64_t cols = 1, rows = 1, left = 0, bottom = 0;
   {
     nb::gil_scoped_release release;
+    const std::lock_guard<std::mutex> lock(mutex_);
     std::int64_t low[2] = {INT64_MAX, INT64_MAX}, high[2] = {INT64_MIN, INT64_MIN};
     const auto each = [&](auto &&take) {
       for (std::int64_t y = 0; y < high_; ++y) {

@@ -9,7 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <unordered_map>
+#include <mutex>
 #include <vector>
 
 #include "localization/checks.hpp"
@@ -32,7 +32,10 @@ class SurfaceMap {
                   In<double, 2> covariance, In<double, 1> settings) const;
   nb::tuple search(In<double, 2> points, In<double, 1> centre, In<double, 1> reach, In<double, 1> sigmas) const;
   nb::tuple table(double resolution) const;
-  std::size_t memory() const { return tiles_.size() * sizeof(Tile); }
+  std::size_t memory() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return tiles_.size() * sizeof(Tile);
+  }
 
  private:
   static constexpr int kEdge = 16, kSides = 4, kReach = 2;
@@ -71,6 +74,7 @@ class SurfaceMap {
   Value value(double x, double y, double nx, double ny) const;
 
   double cell_;
+  mutable std::mutex mutex_;  // calls of several threads wait for each other
   std::int64_t left_ = 0, bottom_ = 0, wide_ = 0, high_ = 0;  // of the tiles' places
   std::vector<std::int32_t> places_;
   std::vector<Tile> tiles_;
