@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import itertools
 import math
 import struct
 from dataclasses import dataclass
@@ -62,7 +63,7 @@ def drifting(poses: npt.NDArray[np.float64], seed: int, share: float, per_metre:
     scale = 1.0 + share * rng.choice((-1.0, 1.0))
     bend = per_metre * rng.choice((-1.0, 1.0))
     out = [poses[0].copy()]
-    for a, b in zip(poses[:-1], poses[1:], strict=True):
+    for a, b in itertools.pairwise(poses):
         cos, sin = math.cos(a[2]), math.sin(a[2])
         dx, dy = b[0] - a[0], b[1] - a[1]
         x, y = scale * (cos * dx + sin * dy), scale * (-sin * dx + cos * dy)

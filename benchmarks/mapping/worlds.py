@@ -141,7 +141,8 @@ def run(world: World, robot: Robot, seed: int, seconds: float, picture: Path | N
     length = float(np.hypot(*np.diff(np.array(truth)[:, :2], axis=0).T).sum())
     return (
         f"{name:26} {length:7.0f} {ate:6.3f} {np.percentile(online, 95):9.3f} {100 * precision:10.1f} "
-        f"{100 * recall:7.1f} {seconds / took:7.0f} {drawn:7.1f} {len(graph.times):6} {len(graph.scan_nodes):6} {grown:6.0f}"
+        f"{100 * recall:7.1f} {seconds / took:7.0f} {drawn:7.1f} {len(graph.times):6} "
+        f"{len(graph.scan_nodes):6} {grown:6.0f}"
     )
 
 

@@ -52,11 +52,13 @@ def check_drawing(generator: random.Random) -> None:
     count_beams(counts, *beams, 1)
     least, most = oracle.count_beams(counts.shape, *beams)
     assert (counts[..., 0] == most[..., 0]).all()
-    assert (counts[..., 1] >= least).all() and (counts[..., 1] <= most[..., 1]).all()
+    assert (counts[..., 1] >= least).all()
+    assert (counts[..., 1] <= most[..., 1]).all()
     settings = np.array((1.0, 0.1, 1.0))
     attempt(draw_cells, spoil(generator, (counts, settings)))
     cells = draw_cells(counts, settings)
-    assert cells.min() >= -1 and cells.max() <= 100
+    assert cells.min() >= -1
+    assert cells.max() <= 100
     nothing = counts[..., :2].sum(axis=2) == 0
     assert (cells[nothing & ~oracle.widened(counts[..., 0] > 0)] == -1).all()
     assert (cells >= 65).any() or not (counts[..., 0] > 9 * counts[..., 1]).any()
@@ -76,14 +78,17 @@ def check_surfaces(generator: random.Random) -> None:
     known.add(points, normals, pose, 1)
     window = np.array((0.1, 0.1, 0.05)), np.array((0.1, 0.1))
     found, share = known.search(points, pose, *window)
-    assert share == 1.0 and np.allclose(found, pose)
+    assert share == 1.0
+    assert np.allclose(found, pose)
     attempt(known.search, spoil(generator, (points, pose, *window)))
     settings = np.array((0.2, 0.08, 0.03, 60.0, 10.0))
     arguments = points, normals, pose[None], pose, np.eye(3), settings
     attempt(known.match, spoil(generator, arguments))
     poses, spreads, fits = known.match(*arguments)
-    assert np.isfinite(poses).all() and (np.linalg.eigvalsh(spreads[0]) > 0.0).all()
-    assert (fits[0, [0, 2]] >= 0.0).all() and (fits[0, [0, 2]] <= 1.0 + 1e-9).all()
+    assert np.isfinite(poses).all()
+    assert (np.linalg.eigvalsh(spreads[0]) > 0.0).all()
+    assert (fits[0, [0, 2]] >= 0.0).all()
+    assert (fits[0, [0, 2]] <= 1.0 + 1e-9).all()
     attempt(known.table, spoil(generator, (0.2,)))
     table, corner = known.table(0.1)
     cells = np.floor(oracle.moved(points, pose) / 0.1).astype(int) - np.round(corner / 0.1).astype(int)

@@ -87,7 +87,7 @@ def count_beams(
             cells = set()
             for dx in (-slack, slack):
                 for dy in (-slack, slack):
-                    here = {tuple(cell) for cell in np.floor(at + (dx, dy)).astype(int).tolist()}
+                    here = {tuple(cell) for cell in np.floor(at + np.array((dx, dy))).astype(int).tolist()}
                     cells = here if not cells else cells & here if slack < 0 else cells | here
             for col, row in cells:
                 if 0 <= col < cols and 0 <= row < rows and not (hit and slack < 0 and (col, row) == tuple(end)):

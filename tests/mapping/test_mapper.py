@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from mapping.rooms import SEGMENTS, drive, ring
 
+from mapping.rooms import SEGMENTS, drive, ring
 from trundle import Mapper, Pose2D, Robot, draw_map
 
 
@@ -27,13 +27,15 @@ def twice_round(robot: Robot) -> tuple[Mapper, list[tuple[Pose2D, Pose2D]]]:
 def test_the_robot_knows_where_it_is_while_the_odometry_drifts(twice_round) -> None:
     _, pairs = twice_round
     errors = [truth.distance_to(found) for truth, found in pairs]
-    assert np.mean(errors) < 0.05 and max(errors) < 0.15
+    assert np.mean(errors) < 0.05
+    assert max(errors) < 0.15
 
 
 def test_loops_are_closed_and_the_nodes_lie_where_the_robot_was(twice_round) -> None:
     mapper, pairs = twice_round
     graph = mapper.graph()
-    assert (graph.edges[:, 2] == 1).sum() >= 3 and mapper.revision > 0
+    assert (graph.edges[:, 2] == 1).sum() >= 3
+    assert mapper.revision > 0
     times = (graph.times / 0.5).round().astype(int)
     errors = [pairs[i][0].distance_to(Pose2D(*pose)) for i, pose in zip(times, graph.poses, strict=True)]
     assert max(errors) < 0.06
@@ -52,7 +54,8 @@ def test_the_map_shows_the_walls_where_they_are_one_cell_thick(twice_round) -> N
     assert (distance < 0.1).mean() > 0.97
     wall = (np.abs(y) < 0.15) & (x > 1.0) & (x < 9.0)
     thickness = np.unique(cols[wall], return_counts=True)[1]
-    assert thickness.mean() < 1.15 and len(thickness) >= 150
+    assert thickness.mean() < 1.15
+    assert len(thickness) >= 150
 
 
 def test_a_robot_that_was_carried_away_starts_a_part_which_is_joined(robot: Robot) -> None:
@@ -64,7 +67,8 @@ def test_a_robot_that_was_carried_away_starts_a_part_which_is_joined(robot: Robo
     errors = []
     for truth, observation in drive([ring(0.4 + i / 180) for i in range(120)], begin_s=100.0, seed=1):
         errors.append(mapper.update(observation).pose.distance_to(truth))
-    assert errors[0] > 1.0 and mapper.joined
+    assert errors[0] > 1.0
+    assert mapper.joined
     assert errors[-1] < 0.1
     assert len(np.unique(mapper.graph().parts)) == 2
 
@@ -77,7 +81,8 @@ def test_the_same_observations_give_the_same_map(robot: Robot) -> None:
             mapper.update(observation)
         mapper.finish()
         graphs.append(mapper.graph())
-    assert (graphs[0].poses == graphs[1].poses).all() and (graphs[0].edges == graphs[1].edges).all()
+    assert (graphs[0].poses == graphs[1].poses).all()
+    assert (graphs[0].edges == graphs[1].edges).all()
 
 
 def test_a_graph_is_continued(robot: Robot, twice_round) -> None:

@@ -112,11 +112,16 @@ def counted() -> Any:
     return counts
 
 
+def filled() -> Any:
+    """A surface map of one scan."""
+    known = _core.SurfaceMap(0.1)
+    known.add(ENDS_SEEN, np.tile((1.0, 0.0), (40, 1)), POSES[0], 1)
+    return known
+
+
 def surfaces() -> Any:
     """What a surface map answers."""
-    known = _core.SurfaceMap(0.1)
-    normals = np.tile((1.0, 0.0), (40, 1))
-    known.add(ENDS_SEEN, normals, POSES[0], 1)
+    known, normals = filled(), np.tile((1.0, 0.0), (40, 1))
     settings = np.array([0.2, 0.08, 0.03, 60.0, 10.0])
     return known.match(ENDS_SEEN, normals, POSES[:2], POSES[0], np.eye(3), settings), known.table(0.1)
 
@@ -250,6 +255,11 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
         100_000,
     ),
     "SurfaceMap": lambda: surfaces(),
+    "SurfaceMap.add": lambda: surfaces(),
+    "SurfaceMap.match": lambda: surfaces(),
+    "SurfaceMap.search": lambda: filled().search(ENDS_SEEN, POSES[0], np.array([0.1, 0.1, 0.05]), np.array([0.1, 0.1])),
+    "SurfaceMap.table": lambda: filled().table(0.2),
+    "SurfaceMap.memory": lambda: filled().memory,
     "find_normals": lambda: _core.find_normals(ENDS_SEEN, np.zeros((40, 2)), 0.1, 0.5),
     "solve_graph": lambda: _core.solve_graph(
         POSES,

@@ -789,7 +789,6 @@ class SurfaceMap:
     @property
     def memory(self) -> int:
         """Bytes of its cells."""
-        ...
     def add(
         self,
         points: npt.NDArray[np.float64],
@@ -798,7 +797,6 @@ class SurfaceMap:
         sign: int,
     ) -> None:
         """Add points with their normals, seen from a pose, or take them away again (sign -1)."""
-        ...
     def match(
         self,
         points: npt.NDArray[np.float64],
@@ -813,7 +811,6 @@ class SurfaceMap:
         `settings` are first width, last width and noise [m], most beams that count, iterations. How they fit: the mean
         weight of the points, their rms distance [m], the share that is near a surface, iterations.
         """
-        ...
     def search(
         self,
         points: npt.NDArray[np.float64],
@@ -825,10 +822,8 @@ class SurfaceMap:
 
         `reach` is how far [m], how far in yaw, and the step of yaw [rad]; `sigmas` how far poses are expected [m, rad].
         """
-        ...
     def table(self, resolution: float) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.float64]]:
         """Return 255 where points are, 128 beside them, and the lower-left corner of the cells [m]."""
-        ...
 
 def find_normals(
     points: npt.NDArray[np.float64], sensors: npt.NDArray[np.float64], gap: float, least: float

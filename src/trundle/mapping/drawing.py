@@ -126,9 +126,9 @@ class Canvas:
         left, bottom = (math.floor((value - self.resolution) / size) for value in low.tolist())
         right, top = (math.floor((value + self.resolution) / size) + 1 for value in high.tolist())
         if rows:
-            if left >= self._corner[0] and bottom >= self._corner[1]:
-                if right <= self._corner[0] + cols and top <= self._corner[1] + rows:
-                    return
+            inside = left >= self._corner[0] and bottom >= self._corner[1]
+            if inside and right <= self._corner[0] + cols and top <= self._corner[1] + rows:
+                return
             left, bottom = min(left, self._corner[0]), min(bottom, self._corner[1])
             right, top = max(right, self._corner[0] + cols), max(top, self._corner[1] + rows)
         height, width = (top - bottom) * self._tile, (right - left) * self._tile

@@ -212,7 +212,7 @@ def chain(a: tuple[float, float, float], b: tuple[float, float, float]) -> tuple
 
 
 def compute_drift(length: float) -> tuple[float, float]:
-    """Return how far a pose may be off after a drive of a length [m]: metres and radians, about two standard deviations.
+    """Return how far a pose may be off after a drive of a length [m]: metres and radians, two standard deviations.
 
     Turns drift as a random walk; positions by a share of the length, and by the turns.
     """

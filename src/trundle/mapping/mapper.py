@@ -1,8 +1,8 @@
 """`Mapper`: makes a map from scans and odometry, and says where the robot is on it.
 
-The front end matches each scan with the last key frames. Key frames are the nodes of a pose graph; places that the robot
-comes back to become loops in it, and its corrected poses are the map. Every choice follows from the data alone, so the
-same observations give the same map.
+The front end matches each scan with the last key frames. Key frames are the nodes of a pose graph; places that the
+robot comes back to become loops in it, and its corrected poses are the map. Every choice follows from the data alone,
+so the same observations give the same map.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ class Mapper:
 
     @property
     def anchor(self) -> tuple[int, Pose2D] | None:
-        """The last node, and the robot's pose seen from it; None before the first. It moves as the node is corrected."""
+        """A node, and the robot's pose seen from it: so a path can be corrected later. None before the first node."""
         if self._key is None or self._last is None:
             return None
         seen = self._key[1].inverse() @ self._local
@@ -379,4 +379,4 @@ def _turned(points: FloatArray, pose: Pose2D) -> FloatArray:
 
 
 def _moved(points: FloatArray, pose: Pose2D) -> FloatArray:
-    return _turned(points, pose) + (pose.x, pose.y)
+    return _turned(points, pose) + np.array((pose.x, pose.y))
