@@ -19,6 +19,7 @@ from fuzz import (
     fuzz_least_cost,
     fuzz_localization,
     fuzz_map_reader,
+    fuzz_mapping,
     fuzz_mppi,
     fuzz_png_filter,
     fuzz_raster,
@@ -78,6 +79,9 @@ TARGETS = {
             *("expect_surfaces", "learn_surfaces"),
         ),
         200,
+    ),
+    "mapping": Target(
+        fuzz_mapping.one_round, ("SurfaceMap", "find_normals", "solve_graph", "count_beams", "draw_cells"), 100
     ),
     "tracking": Target(fuzz_tracking.one_round, ("ScanTracker",), 60),
     "layers": Target(fuzz_layers.one_round, ("mark_scan", "paint_marks", "unmark_before", "unmark_within"), 150),

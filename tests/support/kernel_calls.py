@@ -30,6 +30,7 @@ LINE_WEIGHTS = np.where(np.arange(256) < 253, 1.0, 0.0)
 OUTLINE = np.array([(0.2, 0.1), (-0.2, 0.1), (-0.2, -0.1), (0.2, -0.1)])
 POSES = np.column_stack([RNG.uniform(0, 2.4, (20, 2)), RNG.uniform(-3, 3, 20)])
 OPEN = np.zeros((SIDE, SIDE), np.uint8)
+FIRST_FIXED = (np.arange(20) == 0).astype(np.uint8)
 UNKNOWN = np.where(BLOCKED, 100, -1).astype(np.int8)
 BAND = 0.1, 0.6, 0.1, 1e-6  # heights, resolution, depth
 VERTICES = np.array([(x, y, z) for x in (0.31, 1.27) for y in (0.33, 1.42) for z in (0.0, 0.8)])
@@ -128,6 +129,27 @@ def scan_many() -> Any:
     noise = np.full((20, 2), 0.1), np.arange(20, dtype=np.uint64)
     MANY.scan(ranges, POSES, np.zeros(20, np.int64), *MANY_PLACES, *noise, 2)
     return ranges
+
+
+def counted() -> Any:
+    """Beams counted in cells."""
+    counts = np.zeros((SIDE, SIDE, 4), dtype=np.int32)
+    _core.count_beams(counts, np.ones((40, 2)), ENDS_SEEN, np.ones(40, np.uint8), np.zeros(2), 0.1, 0.1, 1)
+    return counts
+
+
+def filled() -> Any:
+    """A surface map of one scan."""
+    known = _core.SurfaceMap(0.1)
+    known.add(ENDS_SEEN, np.tile((1.0, 0.0), (40, 1)), POSES[0], 1)
+    return known
+
+
+def surfaces() -> Any:
+    """What a surface map answers."""
+    known, normals = filled(), np.tile((1.0, 0.0), (40, 1))
+    settings = np.array([0.2, 0.08, 0.03, 60.0, 10.0])
+    return known.match(ENDS_SEEN, normals, POSES[:2], POSES[0], np.eye(3), settings), known.table(0.1)
 
 
 def step_mppi() -> Any:
@@ -263,6 +285,24 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
         5,
         100_000,
     ),
+    "SurfaceMap": lambda: surfaces(),
+    "SurfaceMap.add": lambda: surfaces(),
+    "SurfaceMap.match": lambda: surfaces(),
+    "SurfaceMap.search": lambda: filled().search(ENDS_SEEN, POSES[0], np.array([0.1, 0.1, 0.05]), np.array([0.1, 0.1])),
+    "SurfaceMap.table": lambda: filled().table(0.2),
+    "SurfaceMap.memory": lambda: filled().memory,
+    "find_normals": lambda: _core.find_normals(ENDS_SEEN, np.zeros((40, 2)), 0.1, 0.5),
+    "solve_graph": lambda: _core.solve_graph(
+        POSES,
+        np.array([(i, i + 1) for i in range(19)], np.int32),
+        np.tile((0.4, 0.0, 0.1), (19, 1)),
+        np.tile(np.eye(3), (19, 1, 1)),
+        np.zeros(19),
+        FIRST_FIXED,
+        5,
+    ),
+    "count_beams": lambda: counted(),
+    "draw_cells": lambda: _core.draw_cells(counted(), np.array([1.0, 0.1, 1.0])),
     "mark_scan": lambda: marked(_core.mark_scan, EVIDENCE, HIT_POINTS.copy(), HIT_TIMES.copy(), *SCAN),
     "unmark_before": lambda: marked(_core.unmark_before, MARKS, HIT_TIMES, 1.0, 5, 2),
     "unmark_within": lambda: marked(_core.unmark_within, MARKS, HIT_POINTS, 0, 0, 0.1, OUTLINE + 1.0, 5, 2),
