@@ -46,7 +46,8 @@ class PluginError(InputError):
 def every_error():
     for module in pkgutil.walk_packages(trundle.__path__, "trundle."):
         if not module.name.endswith("__main__"):
-            with contextlib.suppress(ModuleNotFoundError):  # what runs inside Isaac Sim alone
+            # What runs inside Isaac Sim alone, and what needs an extra.
+            with contextlib.suppress(ModuleNotFoundError, MissingExtraError):
                 importlib.import_module(module.name)
     kinds, waiting = set(), [TrundleError]
     while waiting:

@@ -31,6 +31,8 @@ SETTINGS = yaml.safe_load((ROOT / "mkdocs.yml").read_text())
 INTERNAL = ("trundle._core", "trundle.cli", "trundle.files", "trundle.guard")
 # Modules whose public names are those that they define, as they have no `__all__`.
 WHOLE = ("trundle.errors", "trundle.geometry", "trundle.path", "trundle.geometry.solids")
+HAS_GYM = importlib.util.find_spec("gymnasium") is not None
+"""Whether the extra is there without which trundle.gym cannot be imported."""
 DIRECTIVE = re.compile(r"^::: (\S+)$", flags=re.MULTILINE)
 
 
@@ -56,13 +58,15 @@ def defined_names(module: ModuleType) -> list[str]:
 
 def public_modules() -> list[ModuleType]:
     names = [module.name for module in pkgutil.walk_packages(trundle.__path__, "trundle.") if module.ispkg]
-    modules = [importlib.import_module(name) for name in (*names, *WHOLE) if not name.startswith(INTERNAL)]
+    internal = INTERNAL if HAS_GYM else (*INTERNAL, "trundle.gym")
+    modules = [importlib.import_module(name) for name in (*names, *WHOLE) if not name.startswith(internal)]
     return [module for module in modules if hasattr(module, "__all__") or module.__name__ in WHOLE]
 
 
 def directives() -> list[str]:
     pages = sorted((ROOT / "docs/reference").glob("*.md"))
-    return [name for page in pages for name in DIRECTIVE.findall(page.read_text())]
+    found = [name for page in pages for name in DIRECTIVE.findall(page.read_text())]
+    return [name for name in found if HAS_GYM or not name.startswith("trundle.gym")]
 
 
 def shown_names() -> set[str]:

@@ -119,10 +119,18 @@ class Arena:
         It is infinite in walls and beyond the map.
         """
         values = self.guides if guide else self._values
-        rows, cols = self.shapes[maps].T
-        inside = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
-        at = self._offsets[fields] + np.where(inside, row * cols + col, 0)
+        inside = self.is_inside(row, col, maps)
+        if inside.all():
+            return values[self._offsets[fields] + row * self.shapes[maps, 1] + col].astype(np.float64)
+        at = self._offsets[fields] + np.where(inside, row * self.shapes[maps, 1] + col, 0)
         return np.where(inside, values[at], np.inf)
+
+    def is_inside(
+        self, row: npt.NDArray[np.int64], col: npt.NDArray[np.int64], maps: npt.NDArray[np.int64]
+    ) -> npt.NDArray[np.bool_]:
+        """Return whether cells are on their map."""
+        rows, cols = self.shapes[maps].T
+        return (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
 
     @property
     def guides(self) -> npt.NDArray[np.float32]:

@@ -155,7 +155,7 @@ class Episodes:
             InputError: If they have another shape, or one is not finite or out of bounds; nothing has moved then.
         """
         try:
-            given = np.asarray(actions, dtype=np.float64)
+            given = np.array(actions, dtype=np.float64)
         except (TypeError, ValueError):
             raise InputError(f"actions must be numbers of shape ({self.count}, 2)") from None
         if given.shape != (self.count, 2):
@@ -184,13 +184,14 @@ class Episodes:
         commands = given * self._half + self._middle if settings.scaled_actions else given
         before = sim.lengths.copy()
         sim.step(commands * self._factors, settings.period_s, robots=None if active is self._everyone else active)
-        self.elapsed[active] += 1
+        self.elapsed += active
         maps = sim.places[:, 0]
         row, col = self.arena.cells_of(sim.poses[:, :2], maps)
         away = self.arena.field_at(row, col, maps, self.fields)
         away = np.where(np.isfinite(away), away, self.distances)  # too close to a wall for the field
-        straight = np.hypot(*(self.goals - sim.poses[:, :2]).T)
-        off_map = sim.is_off_map() if (straight > 1e3).any() or self._leaves(row, col, maps) else np.zeros_like(active)
+        dx, dy = self.goals[:, 0] - sim.poses[:, 0], self.goals[:, 1] - sim.poses[:, 1]
+        straight = np.hypot(dx, dy)
+        off_map = ~self.arena.is_inside(row, col, maps)
         contact = (sim.contacts[:, 0] != NOTHING) & active
         arrived = (straight <= settings.goal_tolerance) & ~contact & active
         terminated = arrived | contact | (off_map & active)
@@ -199,10 +200,13 @@ class Episodes:
         rewards = np.zeros(self.count)
         info: dict[str, Any] = {}
         for name, weight in settings.rewards.items():
-            info[f"reward/{name}"] = terms[name] * weight
-            rewards += info[f"reward/{name}"]
-        self.distances = np.where(active, away, self.distances)
-        self._last_actions = np.where(active[:, None], given, self._last_actions)
+            term = info[f"reward/{name}"] = terms[name] * weight
+            rewards += term
+        if active is self._everyone:
+            self.distances, self._last_actions = away, given
+        else:
+            self.distances = np.where(active, away, self.distances)
+            self._last_actions = np.where(active[:, None], given, self._last_actions)
         return Outcome(rewards, terminated, truncated, info | self.figures(arrived, contact, off_map & active))
 
     def figures(self, arrived: Bools, contact: Bools, off_map: Bools) -> dict[str, Any]:
@@ -225,22 +229,14 @@ class Episodes:
         none = np.zeros(self.count, dtype=bool)
         return self.figures(none, none.copy(), none.copy())
 
-    def _leaves(self, row: npt.NDArray[np.int64], col: npt.NDArray[np.int64], maps: npt.NDArray[np.int64]) -> bool:
-        rows, cols = self.arena.shapes[maps].T
-        return bool(((row < 0) | (col < 0) | (row >= rows) | (col >= cols)).any())
-
     def _terms(
         self, actions: FloatArray, before: FloatArray, away: FloatArray, arrived: Bools, contact: Bools, active: Bools
     ) -> dict[str, FloatArray]:
         """What each reward term measures, shape (N,); 0 where a robot is not active."""
-        change = (actions - self._last_actions) / (self.action_high - self.action_low) * 2.0
-        driven = self.sim.lengths - before
-        terms = {
-            "progress": self.distances - away,
-            "success": arrived,
-            "contact": contact,
-            "time": np.ones(self.count),
-            "smoothness": np.einsum("ij,ij->i", change, change),
-            "reverse": np.where(self.sim.twists[:, 0] < 0.0, driven, 0.0),
-        }
+        terms = {"progress": self.distances - away, "success": arrived, "contact": contact, "time": self._everyone}
+        if "smoothness" in self.settings.rewards:
+            change = (actions - self._last_actions) / (self.action_high - self.action_low) * 2.0
+            terms["smoothness"] = np.einsum("ij,ij->i", change, change)
+        if "reverse" in self.settings.rewards:
+            terms["reverse"] = np.where(self.sim.twists[:, 0] < 0.0, self.sim.lengths - before, 0.0)
         return {name: terms[name] * active for name in self.settings.rewards}

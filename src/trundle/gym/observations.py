@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
@@ -73,7 +71,7 @@ class Observer:
         cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
         found: Observations = {
             "ranges": np.minimum(sim.ranges, self._range_max),
-            "goal": _direction(episodes.goals - poses[:, :2], cos, sin),
+            "goal": _direction(episodes.goals[:, 0] - poses[:, 0], episodes.goals[:, 1] - poses[:, 1], cos, sin),
             "velocity": sim.twists.astype(np.float32),
         }
         if self._points or self._critic:
@@ -83,7 +81,7 @@ class Observer:
                 far = (self._points + 1) * _POINT_SPACING * 2.0
                 found["path"] = np.clip(local, -far, far).astype(np.float32)
             if self._critic:
-                ahead = _direction(path[:, 0] - poses[:, :2], cos, sin)
+                ahead = _direction(path[:, 0, 0] - poses[:, 0], path[:, 0, 1] - poses[:, 1], cos, sin)
                 ahead[:, 0] = np.minimum(episodes.distances, FARTHEST)
                 found["critic"] = ahead
         if self._cells:
@@ -139,13 +137,13 @@ def _into_base(offset: npt.NDArray, cos: npt.NDArray, sin: npt.NDArray) -> npt.N
     return np.stack([cos * x + sin * y, cos * y - sin * x], axis=-1)
 
 
-def _direction(offset: npt.NDArray, cos: npt.NDArray, sin: npt.NDArray) -> npt.NDArray[np.float32]:
-    """Distance, and the cosine and sine of the direction in base_link, shape (N, 3)."""
-    local = _into_base(offset, cos, sin)
-    distance = np.hypot(local[:, 0], local[:, 1])
-    out = np.empty((len(offset), 3), dtype=np.float32)
-    out[:, 0] = np.minimum(distance, FARTHEST)
-    near = distance < 1e-9
-    scale = np.where(near, 1.0, distance)
-    out[:, 1], out[:, 2] = np.where(near, 1.0, local[:, 0] / scale), local[:, 1] / scale
-    return np.clip(out, -1.0, math.inf, out=out)
+def _direction(x: npt.NDArray, y: npt.NDArray, cos: npt.NDArray, sin: npt.NDArray) -> npt.NDArray[np.float32]:
+    """Distance of an offset (x, y), map frame, and the cosine and sine of its direction in base_link, shape (N, 3)."""
+    distance = np.hypot(x, y)
+    scale = np.maximum(distance, 1e-9)
+    out = np.empty((len(x), 3), dtype=np.float32)
+    np.minimum(distance, FARTHEST, out=out[:, 0])
+    # Rounding may lead past 1, which is a bound.
+    np.clip((cos * x + sin * y) / scale, -1.0, 1.0, out=out[:, 1])
+    np.clip((cos * y - sin * x) / scale, -1.0, 1.0, out=out[:, 2])
+    return out

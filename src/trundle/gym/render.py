@@ -40,11 +40,11 @@ def draw_robot(episodes: Episodes, robot: int) -> npt.NDArray[np.uint8]:
         return [(float(x), float(size[1] - y)) for x, y in local]
 
     pose = Pose2D(*sim.poses[robot])
+    for outline in mover_outlines(episodes, robot):
+        draw.polygon(pixels(outline), fill=_MOVER)
     ends = np.concatenate([np.zeros((0, 2)), *(scan.points() for scan in scans_of(episodes, robot))])
     for x, y in pixels(pose.transform_points(ends)):
         draw.ellipse((x - 1.5, y - 1.5, x + 1.5, y + 1.5), fill=_BEAM)
-    for outline in mover_outlines(episodes, robot):
-        draw.polygon(pixels(outline), fill=_MOVER)
     (x, y), radius = pixels(episodes.goals[robot : robot + 1])[0], episodes.settings.goal_tolerance
     ring = max(4.0, radius / grid.resolution * scale)
     draw.ellipse((x - ring, y - ring, x + ring, y + ring), outline=_GOAL, width=3)
