@@ -154,6 +154,8 @@ class Episode:
         complete: Where the outcome is `no_path`, whether the search was complete: the costmap that the robot had has no
             path. Otherwise the search ended before it found one. None for other outcomes, and in older folders. In
             `episode.json` it is `search_complete`: `complete` says there that the run has ended.
+        own_map: The map that the robot's localizer has made, with its pose graph; None where it makes none, and where
+            the episode was loaded from a folder, which has the map as `own_map.yaml`.
     """
 
     outcome: Outcome
@@ -177,6 +179,7 @@ class Episode:
     folder: pathlib.Path | None = None
     fault: Fault | None = None
     complete: bool | None = None
+    own_map: OwnMap | None = None
 
     @classmethod
     def load(cls, folder: str | os.PathLike[str]) -> Episode:

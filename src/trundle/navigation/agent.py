@@ -182,6 +182,14 @@ class Agent(ABC):
     def set_latency(self, latency: Latency) -> None:
         """Take into account from now on how late scans and commands arrive. By default it does not."""
 
+    def set_map(self, grid: OccupancyGrid, *, corrected: bool) -> None:
+        """Take the map that the localizer has made so far, before the next `update`. By default it does not count.
+
+        Args:
+            grid: The map; its extent may have changed.
+            corrected: Whether what was mapped before has moved since the last call.
+        """
+
     def set_sent_command(self, command: Twist2D) -> None:
         """Take what was sent to the robot instead of the last command, where a check of the run changed it."""
 

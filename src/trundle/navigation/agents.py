@@ -84,8 +84,8 @@ def check_command(agent: Agent, command: object) -> Twist2D:
 class AgentAdapter(Agent):
     """Gives an agent that does not derive from `Agent`, as those of other packages, the whole of it.
 
-    Such an agent may have some of `Agent`'s methods: `set_goals`, `set_latency`, `set_sent_command`, `assist_teleop`.
-    And it may have, as attributes, what `AgentInfo` and `AgentReport` hold: `dt`, `robot`, `grid`, `costmap`,
+    Such an agent may have some of `Agent`'s methods: `set_goals`, `set_latency`, `set_map`, `set_sent_command`,
+    `assist_teleop`. And it may have, as attributes, what `AgentInfo` and `AgentReport` hold: `dt`, `robot`, `grid`, `costmap`,
     `speed_mask`, `goal_checker`, `planner_name`, `controller_name`; `path`, `distance_remaining`, `tracks`, `rollouts`,
     `intent`, `message`, `error`, `goals_reached`, `behavior_runs`, `replans`, `planning_time_s`, `standing_reasons`.
 
@@ -96,7 +96,7 @@ class AgentAdapter(Agent):
         agent: The same.
     """
 
-    _METHODS = ("set_goals", "set_latency", "set_sent_command", "assist_teleop")
+    _METHODS = ("set_goals", "set_latency", "set_map", "set_sent_command", "assist_teleop")
     _INFO: ClassVar = {
         **{name: name for name in ("robot", "grid", "costmap", "speed_mask", "goal_checker")},
         "planner": "planner_name",
