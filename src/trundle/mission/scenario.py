@@ -172,7 +172,7 @@ class Scenario(ScenarioFields):
             settings=self.part(NavigatorSettings),
             speed_mask=place.speed_mask,
         )
-        agent = navigator if self.agent is None else create_agent(self.agent, robot, navigator.grid)
+        agent = navigator if self.agent is None else create_agent(self.agent, robot, navigator.grid, navigator=navigator)
         exact = self.model_copy(
             update={
                 "floor_z": self.floor_z if place.floor_z == 0.0 else place.floor_z,

@@ -22,7 +22,7 @@ from trundle.values import as_number, as_sequence, check_kind
 AGENTS: Registry[Agent] = Registry(
     "agent",
     "trundle.agents",
-    {},
+    {"explorer": "trundle.navigation.exploration.explorer:Explorer"},
     contract=Contract(
         {"reset": "*, seed", "set_goal": "goal", "update": "observation, estimate"},
         ("status",),
@@ -33,8 +33,8 @@ AGENTS: Registry[Agent] = Registry(
 
 AgentLike: TypeAlias = str | Choice | SomeAgent | Callable[..., object]
 """Whatever drives: a name, `"module:name"`, an agent, a class of agents, or a function (observation, estimate), whose
-further parameter `goal` gets the `Goal`. A class is made with those of `robot`, `map` and the options that its
-parameters name. See `FunctionAgent`, and `AgentAdapter` for an object that does not derive from `Agent`."""
+further parameter `goal` gets the `Goal`. A class is made with those of `robot`, `map`, `navigator` and the
+options that its parameters name; a scenario gives it the navigator that it would drive with otherwise. See `FunctionAgent`, and `AgentAdapter` for an object that does not derive from `Agent`."""
 
 
 def agent_names() -> list[str]:
@@ -42,13 +42,21 @@ def agent_names() -> list[str]:
     return AGENTS.names()
 
 
-def create_agent(agent: AgentLike, robot: Robot, grid: OccupancyGrid | None = None, **options: Any) -> Agent:
+def create_agent(
+    agent: AgentLike,
+    robot: Robot,
+    grid: OccupancyGrid | None = None,
+    *,
+    navigator: Agent | None = None,
+    **options: Any,
+) -> Agent:
     """Make an agent of whatever drives.
 
     Args:
         agent: A name, a class, a function or an object; see `AgentLike`.
         robot: The robot.
         grid: What a class gets as `map`, where there is one.
+        navigator: What a class gets as `navigator`, where there is one.
         options: Of the agent; more than those of a `Choice`.
 
     Raises:
@@ -57,7 +65,8 @@ def create_agent(agent: AgentLike, robot: Robot, grid: OccupancyGrid | None = No
     """
     check_kind(robot, Robot, "an agent's robot", "Robot.load(name) makes one")
     _, given, chosen = split_choice(agent)
-    made = AGENTS.resolve(given, offered_arguments(robot, grid), {**chosen, **options})
+    offered = offered_arguments(robot, grid) | ({} if navigator is None else {"navigator": navigator})
+    made = AGENTS.resolve(given, offered, {**chosen, **options})
     if isinstance(made, PluginFunction):
         return FunctionAgent(made)
     return made if isinstance(cast("object", made), Agent) else AgentAdapter(made)
