@@ -11,7 +11,7 @@ from trundle.costmap import Costmap, CostmapSettings
 from trundle.errors import InputError, MapError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps import OccupancyGrid
-from trundle.maps.cells import UNKNOWN
+from trundle.maps.cells import UNKNOWN, round_trinary
 from trundle.robots import Robot
 
 _SPARE_M = 4.0
@@ -66,7 +66,7 @@ class GrowingMap:
         self._extend(edge, (row, col), (row + grid.shape[0], col + grid.shape[1]))
         cells = np.full_like(self._cells, UNKNOWN)
         row, col = row - self._low[0], col - self._low[1]
-        cells[row : row + grid.shape[0], col : col + grid.shape[1]] = grid.data
+        cells[row : row + grid.shape[0], col : col + grid.shape[1]] = round_trinary(grid.data)
         self._costmap = self._make(cells, edge)
         self._cells = cells
         return self._costmap
