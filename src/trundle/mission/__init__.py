@@ -3,6 +3,7 @@
 from trundle.fault import Fault
 from trundle.geometry import Goal
 from trundle.mission.episode import Episode, Metrics, Outcome
+from trundle.mission.explore import Exploration, explore
 from trundle.mission.fields import Rules, RunSettings
 from trundle.mission.loop import run
 from trundle.mission.observers import (
@@ -52,6 +53,7 @@ __all__ = [
     "DropBox",
     "End",
     "Episode",
+    "Exploration",
     "Fault",
     "FollowPath",
     "GivenDirective",
@@ -91,6 +93,7 @@ __all__ = [
     "TaskWatcher",
     "Trajectory",
     "WaitAtGoal",
+    "explore",
     "load_directives",
     "run",
     "sample_mission",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from trundle.maps import OccupancyGrid
-from trundle.mapping import PoseGraph
+from trundle.mapping.pose_graph import LOOP, PoseGraph
 
 LEAST_CORRECTION_M = 0.05
 """Corrections of the pose that are smaller than this are not worth a name [m]."""
@@ -44,6 +44,19 @@ class OwnMap:
     grid: OccupancyGrid
     graph: PoseGraph | None = None
     corrections: Sequence[Correction] = ()
+
+    def as_dict(self) -> dict[str, object]:
+        """Size, poses, loops and corrections as plain values, for JSON."""
+        rows, cols = self.grid.shape
+        graph = self.graph
+        return {
+            "rows": rows,
+            "cols": cols,
+            "resolution_m": self.grid.resolution,
+            "poses": None if graph is None else len(graph.poses),
+            "loops": None if graph is None else int((graph.edges[:, 2] == LOOP).sum()),
+            "corrections": [one._asdict() for one in self.corrections],
+        }
 
 
 def describe_corrections(corrections: Sequence[Correction]) -> str:

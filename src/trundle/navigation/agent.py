@@ -130,12 +130,14 @@ class Agent(ABC):
         dt: Length of the next control period [s]; it may change with every `update`.
         plans: Whether it plans a path to each goal, by `plan` and `plan_between`, before it moves.
         needs_goal: Whether it drives to goals alone: its run has one from the start, or waits for one.
+        takes_goals: Whether it drives to goals at all; a scenario gives none to one that does not.
     """
 
     status: NavigationStatus
     dt: float = CONTROL_PERIOD_S
     plans: bool = False
     needs_goal: bool = False
+    takes_goals: bool = True
 
     # Driving: what an agent must have -------------------------------------------------------------------------------
 

@@ -309,6 +309,21 @@ def _behavior_facts(episode: Episode) -> dict[str, str]:
     return {name: text for name, text in (("recovery", recovery), ("behaviors", others)) if text}
 
 
+def map_facts(episode: Episode) -> dict[str, str]:
+    """Return what the report adds on the map that the robot has made."""
+    from trundle.mission.own_map import describe_corrections
+
+    own = episode.own_map
+    if own is None:
+        return {}
+    rows, cols = own.grid.shape
+    edge = own.grid.resolution
+    return {
+        "own map": f"{cols * edge:.1f} x {rows * edge:.1f} m",
+        "largest corrections": describe_corrections(own.corrections),
+    }
+
+
 def report(episode: Episode, folder: RunFolder, *, json: bool, facts: Mapping[str, object] | None = None) -> None:
     """Print how a run ended, its figures and its folder; as JSON with more facts."""
     if json:
@@ -326,6 +341,7 @@ def report(episode: Episode, folder: RunFolder, *, json: bool, facts: Mapping[st
             "contacts": first_names(metrics.contacts) or "none",
             **_sensing_facts(metrics),
             **_behavior_facts(episode),
+            **map_facts(episode),
             "folder": folder.path,
         }
     )

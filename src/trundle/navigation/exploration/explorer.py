@@ -56,6 +56,8 @@ class Explorer(Agent):
         target: The one that it drives to, or None.
     """
 
+    takes_goals = False
+
     def __init__(
         self,
         robot: Robot,
