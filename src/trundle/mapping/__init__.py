@@ -1,5 +1,7 @@
 """Mapping: a map and the robot's path from scans and odometry."""
 
+from trundle.mapping.placing import move_pose_graph
 from trundle.mapping.pose_graph import Lidar, PoseGraph
+from trundle.mapping.pose_graph_file import load_pose_graph, save_pose_graph
 
-__all__ = ["Lidar", "PoseGraph"]
+__all__ = ["Lidar", "PoseGraph", "load_pose_graph", "move_pose_graph", "save_pose_graph"]
