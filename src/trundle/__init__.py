@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from trundle.errors import InputError, PlanningError, TrundleError
     from trundle.evaluation import Evaluation, Suite, evaluate
     from trundle.geometry import Goal, Pose2D, Twist2D
+    from trundle.mapping import Mapper, PoseGraph, draw_map
     from trundle.maps import HeightField, OccupancyGrid
     from trundle.mission import Episode, Outcome, Scenario, Session, run, sample_mission
     from trundle.navigation import Choice, Navigator, NavigatorSettings
@@ -37,6 +38,7 @@ __getattr__ = lazy_names(
         "Goal": "trundle.geometry",
         "HeightField": "trundle.maps",
         "InputError": "trundle.errors",
+        "Mapper": "trundle.mapping",
         "Navigator": "trundle.navigation",
         "NavigatorSettings": "trundle.navigation",
         "Observation": "trundle.observation",
@@ -45,6 +47,7 @@ __getattr__ = lazy_names(
         "Path": "trundle.path",
         "PlanningError": "trundle.errors",
         "Pose2D": "trundle.geometry",
+        "PoseGraph": "trundle.mapping",
         "Robot": "trundle.robots",
         "RobotState": "trundle.sim",
         "Scan": "trundle.observation",
@@ -54,6 +57,7 @@ __getattr__ = lazy_names(
         "TrundleError": "trundle.errors",
         "Twist2D": "trundle.geometry",
         "World": "trundle.worlds",
+        "draw_map": "trundle.mapping",
         "evaluate": "trundle.evaluation",
         "run": "trundle.mission",
         "sample_mission": "trundle.mission",
@@ -72,6 +76,7 @@ __all__ = [
     "Goal",
     "HeightField",
     "InputError",
+    "Mapper",
     "Navigator",
     "NavigatorSettings",
     "Observation",
@@ -80,6 +85,7 @@ __all__ = [
     "Path",
     "PlanningError",
     "Pose2D",
+    "PoseGraph",
     "Robot",
     "RobotState",
     "Scan",
@@ -90,6 +96,7 @@ __all__ = [
     "Twist2D",
     "World",
     "__version__",
+    "draw_map",
     "evaluate",
     "run",
     "sample_mission",

@@ -781,3 +781,75 @@ def search_poses(
     most: int,
     most_nodes: int,
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], bool]: ...
+
+class SurfaceMap:
+    """Surfaces as scans saw them: scans are added, taken away and matched; `cell` is the edge of its cells [m]."""
+
+    def __init__(self, cell: float) -> None: ...
+    @property
+    def memory(self) -> int:
+        """Bytes of its cells."""
+        ...
+    def add(
+        self,
+        points: npt.NDArray[np.float64],
+        normals: npt.NDArray[np.float64],
+        pose: npt.NDArray[np.float64],
+        sign: int,
+    ) -> None:
+        """Add points with their normals, seen from a pose, or take them away again (sign -1)."""
+        ...
+    def match(
+        self,
+        points: npt.NDArray[np.float64],
+        normals: npt.NDArray[np.float64],
+        starts: npt.NDArray[np.float64],
+        prior: npt.NDArray[np.float64],
+        covariance: npt.NDArray[np.float64],
+        settings: npt.NDArray[np.float64],
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Return poses (K, 3) near starts, their covariances and how they fit (K, 4).
+
+        `settings` are first width, last width and noise [m], most beams that count, iterations. How they fit: the mean
+        weight of the points, their rms distance [m], the share that is near a surface, iterations.
+        """
+        ...
+    def search(
+        self,
+        points: npt.NDArray[np.float64],
+        centre: npt.NDArray[np.float64],
+        reach: npt.NDArray[np.float64],
+        sigmas: npt.NDArray[np.float64],
+    ) -> tuple[npt.NDArray[np.float64], float]:
+        """Return the pose in a window round a centre where most points lie in cells with points, and their share.
+
+        `reach` is how far [m], how far in yaw, and the step of yaw [rad]; `sigmas` how far poses are expected [m, rad].
+        """
+        ...
+    def table(self, resolution: float) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.float64]]:
+        """Return 255 where points are, 128 beside them, and the lower-left corner of the cells [m]."""
+        ...
+
+def find_normals(
+    points: npt.NDArray[np.float64], sensors: npt.NDArray[np.float64], gap: float, least: float
+) -> npt.NDArray[np.float64]: ...
+def solve_graph(
+    poses: npt.NDArray[np.float64],
+    edges: npt.NDArray[np.int32],
+    transforms: npt.NDArray[np.float64],
+    information: npt.NDArray[np.float64],
+    widths: npt.NDArray[np.float64],
+    fixed: npt.NDArray[np.uint8],
+    iterations: int,
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
+def count_beams(
+    counts: npt.NDArray[np.int32],
+    sensors: npt.NDArray[np.float64],
+    points: npt.NDArray[np.float64],
+    hits: npt.NDArray[np.uint8],
+    corner: npt.NDArray[np.float64],
+    resolution: float,
+    short_by: float,
+    sign: int,
+) -> None: ...
+def draw_cells(counts: npt.NDArray[np.int32], settings: npt.NDArray[np.float64]) -> npt.NDArray[np.int8]: ...

@@ -12,6 +12,7 @@ void bind_hybrid(nb::module_ &m);
 void bind_images(nb::module_ &m);
 void bind_layers(nb::module_ &m);
 void bind_localization(nb::module_ &m);
+void bind_mapping(nb::module_ &m);
 void bind_mppi(nb::module_ &m);
 void bind_raster(nb::module_ &m);
 void bind_rays(nb::module_ &m);
@@ -30,6 +31,7 @@ NB_MODULE(_kernels, m) {
   bind_images(m);
   bind_layers(m);
   bind_localization(m);
+  bind_mapping(m);
   bind_mppi(m);
   bind_raster(m);
   bind_rays(m);

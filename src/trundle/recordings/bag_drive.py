@@ -9,7 +9,9 @@ from __future__ import annotations
 import contextlib
 import heapq
 import itertools
+import shutil
 import tempfile
+import weakref
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -80,7 +82,7 @@ class _Source:
         self.path, self.remarks = path, remarks
         self._distro: Distro = distro
         self._readable = path
-        self._folder: tempfile.TemporaryDirectory[str] | None = None
+        self._recovered = False
 
     @contextlib.contextmanager
     def open(self) -> Iterator[BagReader]:
@@ -89,7 +91,7 @@ class _Source:
             with BagReader(self._readable, distro=self._distro) as bag:
                 yield bag
         except InputError as error:
-            if self._folder is None and self._find_file() is not None and "damaged" in str(error):
+            if not self._recovered and self._find_file() is not None and "damaged" in str(error):
                 raise _DamagedError from error
             raise
 
@@ -104,8 +106,10 @@ class _Source:
         file = self._find_file()
         if file is None:
             raise InputError(f"{self.path}: the bag is damaged")
-        self._folder = tempfile.TemporaryDirectory(prefix="trundle-bag-")
-        done = recover(file, Path(self._folder.name) / "drive.mcap")
+        folder = tempfile.mkdtemp(prefix="trundle-bag-")
+        weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
+        self._recovered = True
+        done = recover(file, Path(folder) / "drive.mcap")
         self._readable = done.path
         self.remarks.note(
             f"the recording is cut off or damaged ({done.damage or 'its index is wrong'}): what could be read is used, "

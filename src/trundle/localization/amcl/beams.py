@@ -126,15 +126,23 @@ class BeamPicker:
         if scan.time < now - _TOO_OLD_S or end > now + 0.1:
             self.warn("time", f"a scan of {scan.lidar!r} at {scan.time:g} s does not fit the time {now:g} s")
             return None
-        first = self._poses.at(scan.time)
-        last = first if end == scan.time else self._poses.at(end)
-        if first is None or last is None:
+        placed = self.scan_poses(scan, observation)
+        if placed is None:
             self.counts["before the first pose"] += 1
             return None
         self._newest[scan.lidar] = scan.time
+        return scan, *placed
+
+    def scan_poses(self, scan: Scan, observation: Observation) -> tuple[Pose2D, Pose2D] | None:
+        """Return base_link at a scan's first and last beam, seen from where it is now; None where that is not known."""
+        end = scan.time + scan.time_increment * max(0, len(scan.ranges) - 1)
+        first = self._poses.at(scan.time)
+        last = first if end == scan.time else self._poses.at(end)
+        if first is None or last is None:
+            return None
         back = observation.odometry.inverse()
         seen = back @ first
-        return scan, seen, seen if last is first else back @ last
+        return seen, seen if last is first else back @ last
 
     def _pick_from(
         self, scan: Scan, first: Pose2D, last: Pose2D, most: int, offset: float

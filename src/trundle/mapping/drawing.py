@@ -1,0 +1,155 @@
+"""`draw_map`: the map of a pose graph from all of its scans and all of their beams; `Canvas` for a map that grows."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle._core import count_beams, draw_cells
+from trundle.errors import InputError
+from trundle.geometry import FloatArray, Pose2D
+from trundle.mapping.optimizer import component_of
+from trundle.mapping.pose_graph import Lidar, PoseGraph
+from trundle.maps import OccupancyGrid
+from trundle.maps.cells import MAX_CELLS
+
+_SHORT_BY_CELLS = 1.5  # beams that graze a wall pass through its cells
+_LEAST_ENDS, _LEAST_SHARE, _LEAST_BEAMS = 2.0, 0.3, 1.0
+_PADDING_M = 1.0
+_TILE_M = 8.0
+
+
+def draw_map(graph: PoseGraph, *, resolution: float = 0.05) -> OccupancyGrid:
+    """Draw the map of a pose graph.
+
+    Each cell is as occupied as the share of beams that end in it, of those that reach it. Walls are one cell thick, and
+    pass through the middle of their cells on average (`surface` "centre"). Of parts that were not joined, that of the
+    first node is drawn.
+
+    Args:
+        graph: The pose graph.
+        resolution: Edge of a cell [m].
+
+    Raises:
+        InputError: If there is no scan, or the map would be too large.
+    """
+    if not (math.isfinite(resolution) and 0.005 <= resolution <= 10.0):
+        raise InputError(f"the resolution must be from 0.005 to 10 m, got {resolution:g}")
+    canvas = Canvas(resolution)
+    roots = component_of(len(graph.times), graph.edges)
+    counts = [len(graph.lidars[lidar].angles) for lidar in graph.scan_lidars.tolist()]
+    ends = np.cumsum(counts, dtype=np.int64).tolist()
+    for i, end in enumerate(ends):
+        node, lidar = int(graph.scan_nodes[i]), graph.lidars[int(graph.scan_lidars[i])]
+        if roots[node] != roots[0]:
+            continue
+        beams = place_beams(graph.ranges[end - counts[i] : end], lidar, graph.scan_poses[i])
+        canvas.count(beams, graph.poses[node], 1)
+    if canvas.is_empty:
+        raise InputError("the pose graph has no scan, so there is nothing to draw")
+    return canvas.grid()
+
+
+class Beams(tuple[FloatArray, FloatArray, npt.NDArray[np.uint8]]):
+    """Where beams began and ended, seen from their node [m], and whether they met something."""
+
+
+def place_beams(ranges: npt.NDArray[np.float32], lidar: Lidar, poses: FloatArray) -> Beams:
+    """Return the beams of a scan; what is too close or not measured is left out.
+
+    Args:
+        ranges: As REP-117 has them.
+        lidar: The lidar.
+        poses: Base_link at the first and at the last beam, seen from the node, shape (2, 3).
+    """
+    met = (ranges >= lidar.range_min) & (ranges < lidar.range_max)
+    # Beyond the range there may be anything, and glass or black things return nothing: believe a half of it.
+    used = met | np.isposinf(ranges) | (ranges >= lidar.range_max)
+    length = np.where(met, ranges, 0.5 * lidar.range_max)[used].astype(np.float64)
+    angles = lidar.angles[used] + lidar.mount.yaw
+    share = (np.arange(len(ranges)) / max(1, len(ranges) - 1))[used]
+    x, y, yaw = (
+        first + share * ((math.remainder(last - first, 2.0 * math.pi)) if k == 2 else last - first)
+        for k, (first, last) in enumerate(zip(poses[0].tolist(), poses[1].tolist(), strict=True))
+    )
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    sx = x + cos * lidar.mount.x - sin * lidar.mount.y
+    sy = y + sin * lidar.mount.x + cos * lidar.mount.y
+    sensors = np.column_stack((sx, sy))
+    points = np.column_stack((sx + length * np.cos(angles + yaw), sy + length * np.sin(angles + yaw)))
+    return Beams((sensors, points, met[used].astype(np.uint8)))
+
+
+class Canvas:
+    """Counts of beams per cell, which grow where beams go; what was counted can be taken away again.
+
+    Args:
+        resolution: Edge of a cell [m].
+    """
+
+    def __init__(self, resolution: float) -> None:
+        self.resolution = resolution
+        self._corner = (0, 0)  # in tiles
+        self._tile = max(1, round(_TILE_M / resolution))
+        self._counts = np.zeros((0, 0, 4), dtype=np.int32)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing was counted."""
+        return self._counts.size == 0
+
+    def count(self, beams: Beams, pose: FloatArray, sign: int) -> None:
+        """Count beams seen from a pose (x, y, yaw), or take them away (-1)."""
+        sensors, points, hits = beams
+        if not len(points):
+            return
+        cos, sin = math.cos(pose[2]), math.sin(pose[2])
+        turn = np.array(((cos, sin), (-sin, cos)))
+        sensors, points = sensors @ turn + pose[:2], points @ turn + pose[:2]
+        self._reach(
+            np.minimum(sensors.min(axis=0), points.min(axis=0)), np.maximum(sensors.max(axis=0), points.max(axis=0))
+        )
+        size = self._tile * self.resolution
+        corner = np.array((self._corner[0] * size, self._corner[1] * size))
+        count_beams(
+            self._counts, sensors, points, hits, corner, self.resolution, _SHORT_BY_CELLS * self.resolution, sign
+        )
+
+    def _reach(self, low: FloatArray, high: FloatArray) -> None:
+        """Make room for what lies between two corners [m]."""
+        size = self._tile * self.resolution
+        rows, cols = (n // self._tile for n in self._counts.shape[:2])
+        left, bottom = (math.floor((value - self.resolution) / size) for value in low.tolist())
+        right, top = (math.floor((value + self.resolution) / size) + 1 for value in high.tolist())
+        if rows:
+            if left >= self._corner[0] and bottom >= self._corner[1]:
+                if right <= self._corner[0] + cols and top <= self._corner[1] + rows:
+                    return
+            left, bottom = min(left, self._corner[0]), min(bottom, self._corner[1])
+            right, top = max(right, self._corner[0] + cols), max(top, self._corner[1] + rows)
+        height, width = (top - bottom) * self._tile, (right - left) * self._tile
+        if height * width > MAX_CELLS // 4:
+            raise InputError(
+                f"the map would be {width * self.resolution:.0f} x {height * self.resolution:.0f} m, "
+                f"{height * width / 1e6:.0f} million cells; use a coarser resolution"
+            )
+        counts = np.zeros((height, width, 4), dtype=np.int32)
+        if rows:
+            row, col = (self._corner[1] - bottom) * self._tile, (self._corner[0] - left) * self._tile
+            counts[row : row + self._counts.shape[0], col : col + self._counts.shape[1]] = self._counts
+        self._counts, self._corner = counts, (left, bottom)
+
+    def grid(self) -> OccupancyGrid:
+        """Return the map."""
+        cells = draw_cells(self._counts, np.array((_LEAST_ENDS, _LEAST_SHARE, _LEAST_BEAMS)))
+        seen = cells >= 0
+        rows, cols = (np.flatnonzero(seen.any(axis=axis)) for axis in (1, 0))
+        size, pad = self._tile * self.resolution, max(1, round(_PADDING_M / self.resolution))
+        x, y = self._corner[0] * size, self._corner[1] * size
+        if len(rows):
+            low, left = max(0, rows[0] - pad), max(0, cols[0] - pad)
+            cells = cells[low : rows[-1] + 1 + pad, left : cols[-1] + 1 + pad]
+            x, y = x + float(left) * self.resolution, y + float(low) * self.resolution
+        return OccupancyGrid(cells, self.resolution, Pose2D(x, y), surface="centre")

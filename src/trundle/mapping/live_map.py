@@ -1,0 +1,57 @@
+"""`LiveMap`: the map of a graph while it grows: what is new or was corrected is drawn, the rest stays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from trundle.geometry import FloatArray, wrap_angle
+from trundle.mapping.drawing import Canvas, place_beams
+from trundle.mapping.nodes import Nodes
+from trundle.mapping.optimizer import component_of
+from trundle.maps import OccupancyGrid
+from trundle.maps.cells import UNKNOWN
+
+_MOVED_M, _MOVED_RAD = 0.01, 0.001
+
+
+class LiveMap:
+    """A canvas, and which scans were drawn on it from where.
+
+    Args:
+        resolution: Edge of a cell [m].
+    """
+
+    def __init__(self, resolution: float) -> None:
+        self.resolution = resolution
+        self._canvas = Canvas(resolution)
+        self._drawn: dict[int, tuple[FloatArray, int]] = {}  # by node: from which pose, and how many of its scans
+
+    def draw(self, nodes: Nodes) -> OccupancyGrid:
+        """Return the map of what hangs together with the newest node."""
+        if not len(nodes):
+            return OccupancyGrid(np.full((20, 20), UNKNOWN, dtype=np.int8), self.resolution, surface="centre")
+        roots = component_of(len(nodes), nodes.edges)
+        for node in range(len(nodes)):
+            scans, pose = nodes.scans_of(node), nodes.poses[node]
+            old = self._drawn.get(node)
+            wanted = roots[node] == roots[-1]
+            if old is not None and wanted and not _has_moved(old[0], pose):
+                self._count(nodes, scans[old[1] :], old[0], 1)
+                self._drawn[node] = (old[0], len(scans))
+                continue
+            if old is not None:
+                self._count(nodes, scans[: old[1]], old[0], -1)
+                del self._drawn[node]
+            if wanted:
+                self._count(nodes, scans, pose, 1)
+                self._drawn[node] = (pose.copy(), len(scans))
+        return self._canvas.grid()
+
+    def _count(self, nodes: Nodes, scans: list, pose: FloatArray, sign: int) -> None:
+        for scan in scans:
+            self._canvas.count(place_beams(scan.ranges, nodes.lidars[scan.lidar], scan.poses), pose, sign)
+
+
+def _has_moved(old: FloatArray, new: FloatArray) -> bool:
+    moved = abs(old[0] - new[0]) > _MOVED_M or abs(old[1] - new[1]) > _MOVED_M
+    return bool(moved or abs(wrap_angle(float(old[2] - new[2]))) > _MOVED_RAD)

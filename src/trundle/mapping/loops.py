@@ -1,0 +1,221 @@
+"""`LoopFinder`: places that the robot has come back to.
+
+A key frame is compared with old submaps, within what the drift since then leaves open: correlative search where that is
+little, branch and bound where it is much (Hess, Kohler, Rapp and Andor 2016). One match in a large window proves
+nothing: there, several of different key frames must agree with each other along the odometry between them (pairwise
+consistency: Mangelson, Dominic, Eustice and Vasudevan 2018).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from trundle._core import search_poses
+from trundle.geometry import FloatArray, Pose2D, wrap_angle
+from trundle.mapping.nodes import Nodes, Surface
+from trundle.mapping.submaps import Submaps
+from trundle.mapping.window import SETTINGS, match_surface
+
+_APART = 45  # nodes: what is nearer is in the window of the front end
+_VIEW_M = 6.0  # how far apart two places are that see the same
+_NEAR_M, _NEAR_RAD = 0.6, math.radians(8.0)
+_WIDEST_M = 25.0
+_NEAR_TRIES, _FAR_TRIES = 3, 6
+_NEAR_FIT, _FAR_FIT = 0.55, 0.55
+_FAR_OVERLAP = 0.65
+_POINTS = 120
+_POINT_CELL_M = 0.15
+_YAW_STEP = math.radians(1.0)
+_LEAST_SCORE = 130.0  # of 255
+_SHARE, _APART_M, _APART_RAD, _MOST, _MOST_NODES = 0.93, 0.6, 0.2, 3, 300_000
+_AGREE = 3  # matches of different key frames
+_RIVAL = 0.04  # how much better than elsewhere the right place fits at least
+_KEPT = 150  # key frames
+_FLOOR = np.diag((0.02**2, 0.02**2, math.radians(0.25) ** 2))
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """A match of a key frame with an old submap.
+
+    Attributes:
+        a, b: The submap's middle node, and the key frame.
+        transform: Pose of the key frame seen from the middle node.
+        covariance: Of it.
+        fit: How well it fits, 0 to 1.
+    """
+
+    a: int
+    b: int
+    transform: Pose2D
+    covariance: FloatArray
+    fit: float
+
+
+class LoopFinder:
+    """Looks for loops from the newest key frames, and keeps those that are not proven yet."""
+
+    def __init__(self, nodes: Nodes, submaps: Submaps) -> None:
+        self._nodes = nodes
+        self._submaps = submaps
+        self._pending: list[Loop] = []
+        self._tried: dict[int, int] = {}
+
+    def search(self, node: int, surface: Surface, cloud: Surface, *, tries: int = _FAR_TRIES) -> list[Loop]:
+        """Return loops of a key frame that count from now on: near ones, and far ones that agree with others.
+
+        Args:
+            node: The key frame.
+            surface: What it saw.
+            cloud: What it and those before saw, seen from it.
+            tries: The most far ones to try.
+        """
+        here, lengths = self._nodes.pose(node), self._submaps.lengths_from(node)
+        near, far = [], []
+        for index, submap in enumerate(self._submaps.all[:-1]):
+            if submap.last > node - _APART and submap.part == self._nodes.parts[node]:
+                continue
+            length = lengths.get(index, math.inf)
+            metres, radians = compute_drift(length)
+            distance = here.distance_to(self._nodes.pose(submap.middle)) if length < math.inf else 0.0
+            if distance > min(metres, _WIDEST_M) + _VIEW_M:
+                continue
+            if metres <= _NEAR_M and radians <= _NEAR_RAD:
+                near.append((distance, index, metres, radians))
+            else:
+                far.append((self._tried.get(index, -1), distance, index, metres, radians))
+        found = []
+        for _, index, metres, radians in sorted(near)[:_NEAR_TRIES]:
+            loop = self._match_near(node, surface, index, metres, radians)
+            if loop is not None:
+                found.append(loop)
+        matches: list[Loop] = []
+        for _, _, index, metres, radians in sorted(far)[:tries]:
+            self._tried[index] = node
+            matches += self._match_far(node, cloud, index, metres, radians)
+        for loop in sorted(matches, key=lambda one: one.fit):
+            proven = self._prove(loop)
+            found += [one for one in proven if one not in found]
+        return found
+
+    def _match_near(self, node: int, surface: Surface, index: int, metres: float, radians: float) -> Loop | None:
+        submap = self._submaps.all[index]
+        predicted = self._submaps.seen_from_middle(submap, node)
+        spread = np.diag(((0.5 * metres) ** 2, (0.5 * metres) ** 2, (0.5 * radians) ** 2))
+        match = match_surface(self._submaps.surface(index).surface, surface, predicted, spread, (metres, radians))
+        moved = match.pose.distance_to(predicted)
+        if match.fit < _NEAR_FIT or moved > 1.2 * metres:
+            return None
+        return Loop(submap.middle, node, match.pose, match.covariance + _FLOOR, match.fit)
+
+    def _match_far(self, node: int, cloud: Surface, index: int, metres: float, radians: float) -> list[Loop]:
+        submap = self._submaps.all[index]
+        known = self._submaps.surface(index)
+        points = _thin(cloud.points)
+        if len(points) < 20:
+            return []
+        rows, cols = known.table.shape
+        width, height = cols * known.resolution, rows * known.resolution
+        if metres == math.inf:
+            window = (0.0, width, 0.0, height, -math.pi, math.pi - 1e-6)
+        else:
+            metres, radians = min(metres, _WIDEST_M), min(radians, math.pi - 1e-6)
+            at = self._submaps.seen_from_middle(submap, node)
+            x, y = at.x - known.corner[0], at.y - known.corner[1]
+            window = (
+                max(0.0, x - metres),
+                min(width, x + metres),
+                max(0.0, y - metres),
+                min(height, y + metres),
+                at.yaw - radians,
+                at.yaw + radians,
+            )
+            if window[0] >= window[1] or window[2] >= window[3]:
+                return []
+        settings = np.array((_YAW_STEP, _LEAST_SCORE, _SHARE, _APART_M, _APART_RAD))
+        allowed = np.ones_like(known.table)
+        poses, _, _ = search_poses(
+            known.table, allowed, known.resolution, points, np.array(window), settings, _MOST, _MOST_NODES
+        )
+        loops = []
+        spread = np.diag((0.3**2, 0.3**2, math.radians(5.0) ** 2))
+        for pose in poses.tolist():
+            start = Pose2D(pose[0] + known.corner[0], pose[1] + known.corner[1], pose[2])
+            match = match_surface(known.surface, cloud, start, spread, (0.1, math.radians(1.0)))
+            if match.fit >= _FAR_FIT and match.overlap >= _FAR_OVERLAP:
+                loops.append(Loop(submap.middle, node, match.pose, match.covariance + _FLOOR, match.fit))
+        return loops
+
+    def _prove(self, loop: Loop) -> list[Loop]:
+        """Return the loop and those that agree with it, if they are enough; keep it otherwise."""
+        self._pending = [one for one in self._pending if one.b > loop.b - _KEPT]
+        clique = self._clique(loop)
+        self._pending.append(loop)
+        if len(clique) < _AGREE or not self._beats_rivals(clique):
+            return []
+        self._pending = [one for one in self._pending if one not in clique]
+        return clique
+
+    def _clique(self, loop: Loop) -> list[Loop]:
+        """A match, and those of other key frames that agree with it and with each other."""
+        clique = [loop]
+        for one in sorted(self._pending, key=lambda each: -each.fit):
+            if all(one.b != other.b and self._agree(one, other) for other in clique):
+                clique.append(one)
+        return clique
+
+    def _beats_rivals(self, clique: list[Loop]) -> bool:
+        """Whether no other place fits these key frames nearly as well: symmetric rooms have several."""
+        fit, nodes = sum(one.fit for one in clique) / len(clique), {one.b for one in clique}
+        for one in self._pending:
+            if one.b in nodes and one not in clique and not any(self._agree(one, other) for other in clique):
+                rivals = self._clique(one)
+                if len(rivals) >= 2 and sum(each.fit for each in rivals) / len(rivals) > fit - _RIVAL:
+                    return False
+        return True
+
+    def _agree(self, first: Loop, second: Loop) -> bool:
+        nodes = self._nodes
+        if nodes.parts[first.a] != nodes.parts[second.a] or nodes.parts[first.b] != nodes.parts[second.b]:
+            return False
+        along = abs(nodes.travelled[first.a] - nodes.travelled[second.a])
+        back = abs(nodes.travelled[first.b] - nodes.travelled[second.b])
+        if along > 60.0 or back > 60.0:
+            return False
+        between_a = nodes.pose(first.a).inverse() @ nodes.pose(second.a)
+        between_b = nodes.pose(first.b).inverse() @ nodes.pose(second.b)
+        one, other = between_a @ second.transform, first.transform @ between_b
+        metres, radians = compute_drift(along + back)
+        return one.distance_to(other) <= 0.15 + 0.5 * metres and abs(wrap_angle(one.yaw - other.yaw)) <= 0.5 * radians
+
+    def redo(self, count: int) -> None:
+        """Forget what was tried; after corrections others are near."""
+        del count
+        self._tried.clear()
+
+
+def compute_drift(length: float) -> tuple[float, float]:
+    """Return how far a pose may be off after a drive of a length [m]: metres and radians, about two standard deviations.
+
+    Turns drift as a random walk; positions by a share of the length, and by the turns.
+    """
+    if length == math.inf:
+        return math.inf, math.pi
+    radians = math.radians(0.8 + 0.6 * math.sqrt(length))
+    return 0.1 + 0.015 * length + 0.5 * length * radians, min(math.pi, radians)
+
+
+def _thin(points: FloatArray) -> FloatArray:
+    """One point for each cell, so that what is near does not count for more, and not too many."""
+    cells = np.floor(points / _POINT_CELL_M).astype(np.int64)
+    _, first = np.unique(cells[:, 0] * 1_000_003 + cells[:, 1], return_index=True)
+    first.sort()
+    if len(first) > _POINTS:
+        first = first[np.linspace(0, len(first) - 1, _POINTS).astype(np.intp)]
+    return np.ascontiguousarray(points[first])
+
+
+__all__ = ["SETTINGS", "Loop", "LoopFinder", "compute_drift"]

@@ -1,0 +1,302 @@
+"""`Mapper`: makes a map from scans and odometry, and says where the robot is on it.
+
+The front end matches each scan with the last key frames. Key frames are the nodes of a pose graph; places that the robot
+comes back to become loops in it, and its corrected poses are the map. Every choice follows from the data alone, so the
+same observations give the same map.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+import numpy as np
+
+from trundle.errors import InputError
+from trundle.geometry import FloatArray, Pose2D, wrap_angle
+from trundle.localization.amcl.beams import BeamPicker
+from trundle.mapping.live_map import LiveMap
+from trundle.mapping.loops import Loop, LoopFinder
+from trundle.mapping.nodes import MOST_POINTS, Nodes, Surface, make_surface, step_length
+from trundle.mapping.optimizer import component_of, fits, optimize
+from trundle.mapping.pose_graph import FOLLOWS, LOOP, PoseGraph
+from trundle.mapping.submaps import Submaps
+from trundle.mapping.window import Match, ScanWindow
+from trundle.maps import OccupancyGrid
+from trundle.observation import Estimate, LocalizationState, Observation, Scan
+from trundle.robots import Robot
+from trundle.values import check_kind
+
+_LEAST_M, _LEAST_RAD = 0.02, math.radians(0.5)  # less motion than that is not worth a match
+_KEPT_M, _KEPT_RAD = 0.10, math.radians(5.0)  # scans that the map is drawn from
+_KEY_M, _KEY_RAD = 0.4, math.radians(20.0)
+_CLOUD = 6  # key frames that are compared with an old place together
+# What the odometry leaves open: wheels slip by some per cent, and turn by some degrees per metre.
+_DRIFT_M, _DRIFT_SHARE = 0.02, 0.05
+_TURN_RAD, _TURN_SHARE, _TURN_PER_M = math.radians(0.5), 0.05, math.radians(3.0)
+_EDGE_FLOOR = np.diag((0.008**2, 0.008**2, math.radians(0.1) ** 2))
+_LOST_FIT = 0.2
+_LOOP_EVERY = 2  # key frames
+_JOIN_TRIES = 12  # submaps that a key frame of an unjoined part is compared with
+
+
+class Mapper:
+    """Maps while the robot drives.
+
+    Args:
+        robot: The robot; beams that end on its own body are left out.
+        seed: Of random choices; there are none now, and the map follows from the observations alone.
+        max_range: The longest beams that are used [m]; None for as long as each lidar measures.
+
+    Attributes:
+        revision: How often the poses of the graph were corrected.
+    """
+
+    def __init__(self, robot: Robot, *, seed: int = 0, max_range: float | None = None) -> None:
+        check_kind(robot, Robot, "a mapper's robot", "Robot.load(name) makes one")
+        if max_range is not None and not max_range > 0.0:
+            raise InputError(f"max_range must be above 0 m, got {max_range:g}; use None for the lidar's own")
+        self.robot = robot
+        self.seed = seed
+        self._max_range = max_range
+        self.revision = 0
+        self._begin(Nodes(robot), Pose2D(0.0, 0.0))
+
+    def _begin(self, nodes: Nodes, start: Pose2D) -> None:
+        self._nodes = nodes
+        self._submaps = Submaps(nodes)
+        self._loops = LoopFinder(nodes, self._submaps)
+        self._live: LiveMap | None = None
+        self._picker = BeamPicker(self.robot, MOST_POINTS, self._max_range)
+        self._start = start
+        self._part = max(nodes.parts, default=-1)
+        self._begin_part()
+
+    def _begin_part(self) -> None:
+        self._part += 1
+        self._window = ScanWindow()
+        self._recent: deque[tuple[int, Surface]] = deque(maxlen=_CLOUD)
+        self._key: tuple[int, Pose2D] | None = None  # the last node, and its pose in the frame of the window
+        self._last: tuple[Pose2D, Pose2D] | None = None  # the last match: odometry, and pose in the frame of the window
+        self._kept: Pose2D | None = None
+        self._spread: FloatArray = np.diag((1e-6, 1e-6, 1e-6))
+        self._poor = 0
+        self._travelled = self._nodes.travelled[-1] if len(self._nodes) else 0.0
+
+    @classmethod
+    def from_graph(cls, graph: PoseGraph, robot: Robot, *, seed: int = 0, max_range: float | None = None) -> Mapper:
+        """Continue a pose graph with a new part, which is joined when it recognises something."""
+        mapper = cls(robot, seed=seed, max_range=max_range)
+        mapper._begin(Nodes.from_graph(graph, robot), Pose2D(0.0, 0.0))
+        return mapper
+
+    def reset(self, pose: Pose2D | None = None) -> None:
+        """Forget everything, and start with the robot at a pose of the map frame; None for its origin."""
+        self.revision += 1
+        self._begin(Nodes(self.robot), Pose2D(0.0, 0.0) if pose is None else Pose2D.of(pose))
+
+    def new_part(self) -> None:
+        """Say that the robot was carried away: what follows is joined when it recognises something."""
+        if self._key is not None:
+            self._picker.reset()
+            self._begin_part()
+
+    @property
+    def anchor(self) -> tuple[int, Pose2D] | None:
+        """The last node, and the robot's pose seen from it; None before the first. It moves as the node is corrected."""
+        if self._key is None or self._last is None:
+            return None
+        return self._key[0], self._key[1].inverse() @ self._local
+
+    @property
+    def joined(self) -> bool:
+        """Whether the robot's part of the map hangs together with the first one."""
+        if self._key is None:
+            return self._part == 0
+        roots = component_of(len(self._nodes), self._nodes.edges)
+        return roots[self._key[0]] == roots[0]
+
+    def update(self, observation: Observation) -> Estimate:
+        """Take an observation; return where the robot is.
+
+        Raises:
+            InputError: If the time is not after that of the last one.
+        """
+        if self._picker.follow(observation) and self._key is not None:
+            self._begin_part()
+        odometry = observation.odometry
+        if self._last is None:
+            self._local = self._start if not len(self._nodes) else Pose2D(0.0, 0.0)
+            self._odometry = odometry
+        else:
+            self._local = self._last[1] @ (self._last[0].inverse() @ odometry)
+        self._odometry = odometry
+        if observation.scans and self._has_moved(odometry):
+            self._see(observation)
+        return self._estimate(observation)
+
+    def _has_moved(self, odometry: Pose2D) -> bool:
+        if self._last is None:
+            return True
+        moved = self._last[0].inverse() @ odometry
+        return math.hypot(moved.x, moved.y) >= _LEAST_M or abs(moved.yaw) >= _LEAST_RAD
+
+    def _see(self, observation: Observation) -> None:
+        beams = self._picker.pick(observation)
+        if beams is None:
+            return
+        surface = make_surface(beams.points, beams.sensors)
+        odometry = observation.odometry
+        if self._key is None or self._last is None:
+            self._add_key(observation, surface, None)
+            self._last = odometry, self._local
+            return
+        moved = self._last[0].inverse() @ odometry
+        prior = _motion_spread(moved)
+        match = self._window.match(surface, self._local, prior)
+        self._poor = self._poor + 1 if match.fit < _LOST_FIT else 0
+        self._local, self._spread = match.pose, match.covariance
+        self._travelled += step_length(np.array(moved.as_tuple()))
+        self._last = odometry, match.pose
+        since = self._key[1].inverse() @ match.pose
+        if math.hypot(since.x, since.y) >= _KEY_M or abs(since.yaw) >= _KEY_RAD:
+            self._add_key(observation, surface, match)
+            return
+        kept = since if self._kept is None else self._kept.inverse() @ since
+        if math.hypot(kept.x, kept.y) >= _KEPT_M or abs(kept.yaw) >= _KEPT_RAD:
+            self._kept = since
+            self._add_scans(observation, since)
+
+    def _add_key(self, observation: Observation, surface: Surface, match: Match | None) -> None:
+        nodes, local = self._nodes, self._local
+        if match is None or self._key is None:
+            pose = local
+        else:
+            step = self._key[1].inverse() @ local
+            pose = nodes.pose(self._key[0]) @ step
+        node = nodes.add_node(observation.time, self._part, pose, observation.odometry, self._travelled)
+        if match is not None and self._key is not None:
+            before = self._key[1]
+            covariance = turned(match.covariance, -before.yaw) + _EDGE_FLOOR
+            nodes.add_edge(self._key[0], node, FOLLOWS, before.inverse() @ local, covariance)
+        self._key, self._kept = (node, local), None
+        self._add_scans(observation, Pose2D(0.0, 0.0))
+        self._window.add(surface, local)
+        self._recent.append((node, surface))
+        self._submaps.add(node)
+        if node % _LOOP_EVERY == 0:
+            self._close_loops(node, surface)
+
+    def _add_scans(self, observation: Observation, since: Pose2D) -> None:
+        for scan in observation.scans:
+            first, last = self._scan_poses(scan, observation)
+            self._nodes.add_scan(scan, since @ first, since @ last)
+
+    def _scan_poses(self, scan: Scan, observation: Observation) -> tuple[Pose2D, Pose2D]:
+        """Base_link at the first and at the last beam, seen from where it is now."""
+        placed = self._picker.scan_poses(scan, observation)
+        return placed if placed is not None else (Pose2D(0.0, 0.0), Pose2D(0.0, 0.0))
+
+    def _cloud(self, node: int) -> Surface:
+        """What the last key frames saw, seen from a node."""
+        seen = [(self._nodes.pose(node).inverse() @ self._nodes.pose(other), one) for other, one in self._recent]
+        parts = [
+            (_moved(one.points, pose), _turned(one.normals, pose), _moved(one.sensors, pose)) for pose, one in seen
+        ]
+        points, normals, sensors = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+        return Surface(points, normals, sensors)
+
+    def _close_loops(self, node: int, surface: Surface) -> None:
+        loops = self._loops.search(node, surface, self._cloud(node))
+        if loops:
+            self._take(loops)
+
+    def _take(self, loops: list[Loop]) -> None:
+        """Add loops to the graph, and correct its poses; take them out again if they do not fit."""
+        nodes = self._nodes
+        first = len(nodes.edges)
+        self._join(loops[-1])
+        for loop in loops:
+            nodes.add_edge(loop.a, loop.b, LOOP, loop.transform, loop.covariance)
+        new = list(range(first, len(nodes.edges)))
+        poses, errors = optimize(nodes, free=new)
+        if not fits(errors[new]):
+            del nodes.edges[first:], nodes.transforms[first:], nodes.covariances[first:]
+            return
+        for loop in loops:
+            self._submaps.tie(loop.a, loop.b)
+        self._correct(poses)
+
+    def _join(self, loop: Loop) -> None:
+        """Move the part of a key frame to where a loop says, if nothing joined it to the old place before."""
+        nodes = self._nodes
+        roots = component_of(len(nodes), nodes.edges)
+        if roots[loop.a] == roots[loop.b]:
+            return
+        # What holds the first node stays.
+        stays, moves = (loop.a, loop.b) if roots[loop.a] < roots[loop.b] else (loop.b, loop.a)
+        T_a_b = loop.transform if stays == loop.a else loop.transform.inverse()
+        shift = nodes.pose(stays) @ T_a_b @ nodes.pose(moves).inverse()
+        for i, root in enumerate(roots):
+            if root == roots[moves]:
+                nodes.poses[i] = np.array((shift @ nodes.pose(i)).as_tuple())
+
+    def _correct(self, poses: FloatArray) -> None:
+        self._nodes.poses = list(poses)
+        self.revision += 1
+
+    def finish(self) -> None:
+        """Look for loops once more, from all key frames, and correct all poses."""
+        if not len(self._nodes):
+            return
+        poses, _ = optimize(self._nodes, iterations=30)
+        self._correct(poses)
+
+    def _estimate(self, observation: Observation) -> Estimate:
+        if self._key is None:
+            pose, covariance = self._local, self._spread
+        else:
+            node, local = self._key
+            T_map_local = self._nodes.pose(node) @ local.inverse()
+            pose, covariance = T_map_local @ self._local, turned(self._spread, T_map_local.yaw)
+            if self._last is not None:
+                covariance = covariance + _motion_spread(self._last[0].inverse() @ observation.odometry) * 0.25
+        T_map_odom = pose @ observation.odometry.inverse()
+        return Estimate(observation.time, pose, covariance, T_map_odom, self._state())
+
+    def _state(self) -> LocalizationState:
+        return "lost" if self._poor >= 10 else "localized"
+
+    def grid(self, *, resolution: float = 0.05) -> OccupancyGrid:
+        """Return the map as far as it is known; only what is new or was corrected is drawn."""
+        if self._live is None or self._live.resolution != resolution:
+            self._live = LiveMap(resolution)
+        return self._live.draw(self._nodes)
+
+    def graph(self) -> PoseGraph:
+        """Return all that it knows."""
+        return self._nodes.to_graph()
+
+
+def _motion_spread(moved: Pose2D) -> FloatArray:
+    """Covariance of a motion by the odometry."""
+    far, turn = math.hypot(moved.x, moved.y), abs(wrap_angle(moved.yaw))
+    metres = _DRIFT_M + _DRIFT_SHARE * far
+    radians = _TURN_RAD + _TURN_SHARE * turn + _TURN_PER_M * far
+    return np.diag((metres**2, metres**2, radians**2))
+
+
+def turned(covariance: FloatArray, yaw: float) -> FloatArray:
+    """Turn a covariance of (x, y, yaw) by an angle [rad]."""
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    turn = np.array(((cos, -sin, 0.0), (sin, cos, 0.0), (0.0, 0.0, 1.0)))
+    return turn @ covariance @ turn.T
+
+
+def _turned(points: FloatArray, pose: Pose2D) -> FloatArray:
+    cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
+    return points @ np.array(((cos, sin), (-sin, cos)))
+
+
+def _moved(points: FloatArray, pose: Pose2D) -> FloatArray:
+    return _turned(points, pose) + (pose.x, pose.y)

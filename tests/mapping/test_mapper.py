@@ -1,0 +1,93 @@
+"""The mapper: closed loops, correct poses, parts, and no growth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.mapping.rooms import SEGMENTS, drive, ring
+
+from trundle import Mapper, Pose2D, Robot, draw_map
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return Robot.load("nova_carter")
+
+
+@pytest.fixture(scope="module")
+def twice_round(robot: Robot) -> tuple[Mapper, list[tuple[Pose2D, Pose2D]]]:
+    mapper, pairs = Mapper(robot), []
+    mapper.reset(ring(0.0))
+    for truth, observation in drive([ring(i / 180) for i in range(360)]):
+        pairs.append((truth, mapper.update(observation).pose))
+    mapper.finish()
+    return mapper, pairs
+
+
+def test_the_robot_knows_where_it_is_while_the_odometry_drifts(twice_round) -> None:
+    _, pairs = twice_round
+    errors = [truth.distance_to(found) for truth, found in pairs]
+    assert np.mean(errors) < 0.05 and max(errors) < 0.15
+
+
+def test_loops_are_closed_and_the_nodes_lie_where_the_robot_was(twice_round) -> None:
+    mapper, pairs = twice_round
+    graph = mapper.graph()
+    assert (graph.edges[:, 2] == 1).sum() >= 3 and mapper.revision > 0
+    times = (graph.times / 0.5).round().astype(int)
+    errors = [pairs[i][0].distance_to(Pose2D(*pose)) for i, pose in zip(times, graph.poses, strict=True)]
+    assert max(errors) < 0.06
+
+
+def test_the_map_shows_the_walls_where_they_are_one_cell_thick(twice_round) -> None:
+    grid = draw_map(twice_round[0].graph(), resolution=0.05)
+    assert grid.surface == "centre"
+    rows, cols = np.nonzero(grid.data >= 65)
+    x = grid.origin.x + (cols + 0.5) * 0.05
+    y = grid.origin.y + (rows + 0.5) * 0.05
+    a, along = SEGMENTS[:, :2], SEGMENTS[:, 2:] - SEGMENTS[:, :2]
+    gap = np.stack((x, y), axis=1)[:, None] - a
+    share = np.clip((gap * along).sum(axis=2) / np.square(along).sum(axis=1), 0.0, 1.0)
+    distance = np.hypot(*np.moveaxis(gap - share[..., None] * along, 2, 0)).min(axis=1)
+    assert (distance < 0.1).mean() > 0.97
+    wall = (np.abs(y) < 0.15) & (x > 1.0) & (x < 9.0)
+    thickness = np.unique(cols[wall], return_counts=True)[1]
+    assert thickness.mean() < 1.15 and len(thickness) >= 150
+
+
+def test_a_robot_that_was_carried_away_starts_a_part_which_is_joined(robot: Robot) -> None:
+    mapper = Mapper(robot)
+    mapper.reset(ring(0.0))
+    for _, observation in drive([ring(i / 180) for i in range(180)]):
+        mapper.update(observation)
+    mapper.new_part()
+    errors = []
+    for truth, observation in drive([ring(0.4 + i / 180) for i in range(120)], begin_s=100.0, seed=1):
+        errors.append(mapper.update(observation).pose.distance_to(truth))
+    assert errors[0] > 1.0 and mapper.joined
+    assert errors[-1] < 0.1
+    assert len(np.unique(mapper.graph().parts)) == 2
+
+
+def test_the_same_observations_give_the_same_map(robot: Robot) -> None:
+    graphs = []
+    for _ in range(2):
+        mapper = Mapper(robot)
+        for _, observation in drive([ring(i / 150) for i in range(190)]):
+            mapper.update(observation)
+        mapper.finish()
+        graphs.append(mapper.graph())
+    assert (graphs[0].poses == graphs[1].poses).all() and (graphs[0].edges == graphs[1].edges).all()
+
+
+def test_a_graph_is_continued(robot: Robot, twice_round) -> None:
+    mapper = Mapper.from_graph(twice_round[0].graph(), robot)
+    for truth, observation in drive([ring(0.2 + i / 180) for i in range(120)], seed=2):
+        found = mapper.update(observation).pose
+    assert mapper.joined and found.distance_to(truth) < 0.1
+
+
+def test_the_live_map_follows_corrections(twice_round) -> None:
+    mapper, _ = twice_round
+    live, final = mapper.grid(), draw_map(mapper.graph())
+    assert ((live.data >= 65).sum() / (final.data >= 65).sum()) == pytest.approx(1.0, abs=0.05)
