@@ -122,7 +122,7 @@ class _Maker:
                 mask = masks[id(laser)]
                 if len(mask) == len(ranges):
                     ranges[mask] = np.nan
-                ranges[ranges >= far[id(laser)]] = np.inf
+                ranges[ranges >= far[id(laser)]] = np.nan  # SICK lasers write 81.91 m for several errors, too
                 ranges[ranges < _LEAST_RANGE_M] = np.nan
                 yield (
                     int(stretches[row]),
