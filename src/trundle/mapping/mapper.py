@@ -36,6 +36,7 @@ _DRIFT_M, _DRIFT_SHARE = 0.02, 0.05
 _TURN_RAD, _TURN_SHARE, _TURN_PER_M = math.radians(0.5), 0.05, math.radians(3.0)
 _EDGE_FLOOR = np.diag((0.008**2, 0.008**2, math.radians(0.1) ** 2))
 _LOST_FIT = 0.2
+_GOOD_FIT, _MOST_DOUBT = 0.8, 100.0
 _LOOP_EVERY = 2  # key frames
 _JOIN_TRIES = 12  # submaps that a key frame of an unjoined part is compared with
 
@@ -81,6 +82,7 @@ class Mapper:
         self._kept: Pose2D | None = None
         self._spread: FloatArray = np.diag((1e-6, 1e-6, 1e-6))
         self._poor = 0
+        self._worst = 1.0  # fit since the last node
         self._travelled = self._nodes.travelled[-1] if len(self._nodes) else 0.0
 
     @classmethod
@@ -155,6 +157,7 @@ class Mapper:
         prior = _motion_spread(moved)
         match = self._window.match(surface, self._local, prior)
         self._poor = self._poor + 1 if match.fit < _LOST_FIT else 0
+        self._worst = min(self._worst, match.fit)
         self._local, self._spread = match.pose, match.covariance
         self._travelled += step_length(np.array(moved.as_tuple()))
         self._last = odometry, match.pose
@@ -177,9 +180,11 @@ class Mapper:
         node = nodes.add_node(observation.time, self._part, pose, observation.odometry, self._travelled)
         if match is not None and self._key is not None:
             before = self._key[1]
-            covariance = turned(match.covariance, -before.yaw) + _EDGE_FLOOR
+            # What fits badly may be wrong by far more than its covariance says.
+            doubt = min(_MOST_DOUBT, max(1.0, _GOOD_FIT / max(self._worst, 1e-3)) ** 4)
+            covariance = doubt * (turned(match.covariance, -before.yaw) + _EDGE_FLOOR)
             nodes.add_edge(self._key[0], node, FOLLOWS, before.inverse() @ local, covariance)
-        self._key, self._kept = (node, local), None
+        self._key, self._kept, self._worst = (node, local), None, 1.0
         self._add_scans(observation, Pose2D(0.0, 0.0))
         self._window.add(surface, local)
         self._recent.append((node, surface))

@@ -22,6 +22,9 @@ _SEARCH_POINTS = 120
 _MATCH_POINTS = 240
 _YAW_STEP = math.radians(0.5)
 _FIRST_WIDTH_M, _LAST_WIDTH_M, _NOISE_M, _MOST_BEAMS, _ITERATIONS = 0.2, 0.08, 0.03, 60.0, 15
+# Below this fit a wider search is worth its time; what it finds must be clearly better, as the odometry says otherwise.
+_POOR_FIT, _BETTER = 0.65, 0.1
+_WIDE_M, _WIDE_RAD = 0.25, math.radians(8.0)
 SETTINGS = np.array((_FIRST_WIDTH_M, _LAST_WIDTH_M, _NOISE_M, _MOST_BEAMS, _ITERATIONS))
 _MOST_BYTES = 64 << 20
 
@@ -69,7 +72,13 @@ class ScanWindow:
     def match(self, surface: Surface, predicted: Pose2D, covariance: FloatArray) -> Match:
         """Return where a scan fits near where the odometry says."""
         sigma = math.sqrt(max(covariance[0, 0], covariance[1, 1])), math.sqrt(covariance[2, 2])
-        return match_surface(self._map, surface, predicted, covariance, (3.0 * sigma[0], 3.0 * sigma[1]))
+        reach = 3.0 * sigma[0], 3.0 * sigma[1]
+        found = match_surface(self._map, surface, predicted, covariance, reach)
+        if found.fit >= _POOR_FIT:
+            return found
+        wider = max(2.0 * reach[0], _WIDE_M), max(2.0 * reach[1], _WIDE_RAD)
+        other = match_surface(self._map, surface, predicted, 9.0 * covariance, wider)
+        return other if other.fit > found.fit + _BETTER else found
 
 
 def match_surface(
