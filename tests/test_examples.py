@@ -19,6 +19,7 @@ WRITES = {
     "09_tour": {"tour.png"},
     "10_own_loop_in_the_browser": set(),
     "11_localization": set(),
+    "12_explore": {"explored.yaml", "explored.png", "explored_overlay.png"},
 }
 SAYS = {
     "01_load_and_view": "nova_carter: 57.5 kg",
@@ -32,12 +33,19 @@ SAYS = {
     "09_tour": "spin (task of goal 4) succeeded",
     "10_own_loop_in_the_browser": "stopped at Pose2D(",
     "11_localization": "s: localized, 0.0",
+    "12_explore": "m² of free floor",
 }
-OPTIONS = {"10_own_loop_in_the_browser": ["--seconds", "1", "--no-open"], "11_localization": ["--fast"]}
+OPTIONS = {
+    "10_own_loop_in_the_browser": ["--seconds", "1", "--no-open"],
+    "11_localization": ["--fast"],
+    "12_explore": ["--fast"],
+}
 """Those of an example that waits for a person."""
 
 
-def test_there_is_an_example_for_each_step_for_evaluations_for_sensing_goals_the_browser_and_localization() -> None:
+def test_there_is_an_example_for_each_step_for_evaluations_for_sensing_goals_the_browser_localization_and_mapping() -> (
+    None
+):
     assert [path.stem for path in EXAMPLES] == sorted(WRITES)
 
 

@@ -161,7 +161,7 @@ def explore(name, seed, options):
 def drive_missions(name, seed, grid, count, options):
     """Drive missions with amcl on the explored map, in the world itself; return how many truly arrived."""
     base = exploring(trundle.Scenario.make(world={"name": name}, robot=ROBOT, seed=seed, known_map=False, lidar=True))
-    with base.model_copy(update={"backend": trundle.Choice(options.backend)}).build() as mission:
+    with base.model_copy(update={"backend": trundle.Choice(name=options.backend)}).build() as mission:
         world, robot, true_map = mission.world, mission.robot, mission.grid
     ends = trundle.Costmap.from_grid(true_map, robot)
     results = []

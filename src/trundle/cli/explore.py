@@ -40,9 +40,7 @@ class ShownOptions:
 
     folder: Annotated[
         Path | None,
-        Parameter(
-            name="--folder", help="Folder of the run, which must not hold one; default: a new one under runs."
-        ),
+        Parameter(name="--folder", help="Folder of the run, which must not hold one; default: a new one under runs."),
     ] = None
     report: bool = True
     video: bool = True

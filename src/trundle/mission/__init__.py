@@ -15,6 +15,7 @@ from trundle.mission.observers import (
     Step,
     SubstepObserver,
 )
+from trundle.mission.own_map import Correction, OwnMap
 from trundle.mission.running.robot_stack import Monitor
 from trundle.mission.running.session import Session
 from trundle.mission.sampling import sample_mission, sample_tight_ends
@@ -50,6 +51,7 @@ from trundle.mission.trajectory import Trajectory
 __all__ = [
     "Cancel",
     "ClearObstacles",
+    "Correction",
     "DropBox",
     "End",
     "Episode",
@@ -67,6 +69,7 @@ __all__ = [
     "MonitorReport",
     "Observer",
     "Outcome",
+    "OwnMap",
     "Pause",
     "PlaceRobot",
     "ReinitializeGlobal",

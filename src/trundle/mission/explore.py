@@ -120,8 +120,10 @@ def conclude(mission: Mission, episode: Episode) -> Exploration:
     own = episode.own_map
     lost = agent.given_up
     places = {(one.x, one.y) for one in lost}
-    left = () if episode.outcome is Outcome.FINISHED else tuple(
-        one for one in agent.frontiers if (one.x, one.y) not in places
+    left = (
+        ()
+        if episode.outcome is Outcome.FINISHED
+        else tuple(one for one in agent.frontiers if (one.x, one.y) not in places)
     )
     return Exploration(
         episode,

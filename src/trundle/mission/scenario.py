@@ -172,7 +172,9 @@ class Scenario(ScenarioFields):
             settings=self.part(NavigatorSettings),
             speed_mask=place.speed_mask,
         )
-        agent = navigator if self.agent is None else create_agent(self.agent, robot, navigator.grid, navigator=navigator)
+        agent = (
+            navigator if self.agent is None else create_agent(self.agent, robot, navigator.grid, navigator=navigator)
+        )
         goals = goals if agent.takes_goals else ()
         exact = self.model_copy(
             update={

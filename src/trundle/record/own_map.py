@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -134,21 +134,31 @@ class MapGrowth:
         """
         return encode(path, self._pictures(final, robot), fps=FRAMES_PER_SECOND // 2)
 
+    def pictures_at(self, times: Sequence[float], final: OccupancyGrid, robot: Robot) -> list[Image.Image]:
+        """Return the map as it was at some times [s], with the drive so far, and as it is at the end."""
+        shown = list(self._drawn(final, robot, holds=0))
+        found = [next((one for time, one in shown if time >= wanted), shown[-1][1]) for wanted in times]
+        return [*found, shown[-1][1]]
+
     def _pictures(self, final: OccupancyGrid, robot: Robot) -> Iterator[npt.NDArray[np.uint8]]:
+        rate = self._rate()
+        for time, picture in self._drawn(final, robot, holds=FRAMES_PER_SECOND):
+            yield caption(np.asarray(picture), time, 0.0, rate)
+
+    def _drawn(self, final: OccupancyGrid, robot: Robot, *, holds: int) -> Iterator[tuple[float, Image.Image]]:
+        """Draw the maps, each with its time [s]; the one at the end is shown for so many frames more."""
         last = (*self._frames[-1][:2], _Packed(final)) if self._frames else (0.0, Pose2D(0.0, 0.0), _Packed(final))
-        frames = [*self._frames, *[last] * FRAMES_PER_SECOND]
+        frames = [*self._frames, *[last] * (1 + holds)]
         low = np.min([packed.low for _, _, packed in frames], axis=0)
         high = np.max([packed.high for _, _, packed in frames], axis=0)
         scale = _SIDE / float((high - low).max())
-        size = tuple(max(2, int(side)) for side in np.ceil((high - low) * scale))
+        wide, tall = (max(2, int(side)) for side in np.ceil((high - low) * scale).tolist())
         trail: list[tuple[float, float]] = []
-        rate = self._rate()
         for time, pose, packed in frames:
-            picture = Image.new("RGB", size, DARK)
-            cells = packed.image()
-            wide, tall = (packed.high - packed.low) * scale
+            picture = Image.new("RGB", (wide, tall), DARK)
+            size = np.rint((packed.high - packed.low) * scale).astype(int).tolist()
             left, top = (packed.low[0] - low[0]) * scale, (high[1] - packed.high[1]) * scale
-            picture.paste(cells.resize((max(1, round(wide)), max(1, round(tall)))), (round(left), round(top)))
+            picture.paste(packed.image().resize((max(1, size[0]), max(1, size[1]))), (round(left), round(top)))
             draw = ImageDraw.Draw(picture)
             trail.append(((pose.x - low[0]) * scale, (high[1] - pose.y) * scale))
             if len(trail) > 1:
@@ -156,7 +166,7 @@ class MapGrowth:
             outline = pose.transform_points(robot.outline)
             corners = [((x - low[0]) * scale, (high[1] - y) * scale) for x, y in outline.tolist()]
             draw.polygon(corners, fill=ROBOT, outline=PAGE)
-            yield caption(np.asarray(picture), time, 0.0, rate)
+            yield time, picture
 
     def _rate(self) -> float:
         if len(self._frames) < 2:

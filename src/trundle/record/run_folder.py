@@ -235,9 +235,7 @@ class RunFolder:
         """Write the pictures of the map that the robot has made."""
         if self._overlay:
             title = f"{info.name} · own map"
-            self._save(
-                "own_map_overlay.png", lambda path: save_png(draw_own_map(own, title=title), path)
-            )
+            self._save("own_map_overlay.png", lambda path: save_png(draw_own_map(own, title=title), path))
         if self._video:
             self._save("own_map.mp4", lambda path: self._growth.write(path, own.grid, info.robot))
 

@@ -150,9 +150,7 @@ def _place_to_look(
     return row, col
 
 
-def _gain(
-    blocked: npt.NDArray[np.uint8], unseen: _Mask, view: tuple[int, int], reach: float, deepest: float
-) -> float:
+def _gain(blocked: npt.NDArray[np.uint8], unseen: _Mask, view: tuple[int, int], reach: float, deepest: float) -> float:
     """Return how many unknown cells can be seen from a cell: of each ray, up to `deepest` [cells] of unknown space."""
     angles = np.arange(_RAYS) * (2.0 * math.pi / _RAYS)
     free: FloatArray = cast_grid_rays(blocked, view[1] + 0.5, view[0] + 0.5, angles, reach)
