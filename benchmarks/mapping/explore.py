@@ -1,9 +1,9 @@
 """Explore generated worlds: how much of the reachable floor is seen, how long it takes, and what touches what.
 
 The time is compared with the shortest tour that is known: places from which all of the floor can be seen, chosen with
-the true map by greedy set cover, in an order by nearest neighbour and 2-opt, along the shortest paths of the footprint's
-inscribed circle, at the robot's top speed. It is an upper bound of the best tour, found with full knowledge, without
-time for turning and for speeding up.
+the true map by greedy set cover, in an order by nearest neighbour and 2-opt, along the shortest paths of the
+footprint's inscribed circle, at the robot's top speed. It is an upper bound of the best tour, found with full
+knowledge, without time for turning and for speeding up.
 
     python benchmarks/mapping/explore.py                      # ten worlds
     python benchmarks/mapping/explore.py --worlds 3 --missions 20
@@ -16,6 +16,7 @@ import argparse
 import json
 import math
 import time
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +27,7 @@ from trundle.costmap import INSCRIBED, LETHAL
 from trundle.maps.cells import UNKNOWN, round_trinary
 from trundle.mission.explore import exploring
 from trundle.planning import cost_field
+from trundle.sim.odometry_errors import OdometryErrors
 
 ROBOT = "nova_carter"
 WORLDS = [("warehouse", seed) for seed in (0, 1, 2, 3)] + [("office", seed) for seed in (0, 1, 2, 3)]
@@ -102,7 +104,7 @@ def tour_length(costmap, floor, start):
         left.remove(order[-1])
 
     def length(tour):
-        return sum(apart[a, b] for a, b in zip(tour, tour[1:], strict=False))
+        return sum(apart[a, b] for a, b in pairwise(tour))
 
     better = True
     while better:
@@ -130,8 +132,6 @@ def explore(name, seed, options):
             time_limit_s=options.time_limit,
         )
     )
-    if name == "lot":
-        scenario = scenario.model_copy(update={"name": name})
     with scenario.build() as mission:
         began = time.process_time()
         episode = mission.run()
@@ -169,8 +169,6 @@ def drive_missions(name, seed, grid, count, options):
         start, goal = trundle.sample_mission(ends, seed=1000 * seed + number)
         navigator = trundle.Navigator(grid, robot)
         sim = trundle.simulate(world, robot, backend=options.backend, lidar=True)
-        from trundle.sim.odometry_errors import OdometryErrors
-
         with OdometryErrors(**BAD_ODOMETRY).simulate(sim) as simulator:
             episode = trundle.run(simulator, navigator, start, goal, localizer="amcl", seed=number)
         x, y = episode.trajectory.poses[-1][:2]

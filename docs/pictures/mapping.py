@@ -38,7 +38,8 @@ def main():
     wide, tall = pictures[0].size
     strip = Image.new("RGB", (len(pictures) * (wide + gap) - gap, tall + head), PAGE)
     draw = ImageDraw.Draw(strip)
-    for index, (picture, text) in enumerate(zip(pictures, (*(f"{time:.0f} s" for time in TIMES_S), "end"), strict=True)):
+    names = (*(f"{time:.0f} s" for time in TIMES_S), "end")
+    for index, (picture, text) in enumerate(zip(pictures, names, strict=True)):
         strip.paste(picture, (index * (wide + gap), head))
         draw.text((index * (wide + gap), 8), text, font=font(20), fill=INK)
     save_png(strip, IMAGES / "mapping_growth.png")

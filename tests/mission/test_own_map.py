@@ -33,17 +33,19 @@ class Listener(CommandScript):
 
 
 def listen(localizer, seconds=4.0, jump_at=None):
-    agent = Listener(seconds)
-    with simulate(room(block("box", 4.6, 2.5, 5.4, 3.5)), ROBOT, backend="kinematic", lidar=True) as sim:
-        with Session(sim, agent, START, localizer=localizer) as session:
-            times, steps = [], []
-            while (step := session.step()) is not None:
-                if len(agent.got) > len(times):
-                    times.append(step.state.time)
-                steps.append(step)
-                if jump_at is not None and abs(step.state.time - jump_at) < 1e-6:
-                    localizer.jump(0.0, 0.4)
-            return agent.got, times, steps, session.finish()
+    agent, world = Listener(seconds), room(block("box", 4.6, 2.5, 5.4, 3.5))
+    with (
+        simulate(world, ROBOT, backend="kinematic", lidar=True) as sim,
+        Session(sim, agent, START, localizer=localizer) as session,
+    ):
+        times, steps = [], []
+        while (step := session.step()) is not None:
+            if len(agent.got) > len(times):
+                times.append(step.state.time)
+            steps.append(step)
+            if jump_at is not None and abs(step.state.time - jump_at) < 1e-6:
+                localizer.jump(0.0, 0.4)
+        return agent.got, times, steps, session.finish()
 
 
 def test_the_agent_gets_the_map_once_a_second():

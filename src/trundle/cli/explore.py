@@ -75,7 +75,7 @@ def explore(
     out: options.Out = None,
     posegraph: Annotated[Path | None, Parameter(name="--posegraph")] = None,
     given: scenario_options.ScenarioOptions = scenario_options.DEFAULTS,
-    shown: ShownOptions = ShownOptions(),  # noqa: B008 - frozen
+    shown: ShownOptions = ShownOptions(),
     overwrite: options.OverwriteMap = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -121,8 +121,8 @@ def _write(
     exploration: Exploration, mission: Mission, target: Path, graph_file: Path | None, facts: dict[str, object]
 ) -> MapReport | None:
     """Write the map and the pose graph, and check the map; None where there is none."""
-    from trundle.maps.check import check_grid
     from trundle.mapping.pose_graph_file import save_pose_graph
+    from trundle.maps.check import check_grid
 
     grid = exploration.grid
     facts["map"] = None

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from trundle.geometry import FloatArray, Pose2D
 from trundle.localization.localizer import Localizer
-from trundle.maps import OccupancyGrid
 from trundle.mapping.mapper import Mapper
 from trundle.mapping.pose_graph import PoseGraph
+from trundle.maps import OccupancyGrid
 from trundle.observation import Estimate, Observation
 from trundle.robots import Robot
 

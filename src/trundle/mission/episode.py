@@ -15,6 +15,7 @@ from trundle.errors import InputError
 from trundle.fault import Fault
 from trundle.files.opening import is_file
 from trundle.geometry import Goal, Pose2D
+from trundle.mission.own_map import OwnMap
 from trundle.mission.run_files import RECORD, check_record, load_paths, read_record
 from trundle.mission.steering.directives import GivenDirective
 from trundle.mission.steering.file import DIRECTIVES_FILE, load_directives

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 from trundle.errors import InputError, ScenarioError
-from trundle.maps import OccupancyGrid
 from trundle.mapping.pose_graph import PoseGraph
+from trundle.maps import OccupancyGrid
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.fields import WorldChoice
 from trundle.mission.observers import Observer

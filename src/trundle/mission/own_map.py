@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from trundle.maps import OccupancyGrid
 from trundle.mapping.pose_graph import LOOP, PoseGraph
+from trundle.maps import OccupancyGrid
 
 LEAST_CORRECTION_M = 0.05
 """Corrections of the pose that are smaller than this are not worth a name [m]."""
@@ -62,7 +62,8 @@ class OwnMap:
 def describe_corrections(corrections: Sequence[Correction]) -> str:
     """Return the largest corrections in words: "0.42 m and 3° at 83 s, at (3.1, 4.2)"."""
     parts = (
-        f"{one.moved_m:.2f} m and {math.degrees(one.turned_rad):.1f}° at {one.time:.0f} s, at ({one.x:.1f}, {one.y:.1f})"
+        f"{one.moved_m:.2f} m and {math.degrees(one.turned_rad):.1f}° at {one.time:.0f} s, "
+        f"at ({one.x:.1f}, {one.y:.1f})"
         for one in corrections
     )
     return "; ".join(parts) or f"none of {LEAST_CORRECTION_M:g} m or more"

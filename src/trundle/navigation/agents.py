@@ -33,8 +33,9 @@ AGENTS: Registry[Agent] = Registry(
 
 AgentLike: TypeAlias = str | Choice | SomeAgent | Callable[..., object]
 """Whatever drives: a name, `"module:name"`, an agent, a class of agents, or a function (observation, estimate), whose
-further parameter `goal` gets the `Goal`. A class is made with those of `robot`, `map`, `navigator` and the
-options that its parameters name; a scenario gives it the navigator that it would drive with otherwise. See `FunctionAgent`, and `AgentAdapter` for an object that does not derive from `Agent`."""
+further parameter `goal` gets the `Goal`. A class is made with those of `robot`, `map`, `navigator` and the options that
+its parameters name; a scenario gives it the navigator that it would drive with otherwise. See `FunctionAgent`, and
+`AgentAdapter` for an object that does not derive from `Agent`."""
 
 
 def agent_names() -> list[str]:
@@ -94,9 +95,10 @@ class AgentAdapter(Agent):
     """Gives an agent that does not derive from `Agent`, as those of other packages, the whole of it.
 
     Such an agent may have some of `Agent`'s methods: `set_goals`, `set_latency`, `set_map`, `set_sent_command`,
-    `assist_teleop`. And it may have, as attributes, what `AgentInfo` and `AgentReport` hold: `dt`, `robot`, `grid`, `costmap`,
-    `speed_mask`, `goal_checker`, `planner_name`, `controller_name`; `path`, `distance_remaining`, `tracks`, `rollouts`,
-    `intent`, `message`, `error`, `goals_reached`, `behavior_runs`, `replans`, `planning_time_s`, `standing_reasons`.
+    `assist_teleop`. And it may have, as attributes, what `AgentInfo` and `AgentReport` hold: `dt`, `robot`, `grid`,
+    `costmap`, `speed_mask`, `goal_checker`, `planner_name`, `controller_name`; `path`, `distance_remaining`, `tracks`,
+    `rollouts`, `intent`, `message`, `error`, `goals_reached`, `behavior_runs`, `replans`, `planning_time_s`,
+    `standing_reasons`.
 
     Args:
         agent: The agent.

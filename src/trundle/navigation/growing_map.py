@@ -34,9 +34,9 @@ class GrowingMap:
         self._robot, self._settings = robot, settings
         self._costmap: Costmap | None = None
         self._cells = np.zeros((0, 0), np.int8)
-        self._low = 0, 0
+        self._low: tuple[int, int] = (0, 0)
         """Row and column of cell (0, 0) in the lattice of the map's cells."""
-        self._shift = 0.0, 0.0
+        self._shift: tuple[float, float] = (0.0, 0.0)
         """Where that lattice has its origin, map frame [m]: within a cell of (0, 0)."""
 
     @property

@@ -11,9 +11,9 @@ from PIL import Image, ImageDraw
 
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.geometry import FloatArray, Pose2D
+from trundle.mapping.pose_graph import LOOP, PoseGraph
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN, round_trinary
-from trundle.mapping.pose_graph import LOOP, PoseGraph
 from trundle.mission.observers import Step
 from trundle.mission.own_map import OwnMap, describe_corrections
 from trundle.pictures.colors import ESTIMATED, GOOD, PAGE, PLANNED, ROBOT, START, WARNING

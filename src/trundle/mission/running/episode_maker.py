@@ -9,8 +9,8 @@ from trundle.fault import Fault
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.metrics import DroppedBox, Measure, Truth, compute_metrics, near_boxes
 from trundle.mission.observers import RunInfo
-from trundle.mission.running.control_loop import ControlLoop
 from trundle.mission.own_map import OwnMap
+from trundle.mission.running.control_loop import ControlLoop
 from trundle.mission.running.endings import RunEnd
 from trundle.mission.running.run_log import AgentTotals, RunLog
 from trundle.mission.steering.directives import GivenDirective

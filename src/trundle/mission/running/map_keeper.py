@@ -7,8 +7,8 @@ from typing import Protocol, runtime_checkable
 
 from trundle.geometry import wrap_angle
 from trundle.localization import Localizer
-from trundle.maps import OccupancyGrid
 from trundle.mapping import PoseGraph
+from trundle.maps import OccupancyGrid
 from trundle.mission.own_map import LEAST_CORRECTION_M, Correction, OwnMap
 from trundle.observation import Estimate
 

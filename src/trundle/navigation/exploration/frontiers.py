@@ -138,7 +138,7 @@ def _place_to_look(
     places = np.argwhere(np.isfinite(reached[rows, cols]))
     if not len(places):
         return None
-    off = places + (rows.start - at[0], cols.start - at[1])
+    off = places + np.array((rows.start - at[0], cols.start - at[1]))
     distance = np.hypot(off[:, 0], off[:, 1])
     order = np.argsort(distance, kind="stable")[:512]
     bearing = np.arctan2(off[order, 0], off[order, 1])
@@ -146,8 +146,8 @@ def _place_to_look(
     seen = order[(distance[order] <= reach) & (distance[order] <= free)]
     if not len(seen):
         return None
-    row, col = (places[seen[0]] + (rows.start, cols.start)).tolist()
-    return row, col
+    row, col = places[seen[0]].tolist()
+    return rows.start + row, cols.start + col
 
 
 def _gain(blocked: npt.NDArray[np.uint8], unseen: _Mask, view: tuple[int, int], reach: float, deepest: float) -> float:
