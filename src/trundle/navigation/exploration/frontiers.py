@@ -141,7 +141,7 @@ def _place_to_look(
     off = places + np.array((rows.start - at[0], cols.start - at[1]))
     distance = np.hypot(off[:, 0], off[:, 1])
     order = np.argsort(distance, kind="stable")[:512]
-    bearing = np.arctan2(off[order, 0], off[order, 1])
+    bearing: FloatArray = np.arctan2(off[order, 0], off[order, 1]).astype(np.float64)
     free = cast_grid_rays(blocked, at[1] + 0.5, at[0] + 0.5, bearing, reach)
     seen = order[(distance[order] <= reach) & (distance[order] <= free)]
     if not len(seen):
@@ -152,7 +152,7 @@ def _place_to_look(
 
 def _gain(blocked: npt.NDArray[np.uint8], unseen: _Mask, view: tuple[int, int], reach: float, deepest: float) -> float:
     """Return how many unknown cells can be seen from a cell: of each ray, up to `deepest` [cells] of unknown space."""
-    angles = np.arange(_RAYS) * (2.0 * math.pi / _RAYS)
+    angles: FloatArray = np.arange(_RAYS, dtype=np.float64) * (2.0 * math.pi / _RAYS)
     free: FloatArray = cast_grid_rays(blocked, view[1] + 0.5, view[0] + 0.5, angles, reach)
     step = 2.0
     along = np.arange(step, reach, step)
