@@ -19,7 +19,8 @@ WRITES = {
     "09_tour": {"tour.png"},
     "10_own_loop_in_the_browser": set(),
     "11_localization": set(),
-    "12_learning": set(),
+    "12_explore": {"explored.yaml", "explored.png", "explored_overlay.png"},
+    "13_learning": set(),
 }
 SAYS = {
     "01_load_and_view": "nova_carter: 57.5 kg",
@@ -33,15 +34,17 @@ SAYS = {
     "09_tour": "spin (task of goal 4) succeeded",
     "10_own_loop_in_the_browser": "stopped at Pose2D(",
     "11_localization": "s: localized, 0.0",
-    "12_learning": "generation 1: reward",
+    "12_explore": "m² of free floor",
+    "13_learning": "generation 1: reward",
 }
 OPTIONS = {
     "10_own_loop_in_the_browser": ["--seconds", "1", "--no-open"],
     "11_localization": ["--fast"],
-    "12_learning": ["--generations", "1"],
+    "12_explore": ["--fast"],
+    "13_learning": ["--generations", "1"],
 }
 """Those of an example that waits for a person, or takes long."""
-NEEDS = {"12_learning": "gymnasium"}
+NEEDS = {"13_learning": "gymnasium"}
 """The library of an extra that an example needs."""
 
 

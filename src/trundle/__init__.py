@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from trundle.geometry import Goal, Pose2D, Twist2D
     from trundle.mapping import Mapper, PoseGraph, draw_map
     from trundle.maps import HeightField, OccupancyGrid
-    from trundle.mission import Episode, Outcome, Scenario, Session, run, sample_mission
+    from trundle.mission import Episode, Exploration, Outcome, Scenario, Session, explore, run, sample_mission
     from trundle.navigation import Choice, Navigator, NavigatorSettings
     from trundle.observation import Estimate, Observation, Scan
     from trundle.path import Path
@@ -35,6 +35,7 @@ __getattr__ = lazy_names(
         "Episode": "trundle.mission",
         "Estimate": "trundle.observation",
         "Evaluation": "trundle.evaluation",
+        "Exploration": "trundle.mission",
         "Goal": "trundle.geometry",
         "HeightField": "trundle.maps",
         "InputError": "trundle.errors",
@@ -59,6 +60,7 @@ __getattr__ = lazy_names(
         "World": "trundle.worlds",
         "draw_map": "trundle.mapping",
         "evaluate": "trundle.evaluation",
+        "explore": "trundle.mission",
         "run": "trundle.mission",
         "sample_mission": "trundle.mission",
         "show": "trundle.serve",
@@ -73,6 +75,7 @@ __all__ = [
     "Episode",
     "Estimate",
     "Evaluation",
+    "Exploration",
     "Goal",
     "HeightField",
     "InputError",
@@ -98,6 +101,7 @@ __all__ = [
     "__version__",
     "draw_map",
     "evaluate",
+    "explore",
     "run",
     "sample_mission",
     "show",

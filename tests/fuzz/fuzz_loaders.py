@@ -123,7 +123,7 @@ class Reader:
         source = generator.choice(self._files)
         file = self._folder / f"{PREFIX}{source.name}"
         content = source.read_bytes()
-        if source.suffix == ".npz" and generator.random() < 0.8:
+        if source.suffix in (".npz", ".posegraph") and generator.random() < 0.8:
             file.write_bytes(mutate_member(content, generator))
         else:
             file.write_bytes(mutate(content, generator, TOKENS))
@@ -321,6 +321,12 @@ def _dynabarn(_: Child, file: Path) -> None:
         load_dynabarn(file, world=name)
 
 
+def _posegraph(_: Child, file: Path) -> None:
+    from trundle.mapping import load_pose_graph
+
+    load_pose_graph(file)
+
+
 def _commands(form: str, file: Path) -> list[list[str]]:
     """How the command line reads a file of a format."""
     out = file.parent / "out"
@@ -399,6 +405,7 @@ LOADERS: dict[str, Callable[[Child, Path], None]] = {
     "mcap": _mcap,
     "barn": _barn,
     "dynabarn": _dynabarn,
+    "posegraph": _posegraph,
 }
 
 

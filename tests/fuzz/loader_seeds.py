@@ -363,6 +363,15 @@ def dynabarn(folder: Path) -> list[Path]:
     return _write(folder, {"worlds.json": json.dumps(worlds, indent=1)})
 
 
+def pose_graphs(folder: Path) -> list[Path]:
+    """A pose graph."""
+    from support.pose_graphs import make_graph
+    from trundle.mapping import save_pose_graph
+
+    save_pose_graph(make_graph(), folder / "site.posegraph")
+    return [folder / "site.posegraph"]
+
+
 SEEDS: dict[str, Callable[[Path], list[Path]]] = {
     "urdf": urdf,
     "mjcf": mjcf,
@@ -381,4 +390,5 @@ SEEDS: dict[str, Callable[[Path], list[Path]]] = {
     "mcap": recordings,
     "barn": barn,
     "dynabarn": dynabarn,
+    "posegraph": pose_graphs,
 }

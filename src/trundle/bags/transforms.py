@@ -52,6 +52,13 @@ class TransformTree:
             frame = edge.parent
         return found
 
+    def chain_to_root(self, frame: str) -> list[str]:
+        """Return a frame and all frames above it, upwards."""
+        found = [frame]
+        while (edge := self._edges.get(found[-1])) is not None and edge.parent not in found:
+            found.append(edge.parent)
+        return found
+
     def times(self, frame: str) -> FloatArray:
         """Return the times [s] at which a frame's pose in its parent was sent, increasing; empty if it is static."""
         edge = self._edges[frame]

@@ -33,6 +33,7 @@ VERBS = {
     ),
     "plan": ("trundle.cli.plan:app", "Plan a path on a map and draw it."),
     "run": ("trundle.cli.run:app", "Drive a robot through a map, a world or a scenario to its goal."),
+    "explore": ("trundle.cli.explore:app", "Explore an unknown world, and make its map."),
     "serve": ("trundle.cli.serve:app", "Open a page in the browser, where runs are set up, watched and driven."),
     "replay": ("trundle.cli.report:replay_app", "Watch a run again, in the browser."),
     "report": ("trundle.cli.report:app", "Write the report of a run: replay, plots, figures, settings."),

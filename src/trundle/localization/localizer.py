@@ -23,6 +23,7 @@ LOCALIZERS: Registry[Localizer] = Registry(
     {
         "amcl": "trundle.localization.amcl.amcl_localizer:AmclLocalizer",
         "odometry": "trundle.localization.odometry:OdometryLocalizer",
+        "slam": "trundle.mapping.slam_localizer:SlamLocalizer",
     },
     contract=Contract({"reset": "pose", "update": "observation"}, function=("observation",)),
 )
@@ -47,7 +48,16 @@ class Localizer(Protocol):
     It gets observations only, never the truth of a simulation. `reset` and `update` are all that a localizer must have;
     its `reset` may take the pose alone, or the keywords that it needs. One without `reinitialize_global` gets it from
     here, and is never started without a pose.
+
+    One that makes a map while it drives also has `map`, `corrections` and `finish`; those of the others say that there
+    is none.
+
+    Attributes:
+        corrections: How often what it has mapped before has been moved, such as by a loop that was closed. Whoever has
+            put something beside its map then forgets that. 0 where it makes no map.
     """
+
+    corrections: int = 0
 
     def reset(self, pose: Pose2D | None, *, covariance: FloatArray | None = None, seed: int = 0) -> None:
         """Start over. The same seed and observations give the same estimates.
@@ -77,6 +87,16 @@ class Localizer(Protocol):
             InputError: If the localizer cannot find a pose by itself.
         """
         raise InputError("this localizer cannot find by itself where the robot is: give it a pose")
+
+    def map(self) -> OccupancyGrid | None:
+        """Return the map that it has made so far; a session asks about once a second, of simulated time.
+
+        It grows with each scan, and its origin may move; its yaw is 0. By default a localizer makes no map: None.
+        """
+        return None
+
+    def finish(self) -> None:
+        """Take that the run is over: do for the map what takes long. By default there is nothing to do."""
 
 
 LocalizerLike: TypeAlias = str | Choice | SomeLocalizer | Callable[..., object]
@@ -127,6 +147,9 @@ class LocalizerAdapter(Localizer):
         self._estimate: Callable[[Observation], Any] = localizer if is_function else localizer.update
         self._reset: Callable[..., Any] | None = None if is_function else localizer.reset
         self._search = None if is_function else getattr(localizer, "reinitialize_global", None)
+        for name in () if is_function else ("map", "finish"):
+            if callable(own := getattr(localizer, name, None)):
+                setattr(self, name, own)
         self._time: float | None = None
 
     def reset(self, pose: Pose2D | None, *, covariance: FloatArray | None = None, seed: int = 0) -> None:
@@ -144,6 +167,11 @@ class LocalizerAdapter(Localizer):
         if self._search is None:
             raise InputError(f"localizer {name_of(self.localizer)!r} has no reinitialize_global(): give it a pose")
         self._search()
+
+    @property
+    def corrections(self) -> int:  # type: ignore[override]
+        """How often what was mapped before has been moved; see `Localizer`."""
+        return getattr(self.localizer, "corrections", 0)
 
     def update(self, observation: Observation) -> Estimate:
         """Return where the robot is; see `Localizer`.

@@ -3,6 +3,7 @@
 from trundle.fault import Fault
 from trundle.geometry import Goal
 from trundle.mission.episode import Episode, Metrics, Outcome
+from trundle.mission.explore import Exploration, explore
 from trundle.mission.fields import Rules, RunSettings
 from trundle.mission.loop import run
 from trundle.mission.observers import (
@@ -14,6 +15,7 @@ from trundle.mission.observers import (
     Step,
     SubstepObserver,
 )
+from trundle.mission.own_map import Correction, OwnMap
 from trundle.mission.running.robot_stack import Monitor
 from trundle.mission.running.session import Session
 from trundle.mission.sampling import sample_mission, sample_tight_ends
@@ -49,9 +51,11 @@ from trundle.mission.trajectory import Trajectory
 __all__ = [
     "Cancel",
     "ClearObstacles",
+    "Correction",
     "DropBox",
     "End",
     "Episode",
+    "Exploration",
     "Fault",
     "FollowPath",
     "GivenDirective",
@@ -65,6 +69,7 @@ __all__ = [
     "MonitorReport",
     "Observer",
     "Outcome",
+    "OwnMap",
     "Pause",
     "PlaceRobot",
     "ReinitializeGlobal",
@@ -91,6 +96,7 @@ __all__ = [
     "TaskWatcher",
     "Trajectory",
     "WaitAtGoal",
+    "explore",
     "load_directives",
     "run",
     "sample_mission",

@@ -15,6 +15,7 @@ from trundle.errors import InputError
 from trundle.fault import Fault
 from trundle.files.opening import is_file
 from trundle.geometry import Goal, Pose2D
+from trundle.mission.own_map import OwnMap
 from trundle.mission.run_files import RECORD, check_record, load_paths, read_record
 from trundle.mission.steering.directives import GivenDirective
 from trundle.mission.steering.file import DIRECTIVES_FILE, load_directives
@@ -154,6 +155,8 @@ class Episode:
         complete: Where the outcome is `no_path`, whether the search was complete: the costmap that the robot had has no
             path. Otherwise the search ended before it found one. None for other outcomes, and in older folders. In
             `episode.json` it is `search_complete`: `complete` says there that the run has ended.
+        own_map: The map that the robot's localizer has made, with its pose graph; None where it makes none, and where
+            the episode was loaded from a folder, which has the map as `own_map.yaml`.
     """
 
     outcome: Outcome
@@ -177,6 +180,7 @@ class Episode:
     folder: pathlib.Path | None = None
     fault: Fault | None = None
     complete: bool | None = None
+    own_map: OwnMap | None = None
 
     @classmethod
     def load(cls, folder: str | os.PathLike[str]) -> Episode:

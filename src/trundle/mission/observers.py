@@ -132,6 +132,8 @@ class Step:
         planning_s: Wall time [s] that it planned during the period; at the start, for the plans before the run.
         steering: How the run was steered during the period that ends now, or none where it takes no directives.
         distance_remaining: Length of what is left of the path that it follows [m], or none without one.
+        map: The map that the localizer has made so far, as the agent has it, or none where it makes none. It is
+            another object about once a second.
     """
 
     index: int
@@ -153,6 +155,7 @@ class Step:
     planning_s: float = 0.0
     steering: SteeringReport | None = None
     distance_remaining: float | None = None
+    map: OccupancyGrid | None = None
 
     @property
     def scans(self) -> tuple[Scan, ...]:

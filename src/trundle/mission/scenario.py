@@ -172,12 +172,15 @@ class Scenario(ScenarioFields):
             settings=self.part(NavigatorSettings),
             speed_mask=place.speed_mask,
         )
-        agent = navigator if self.agent is None else create_agent(self.agent, robot, navigator.grid)
+        agent = (
+            navigator if self.agent is None else create_agent(self.agent, robot, navigator.grid, navigator=navigator)
+        )
+        goals = goals if agent.takes_goals else ()
         exact = self.model_copy(
             update={
                 "floor_z": self.floor_z if place.floor_z == 0.0 else place.floor_z,
                 "start": start.as_tuple(),
-                **exact_goals(goals, self.goals),
+                **(exact_goals(goals, self.goals) if goals else {"goal": None, "goals": None}),
             }
         )
         return Setting(exact, world, place.robot, grid, navigator, agent, start, goals)
@@ -244,7 +247,7 @@ class Setting:
         navigator: Planner, controller and recovery.
         agent: What drives: the navigator, unless the scenario has another agent.
         start: The start pose.
-        goals: The goals, in order.
+        goals: The goals, in order; none for an agent that drives without them.
     """
 
     scenario: Scenario
@@ -283,7 +286,7 @@ class Mission(Setting):
             self.sim,
             self.agent,
             self.start,
-            self.goals,
+            self.goals or None,
             time_limit_s=self.scenario.time_limit_s,
             observers=observers,
             seed=self.scenario.seed,

@@ -130,12 +130,14 @@ class Agent(ABC):
         dt: Length of the next control period [s]; it may change with every `update`.
         plans: Whether it plans a path to each goal, by `plan` and `plan_between`, before it moves.
         needs_goal: Whether it drives to goals alone: its run has one from the start, or waits for one.
+        takes_goals: Whether it drives to goals at all; a scenario gives none to one that does not.
     """
 
     status: NavigationStatus
     dt: float = CONTROL_PERIOD_S
     plans: bool = False
     needs_goal: bool = False
+    takes_goals: bool = True
 
     # Driving: what an agent must have -------------------------------------------------------------------------------
 
@@ -181,6 +183,14 @@ class Agent(ABC):
 
     def set_latency(self, latency: Latency) -> None:
         """Take into account from now on how late scans and commands arrive. By default it does not."""
+
+    def set_map(self, grid: OccupancyGrid, *, corrected: bool) -> None:
+        """Take the map that the localizer has made so far, before the next `update`. By default it does not count.
+
+        Args:
+            grid: The map; its extent may have changed.
+            corrected: Whether what was mapped before has moved since the last call.
+        """
 
     def set_sent_command(self, command: Twist2D) -> None:
         """Take what was sent to the robot instead of the last command, where a check of the run changed it."""

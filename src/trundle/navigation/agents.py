@@ -22,7 +22,7 @@ from trundle.values import as_number, as_sequence, check_kind
 AGENTS: Registry[Agent] = Registry(
     "agent",
     "trundle.agents",
-    {},
+    {"explorer": "trundle.navigation.exploration.explorer:Explorer"},
     contract=Contract(
         {"reset": "*, seed", "set_goal": "goal", "update": "observation, estimate"},
         ("status",),
@@ -33,8 +33,9 @@ AGENTS: Registry[Agent] = Registry(
 
 AgentLike: TypeAlias = str | Choice | SomeAgent | Callable[..., object]
 """Whatever drives: a name, `"module:name"`, an agent, a class of agents, or a function (observation, estimate), whose
-further parameter `goal` gets the `Goal`. A class is made with those of `robot`, `map` and the options that its
-parameters name. See `FunctionAgent`, and `AgentAdapter` for an object that does not derive from `Agent`."""
+further parameter `goal` gets the `Goal`. A class is made with those of `robot`, `map`, `navigator` and the options that
+its parameters name; a scenario gives it the navigator that it would drive with otherwise. See `FunctionAgent`, and
+`AgentAdapter` for an object that does not derive from `Agent`."""
 
 
 def agent_names() -> list[str]:
@@ -42,13 +43,21 @@ def agent_names() -> list[str]:
     return AGENTS.names()
 
 
-def create_agent(agent: AgentLike, robot: Robot, grid: OccupancyGrid | None = None, **options: Any) -> Agent:
+def create_agent(
+    agent: AgentLike,
+    robot: Robot,
+    grid: OccupancyGrid | None = None,
+    *,
+    navigator: Agent | None = None,
+    **options: Any,
+) -> Agent:
     """Make an agent of whatever drives.
 
     Args:
         agent: A name, a class, a function or an object; see `AgentLike`.
         robot: The robot.
         grid: What a class gets as `map`, where there is one.
+        navigator: What a class gets as `navigator`, where there is one.
         options: Of the agent; more than those of a `Choice`.
 
     Raises:
@@ -57,7 +66,8 @@ def create_agent(agent: AgentLike, robot: Robot, grid: OccupancyGrid | None = No
     """
     check_kind(robot, Robot, "an agent's robot", "Robot.load(name) makes one")
     _, given, chosen = split_choice(agent)
-    made = AGENTS.resolve(given, offered_arguments(robot, grid), {**chosen, **options})
+    offered = offered_arguments(robot, grid) | ({} if navigator is None else {"navigator": navigator})
+    made = AGENTS.resolve(given, offered, {**chosen, **options})
     if isinstance(made, PluginFunction):
         return FunctionAgent(made)
     return made if isinstance(cast("object", made), Agent) else AgentAdapter(made)
@@ -84,10 +94,11 @@ def check_command(agent: Agent, command: object) -> Twist2D:
 class AgentAdapter(Agent):
     """Gives an agent that does not derive from `Agent`, as those of other packages, the whole of it.
 
-    Such an agent may have some of `Agent`'s methods: `set_goals`, `set_latency`, `set_sent_command`, `assist_teleop`.
-    And it may have, as attributes, what `AgentInfo` and `AgentReport` hold: `dt`, `robot`, `grid`, `costmap`,
-    `speed_mask`, `goal_checker`, `planner_name`, `controller_name`; `path`, `distance_remaining`, `tracks`, `rollouts`,
-    `intent`, `message`, `error`, `goals_reached`, `behavior_runs`, `replans`, `planning_time_s`, `standing_reasons`.
+    Such an agent may have some of `Agent`'s methods: `set_goals`, `set_latency`, `set_map`, `set_sent_command`,
+    `assist_teleop`. And it may have, as attributes, what `AgentInfo` and `AgentReport` hold: `dt`, `robot`, `grid`,
+    `costmap`, `speed_mask`, `goal_checker`, `planner_name`, `controller_name`; `path`, `distance_remaining`, `tracks`,
+    `rollouts`, `intent`, `message`, `error`, `goals_reached`, `behavior_runs`, `replans`, `planning_time_s`,
+    `standing_reasons`.
 
     Args:
         agent: The agent.
@@ -96,7 +107,7 @@ class AgentAdapter(Agent):
         agent: The same.
     """
 
-    _METHODS = ("set_goals", "set_latency", "set_sent_command", "assist_teleop")
+    _METHODS = ("set_goals", "set_latency", "set_map", "set_sent_command", "assist_teleop")
     _INFO: ClassVar = {
         **{name: name for name in ("robot", "grid", "costmap", "speed_mask", "goal_checker")},
         "planner": "planner_name",

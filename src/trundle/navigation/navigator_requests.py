@@ -9,6 +9,7 @@ from trundle.control.latency import DelayedCommands, Latency
 from trundle.errors import InputError, PlanningError, PlanningStoppedError
 from trundle.fault import check_result
 from trundle.geometry import Goal, Pose2D, Twist2D
+from trundle.maps import OccupancyGrid
 from trundle.navigation.behaviors import Behavior
 from trundle.navigation.behaviors.behavior import check_behavior_kind
 from trundle.navigation.followed_path import FollowedPath
@@ -47,7 +48,7 @@ class NavigatorRequests(NavigatorAttributes):
         self._is_held = self._has_scans = False
         self._delayed.clear()
         self._runner.reset()
-        self._sensed.reset()
+        self._sensed.begin_run()
         self._tracked.reset()
         self.tracks = ()
         self._begin(None)
@@ -145,6 +146,23 @@ class NavigatorRequests(NavigatorAttributes):
         check_kind(latency, Latency, "a latency", "Latency(command_delay_s=0.1) makes one")
         self._delayed.delay_s = latency.command_delay_s
         self.controller.set_latency(latency)
+
+    def set_map(self, grid: OccupancyGrid, *, corrected: bool = False) -> None:
+        """Drive on the map that a localizer has made so far; what the scans saw is kept beside it.
+
+        A navigator that was made with a map, or was given a `static_costmap`, keeps that.
+
+        Args:
+            grid: The map, of any extent; its yaw is 0.
+            corrected: Whether what was mapped before has moved since the last call: what the scans saw is forgotten,
+                and seen again.
+
+        Raises:
+            InputError: If it is no map, or is turned.
+            MapError: If it is too large.
+        """
+        check_kind(grid, OccupancyGrid, "a navigator's map", "a localizer's map() returns one")
+        self._sensed.grow(grid, corrected=corrected)
 
     def set_sent_command(self, command: Twist2D) -> None:
         """Take what was sent to the robot instead of the last command, where something changed it on the way.

@@ -15,6 +15,7 @@ from trundle.errors import SensorWarning
 from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import UNKNOWN
+from trundle.navigation.growing_map import GrowingMap
 from trundle.observation import Estimate, Scan, Track
 from trundle.robots import Robot
 from trundle.tracking import Tracker, TrackerSettings
@@ -22,6 +23,7 @@ from trundle.tracking import Tracker, TrackerSettings
 RESOLUTION_M = 0.05
 _AROUND_M = 6.0
 _JUMP_M = 1.0
+_NOTHING_M = 1e-3  # edge of a square that holds nothing
 _CORRECTED_M = 0.5  # a robot that is so far from its path has left it: see FollowedPath
 
 
@@ -53,7 +55,43 @@ class SensedMap:
         self._has_map = static is not None
         self._static = self._blank([]) if static is None else static
         self._reset_time = True
+        self._grown: GrowingMap | None = None
         self.reset()
+
+    def begin_run(self) -> None:
+        """Forget what was sensed, and a map that has grown."""
+        if self._grown is not None:
+            self._grown, self._static = None, self._blank([])
+        self.reset()
+
+    def grow(self, grid: OccupancyGrid, *, corrected: bool) -> None:
+        """Take the map that a localizer has made so far, where there is no other; see `Agent.set_map`.
+
+        What was sensed beside a map that has moved since is forgotten: it would lie where nothing is, and the scans
+        show it again.
+
+        Raises:
+            InputError: If the map is turned.
+            MapError: If it is too large.
+        """
+        if self._has_map:
+            return
+        if self._grown is None:
+            self._grown = GrowingMap(self._robot, self._settings)
+        costmap = self._grown.take(grid)
+        if corrected:
+            self.clear_region("except", _NOTHING_M)
+        self._put(costmap)
+
+    def _put(self, costmap: Costmap) -> None:
+        """Drive on this costmap of the map; what was sensed stays, unless the cells are of another size."""
+        if costmap is self._static:
+            return
+        self._static = costmap
+        if self._layered is None or costmap.resolution != self.costmap.resolution:
+            self.reset()
+        else:
+            self.costmap = self._layered.replace_static(costmap)
 
     def reset(self) -> None:
         """Forget what was sensed."""
@@ -66,11 +104,8 @@ class SensedMap:
 
     def replace_static(self, costmap: Costmap) -> None:
         """Take another costmap of the map; what was sensed stays, unless the cells are of another size."""
-        self._static, self._has_map = costmap, True
-        if self._layered is None or costmap.resolution != self.costmap.resolution:
-            self.reset()
-        else:
-            self.costmap = self._layered.replace_static(costmap)
+        self._has_map = True
+        self._put(costmap)
 
     def clear_region(self, region: Literal["around", "except"], size: float, at: Pose2D | None = None) -> None:
         """Forget what was sensed in a square of this edge [m] around the robot or another pose, or outside of it."""
@@ -100,7 +135,10 @@ class SensedMap:
         """Extend the costmap to contain these poses where there is no map."""
         if not self._has_map:
             points = [(pose.x, pose.y) for pose in poses]
-            if self._layered is not None:
+            if self._grown is not None:
+                if (costmap := self._grown.contain(np.array(points))) is not None:
+                    self._put(costmap)
+            elif self._layered is not None:
                 self.costmap = self._layered.require(np.array(points)) or self.costmap
             elif not _contains(self.costmap, points):
                 self.costmap = self._static = self._blank(points)
@@ -175,7 +213,7 @@ class SensedMap:
 
     def _make_layered(self) -> LayeredCostmap:
         layers = None if self._layers is False else self._layers
-        if self._has_map:
+        if self._has_map or self._grown is not None:
             return LayeredCostmap(self._static, self._robot, layers=layers)
         layered = LayeredCostmap(None, self._robot, costmap=self._settings, layers=layers, resolution=RESOLUTION_M)
         low = self._static.origin

@@ -8,6 +8,7 @@ from trundle.lazy import lazy_names
 
 if TYPE_CHECKING:
     from trundle.record.overlay import MoverTrails, draw_paths, draw_plan, draw_run
+    from trundle.record.own_map import draw_own_map
     from trundle.record.run_folder import RunFolder, save_png
 
 __getattr__ = lazy_names(
@@ -15,6 +16,7 @@ __getattr__ = lazy_names(
     {
         "MoverTrails": "trundle.record.overlay",
         "RunFolder": "trundle.record.run_folder",
+        "draw_own_map": "trundle.record.own_map",
         "draw_paths": "trundle.record.overlay",
         "draw_plan": "trundle.record.overlay",
         "draw_run": "trundle.record.overlay",
@@ -22,4 +24,4 @@ __getattr__ = lazy_names(
     },
 )
 
-__all__ = ["MoverTrails", "RunFolder", "draw_paths", "draw_plan", "draw_run", "save_png"]
+__all__ = ["MoverTrails", "RunFolder", "draw_own_map", "draw_paths", "draw_plan", "draw_run", "save_png"]

@@ -26,6 +26,11 @@ RUN_FILES = (
     "video.mp4",
     "video.gif",
     "run.mcap",
+    "own_map.yaml",
+    "own_map.png",
+    "own_map_overlay.png",
+    "own_map.mp4",
+    "own_map.gif",
 )
 """Files that mark a folder as a run's. The first two are written last and complete it."""
 

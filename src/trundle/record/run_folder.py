@@ -11,6 +11,7 @@ import platform
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Self
@@ -23,6 +24,7 @@ from trundle.files.writing import write_bytes, write_text
 from trundle.geometry import Pose2D, Twist2D
 from trundle.mission import Episode, Outcome, RunInfo, Scenario, Step
 from trundle.mission.goal_fields import make_goal
+from trundle.mission.own_map import OwnMap
 from trundle.mission.run_files import save_paths
 from trundle.mission.running.episode_maker import make_episode
 from trundle.mission.running.preparation import describe_run, standing_at
@@ -34,6 +36,7 @@ from trundle.page.report import REPORT, report_scene, write_report
 from trundle.page.run_data import RunData
 from trundle.record.folder_claim import FolderClaim
 from trundle.record.overlay import MoverTrails, draw_run
+from trundle.record.own_map import MapGrowth, costmap_of, draw_own_map
 from trundle.record.video import MakeFrames, Report, SampleHistory, write_video
 from trundle.robots import Robot
 from trundle.version import __version__
@@ -52,7 +55,8 @@ class RunFolder:
 
     `trajectory.npz`, `paths.npz`, `scenario.yaml`, `directives.json` of a steered run, and `episode.json` are written
     first, so that a later failure cannot lose the outcome; then the report, pictures and video. `episode.json` is
-    written again at the end, with `complete: true`.
+    written again at the end, with `complete: true`. Of a robot that has made a map there is also `own_map.yaml`, on
+    which the pictures are drawn, with its poses and loops in `own_map_overlay.png`, and as it grew in `own_map.mp4`.
 
     Use it in a `with` block: an empty folder is removed if it was created here.
 
@@ -103,6 +107,7 @@ class RunFolder:
         self._info: RunInfo | None = None
         self._movers = MoverTrails()
         self._samples = SampleHistory()
+        self._growth = MapGrowth()
         self._files: list[str] = []
         self._failures: list[str] = []
 
@@ -134,6 +139,7 @@ class RunFolder:
         self._follow(lambda data: data.on_step(step))
         if self._video:
             self._samples.add(step.index, step.rollouts)
+            self._growth.on_step(step)
 
     def on_end(self, episode: Episode) -> None:
         """Write the files. If one fails, or is stopped by Ctrl-C, the others are still written.
@@ -149,8 +155,15 @@ class RunFolder:
             self._save("paths.npz", lambda path: save_paths(path, episode.paths))
             self._save_scenario(episode)
             self._save_record(episode, complete=False)
+            own = episode.own_map
+            if own is not None:
+                self._save("own_map.yaml", own.grid.save)
             self._save_report(info, episode)
+            if own is not None:
+                info = replace(info, costmap=costmap_of(own.grid, info.robot))
             self._save_pictures(info, episode)
+            if own is not None:
+                self._save_own_map(own, info)
             self._save_record(episode, complete=True)
         self._claim.close()
         if self._failures:
@@ -218,6 +231,14 @@ class RunFolder:
                 ),
             )
 
+    def _save_own_map(self, own: OwnMap, info: RunInfo) -> None:
+        """Write the pictures of the map that the robot has made."""
+        if self._overlay:
+            title = f"{info.name} · own map"
+            self._save("own_map_overlay.png", lambda path: save_png(draw_own_map(own, title=title), path))
+        if self._video:
+            self._save("own_map.mp4", lambda path: self._growth.write(path, own.grid, info.robot))
+
     def _save_record(self, episode: Episode, *, complete: bool) -> None:
         """Write episode.json, without which the folder holds no run.
 
@@ -226,6 +247,7 @@ class RunFolder:
         """
         self.record = {
             **episode.as_dict(),
+            **({} if episode.own_map is None else {"own_map": episode.own_map.as_dict()}),
             "run_dir": str(self.path),
             "files": list(self._files),
             "versions": _versions(),

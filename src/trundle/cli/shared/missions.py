@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from cyclopts import Parameter
 
@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from trundle.record.run_folder import RunFolder, WriteExtra
     from trundle.record.video import MakeFrames
     from trundle.viewer.scene import SceneFrames
+
+
+Finish: TypeAlias = "Callable[[Mission, Episode, RunFolder], int]"
+"""Reports how a mission ended, and returns the exit code."""
 
 
 @Parameter(name="*")
@@ -61,6 +65,7 @@ def drive(
     with_place: bool = False,
     narrate: bool = False,
     facts: Mapping[str, object] | None = None,
+    finish: Finish | None = None,
 ) -> int:
     """Run a scenario once, record it, and print the result.
 
@@ -72,6 +77,7 @@ def drive(
         with_place: Whether to add the map and a picture of the scene to the folder.
         narrate: Whether to print each stage, and the progress if there is no terminal for a progress bar.
         facts: Further members of the JSON value.
+        finish: Reports the result of the last run, and returns the exit code; by default it is `report`.
 
     Returns:
         The exit code: 0 if the robot arrived, else 1.
@@ -103,14 +109,14 @@ def drive(
                 with ExitStack() as stack:
                     observers, _ = recorder(mission, stack)
                     episode = _run(mission, observers, speed)
-            recorder.report(episode, facts)
+            code = recorder.report(episode, facts, finish)
     except BaseException as error:
         if not shown.browser and is_of_plugin(error) and not recorder.has_record:
             recorder.record_failure(error, scenario)
         raise
     for error in episode.observer_errors:
         raise error
-    return 0 if episode.arrived else 1
+    return code
 
 
 def _run(mission: Mission, observers: Sequence[Observer], speed: float | None) -> Episode:
@@ -153,6 +159,7 @@ class _Recorder:
         self._place, self._narrate = place, narrate
         self._out = shown.out
         self._folder: RunFolder | None = None
+        self._mission: Mission | None = None
         self._recording: FolderRecording | None = self._new_recording()
 
     def __call__(self, mission: Mission, opened: ExitStack) -> tuple[list[Observer], Path | None]:
@@ -160,7 +167,7 @@ class _Recorder:
         from trundle.record.progress import ProgressBar
         from trundle.record.run_folder import RunFolder
 
-        shown = self._shown
+        shown, self._mission = self._shown, mission
         observers: list[Observer] = []
         if shown.view:
             from trundle.viewer.native import Watcher, open_window
@@ -215,10 +222,14 @@ class _Recorder:
         if self._narrate:
             output.remark(stage, quiet=self._shown.quiet)
 
-    def report(self, episode: Episode, facts: Mapping[str, object] | None) -> None:
-        """Print the result of the last run; as JSON with more facts."""
-        if self._folder is not None:
-            report(episode, self._folder, json=self._shown.json, facts=facts)
+    def report(self, episode: Episode, facts: Mapping[str, object] | None, finish: Finish | None) -> int:
+        """Print the result of the last run, as JSON with more facts; return the exit code."""
+        if self._folder is None or self._mission is None:
+            return 0 if episode.arrived else 1
+        if finish is not None:
+            return finish(self._mission, episode, self._folder)
+        report(episode, self._folder, json=self._shown.json, facts=facts)
+        return 0 if episode.arrived else 1
 
 
 def _remark_on_encoder(scenario: Scenario, *, quiet: bool) -> None:
@@ -309,6 +320,21 @@ def _behavior_facts(episode: Episode) -> dict[str, str]:
     return {name: text for name, text in (("recovery", recovery), ("behaviors", others)) if text}
 
 
+def map_facts(episode: Episode) -> dict[str, str]:
+    """Return what the report adds on the map that the robot has made."""
+    from trundle.mission.own_map import describe_corrections
+
+    own = episode.own_map
+    if own is None:
+        return {}
+    rows, cols = own.grid.shape
+    edge = own.grid.resolution
+    return {
+        "own map": f"{cols * edge:.1f} x {rows * edge:.1f} m",
+        "largest corrections": describe_corrections(own.corrections),
+    }
+
+
 def report(episode: Episode, folder: RunFolder, *, json: bool, facts: Mapping[str, object] | None = None) -> None:
     """Print how a run ended, its figures and its folder; as JSON with more facts."""
     if json:
@@ -326,6 +352,7 @@ def report(episode: Episode, folder: RunFolder, *, json: bool, facts: Mapping[st
             "contacts": first_names(metrics.contacts) or "none",
             **_sensing_facts(metrics),
             **_behavior_facts(episode),
+            **map_facts(episode),
             "folder": folder.path,
         }
     )

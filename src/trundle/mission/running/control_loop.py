@@ -132,6 +132,7 @@ class ControlLoop:
             planning_s=stack.planning_s,
             steering=steering,
             distance_remaining=report.distance_remaining,
+            map=stack.map,
         )
         self._observers.on_step(self.last)
 

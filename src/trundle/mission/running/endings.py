@@ -116,7 +116,8 @@ def given_up(report: AgentReport, state: RobotState) -> Ending | None:
         because = f": {said}" if said else ""
         return Outcome.STUCK, f"stuck at {where} after {state.time:.1f} s{because}"
     if status in (NavigationStatus.FINISHED, NavigationStatus.ARRIVED):
-        return Outcome.FINISHED, f"finished after {state.time:.1f} s"
+        because = f": {said}" if said else ""
+        return Outcome.FINISHED, f"finished after {state.time:.1f} s{because}"
     return None
 
 

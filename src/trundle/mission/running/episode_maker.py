@@ -9,6 +9,7 @@ from trundle.fault import Fault
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.metrics import DroppedBox, Measure, Truth, compute_metrics, near_boxes
 from trundle.mission.observers import RunInfo
+from trundle.mission.own_map import OwnMap
 from trundle.mission.running.control_loop import ControlLoop
 from trundle.mission.running.endings import RunEnd
 from trundle.mission.running.run_log import AgentTotals, RunLog
@@ -33,12 +34,14 @@ def conclude(
         measure: Measures the surroundings for the metrics; None means that they are not measured.
     """
     totals, behaviors = AgentTotals(), tuple[BehaviorRun, ...]()
+    own_map: OwnMap | None = None
     if loop is not None:
         totals = loop.goals.totals
         try:
             report = loop.stack.agent.report()
             totals.add(report)
             behaviors = tuple(report.behaviors)
+            own_map = loop.stack.finish_map()
             end.complete = end.complete or loop.goals.was_complete(report)
         except Exception as error:  # noqa: BLE001 - a run ends properly, whatever its plug-ins do
             end.fail(error)
@@ -60,6 +63,7 @@ def conclude(
             measure=measure,
             fault=end.fault,
             complete=end.complete if end.outcome is Outcome.NO_PATH else None,
+            own_map=own_map,
         )
 
     try:
@@ -85,6 +89,7 @@ def make_episode(
     measure: Measure | None,
     fault: Fault | None = None,
     complete: bool | None = None,
+    own_map: OwnMap | None = None,
 ) -> Episode:
     """The episode of a run.
 
@@ -103,6 +108,7 @@ def make_episode(
         measure: Measures the surroundings for the metrics; None means that they are not measured.
         fault: The exception that ended it, or None.
         complete: Whether the search for a path was complete; None unless it ended with `no_path`.
+        own_map: The map that the robot has made, or None.
     """
     trajectory = log.trajectory()
     arrived = outcome is Outcome.ARRIVED
@@ -158,4 +164,5 @@ def make_episode(
         directives=directives,
         fault=fault,
         complete=complete,
+        own_map=own_map,
     )

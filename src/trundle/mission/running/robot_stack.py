@@ -15,7 +15,10 @@ from trundle.fault import check_result
 from trundle.geometry import Pose2D, Twist2D
 from trundle.localization import Localizer
 from trundle.localization.localizer import check_covariance
+from trundle.maps import OccupancyGrid
 from trundle.mission.observers import MonitorReport
+from trundle.mission.own_map import OwnMap
+from trundle.mission.running.map_keeper import MapKeeper
 from trundle.mission.running.run_log import RunLog
 from trundle.mission.start_error import StartError
 from trundle.navigation import Agent, AgentReport, AssistedCommand
@@ -118,6 +121,7 @@ class RobotStack:
         self.wants_rollouts = True
         self.tick_s = self.planning_s = 0.0
         self._localizer, self._latency, self._seed = localizer, latency, 0
+        self._keeper = None if localizer is None else MapKeeper(localizer)
         if start_error is not None and localizer is None:
             raise InputError("start_error is what a localizer is told of the start: give a localizer")
         self._start_error = StartError() if start_error is None else start_error
@@ -143,6 +147,8 @@ class RobotStack:
         if self._localizer is not None:
             told, covariance = self._start_error.draw(start, seed)
             self._localizer.reset(told, covariance=covariance, seed=seed)
+        if self._keeper is not None:
+            self._keeper.reset()
 
     def observe(self, state: RobotState) -> None:
         """Take what arrives of what the robot observes now, and estimate where it is."""
@@ -154,6 +160,7 @@ class RobotStack:
             self.estimate = Estimate(state.time, state.pose, None, _AT_ODOM_ORIGIN)
         else:
             self.estimate = self._locate(self._localizer)
+            self._take_map()
 
     def command(self, observation: Observation) -> object:
         """Ask the agent for its next command, and for its report; the command may be none: see `check_command`.
@@ -238,6 +245,23 @@ class RobotStack:
         self.observation = replace(self.observation, twist=state.twist, scans=())
         if self._localizer is None:
             self.estimate = Estimate(state.time, state.pose, None, _AT_ODOM_ORIGIN)
+
+    # The map that it makes -------------------------------------------------------------------------------------------
+
+    @property
+    def map(self) -> OccupancyGrid | None:
+        """The map that the localizer has made, as the agent got it last; None where it makes none."""
+        return None if self._keeper is None else self._keeper.grid
+
+    def finish_map(self) -> OwnMap | None:
+        """Let the localizer finish the map that it has made, and return it; None where it makes none."""
+        return None if self._keeper is None else self._keeper.finish()
+
+    def _take_map(self) -> None:
+        keeper = self._keeper
+        if keeper is None or (corrected := keeper.follow(self.estimate)) is None or keeper.grid is None:
+            return
+        self.agent.set_map(keeper.grid, corrected=corrected)
 
     def _locate(self, localizer: Localizer) -> Estimate:
         return check_result(localizer.update(self.observation), Estimate, localizer, "update")

@@ -1,0 +1,166 @@
+"""`find_frontiers`: where the free space that a robot can reach borders on unknown space (Yamauchi, CIRA 1997)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle._core import cast_grid_rays, label_components, mark_gaps
+from trundle.costmap import INSCRIBED, LETHAL, Costmap
+from trundle.geometry import FloatArray, Pose2D
+from trundle.navigation.exploration.settings import ExplorerSettings
+from trundle.planning import cost_field
+
+_AROUND_M = 0.3
+"""The robot stands there: so far beside its outline [m] it can drive, whatever the costmap says."""
+_LOOK_M = 3.0
+"""A place from which a frontier is looked at lies within this of it [m]."""
+_RAYS = 180
+_UNSEEN_M = 3.0
+"""Along a ray, not more than this of unknown space counts [m]: what is behind is anybody's guess."""
+_STEP, _WALL = 20, 255
+"""Costs of a cell's length: free, and where the robot cannot be. In between, a place near obstacles counts as farther
+away, up to three times."""
+
+_Mask = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class Frontier:
+    """A stretch of free space that borders on unknown space.
+
+    Attributes:
+        x, y: Its middle, map frame [m].
+        length: Its length [m].
+        view: Where the robot can look at it from, map frame [m].
+        distance: How far the robot drives there [m]; near obstacles a metre counts up to three times.
+        gain: How much unknown space it would see from there [m²].
+    """
+
+    x: float
+    y: float
+    length: float
+    view: tuple[float, float]
+    distance: float
+    gain: float
+
+
+def find_frontiers(costmap: Costmap, pose: Pose2D, settings: ExplorerSettings | None = None) -> list[Frontier]:
+    """Return the frontiers that a robot can look at from places that it can reach through known free space.
+
+    Whether its footprint fits through is judged by its inscribed circle; a planner has the last word.
+
+    Args:
+        costmap: What is free, blocked and unknown; unknown cells must not block in it.
+        pose: Where the robot is, map frame.
+        settings: Which frontiers count.
+    """
+    settings = ExplorerSettings() if settings is None else settings
+    edge = costmap.resolution
+    unseen = _without_specks(costmap.unknown_cells, settings.speck_area / edge**2)
+    row, col = (int(index) for index in costmap.world_to_cell(pose.x, pose.y))
+    if not costmap.contains(row, col) or not unseen.any():
+        return []
+    reached = _reach(costmap, unseen, row, col)
+    roomy = np.where(costmap.data <= _cost_of_turning(costmap), reached, np.float32(np.inf))
+    blocked = (costmap.data == LETHAL).view(np.uint8)
+    # Walls have gaps where beams graze them. Where the robot does not fit through, there is nothing for it to see.
+    blocked |= mark_gaps(blocked, 2.0 * costmap.inscribed_radius / edge)
+    solid = blocked.view(np.bool_)
+    border = ~unseen & ~solid & _beside(unseen & ~solid)
+    labels, table = label_components(border.view(np.uint8), True)
+    found: list[Frontier] = []
+    for number in np.flatnonzero(table[:, 0] * edge >= settings.least_frontier).tolist():
+        _, first, end, left, right = table[number].tolist()
+        rows, cols = np.nonzero(labels[first:end, left:right] == number + 1)
+        middle = int(((rows - rows.mean()) ** 2 + (cols - cols.mean()) ** 2).argmin())
+        at = first + int(rows[middle]), left + int(cols[middle])
+        reach = _LOOK_M / edge
+        view = _place_to_look(blocked, roomy, at, reach) or _place_to_look(blocked, reached, at, reach)
+        if view is None:
+            continue
+        gain = _gain(blocked, unseen, view, settings.view_range / edge, _UNSEEN_M / edge) * edge**2
+        if gain < settings.least_gain:
+            continue
+        x, y = (float(value) for value in costmap.cell_to_world(*at))
+        view_x, view_y = (float(value) for value in costmap.cell_to_world(*view))
+        distance = float(reached[view]) / _STEP * edge
+        found.append(Frontier(x, y, len(rows) * edge, (view_x, view_y), distance, gain))
+    return found
+
+
+def _without_specks(unseen: _Mask, least: float) -> _Mask:
+    """Return unknown cells without areas of fewer than `least` cells."""
+    labels, table = label_components(np.ascontiguousarray(unseen).view(np.uint8), False)
+    kept = np.concatenate([[False], table[:, 0] >= least])
+    return kept[labels]
+
+
+def _reach(costmap: Costmap, unseen: _Mask, row: int, col: int) -> npt.NDArray[np.float32]:
+    """What it costs to drive to each cell through known free space; infinite where the robot does not get."""
+    costs = np.where(costmap.data < INSCRIBED, _STEP + costmap.data // 6, _WALL).astype(np.uint8)
+    costs[unseen] = _WALL
+    reach = math.ceil((costmap.circumscribed_radius + _AROUND_M) / costmap.resolution)
+    rows, cols = slice(max(0, row - reach), row + reach + 1), slice(max(0, col - reach), col + reach + 1)
+    near_row, near_col = np.ogrid[rows.start - row : rows.stop - row, cols.start - col : cols.stop - col]
+    near_row, near_col = near_row[: costs[rows].shape[0]], near_col[:, : costs[:, cols].shape[1]]
+    here = (near_row**2 + near_col**2 <= reach**2) & (costmap.data[rows, cols] != LETHAL)
+    costs[rows, cols][here] = np.minimum(costs[rows, cols][here], 3 * _STEP)
+    costs[row, col] = _STEP
+    return cost_field(costs, (row, col), threads=1)
+
+
+def _cost_of_turning(costmap: Costmap) -> int:
+    """The highest cost of a cell at which the robot fits at every yaw."""
+    off = costmap.circumscribed_radius - costmap.inscribed_radius
+    return int((INSCRIBED - 1) * math.exp(-costmap.cost_scaling_factor * off))
+
+
+def _beside(mask: _Mask) -> _Mask:
+    """Return the cells that have a set cell beside them, above or below."""
+    beside = np.zeros_like(mask)
+    beside[1:] |= mask[:-1]
+    beside[:-1] |= mask[1:]
+    beside[:, 1:] |= mask[:, :-1]
+    beside[:, :-1] |= mask[:, 1:]
+    return beside
+
+
+def _place_to_look(
+    blocked: npt.NDArray[np.uint8], reached: npt.NDArray[np.float32], at: tuple[int, int], reach: float
+) -> tuple[int, int] | None:
+    """Return the cell nearest to `at` that the robot can reach and from which it sees that cell; None without one."""
+    half = math.ceil(reach)
+    rows, cols = slice(max(0, at[0] - half), at[0] + half + 1), slice(max(0, at[1] - half), at[1] + half + 1)
+    places = np.argwhere(np.isfinite(reached[rows, cols]))
+    if not len(places):
+        return None
+    off = places + np.array((rows.start - at[0], cols.start - at[1]))
+    distance = np.hypot(off[:, 0], off[:, 1])
+    order = np.argsort(distance, kind="stable")[:512]
+    bearing: FloatArray = np.arctan2(off[order, 0], off[order, 1]).astype(np.float64)
+    free = cast_grid_rays(blocked, at[1] + 0.5, at[0] + 0.5, bearing, reach)
+    seen = order[(distance[order] <= reach) & (distance[order] <= free)]
+    if not len(seen):
+        return None
+    row, col = places[seen[0]].tolist()
+    return rows.start + row, cols.start + col
+
+
+def _gain(blocked: npt.NDArray[np.uint8], unseen: _Mask, view: tuple[int, int], reach: float, deepest: float) -> float:
+    """Return how many unknown cells can be seen from a cell: of each ray, up to `deepest` [cells] of unknown space."""
+    angles: FloatArray = np.arange(_RAYS, dtype=np.float64) * (2.0 * math.pi / _RAYS)
+    free: FloatArray = cast_grid_rays(blocked, view[1] + 0.5, view[0] + 0.5, angles, reach)
+    step = 2.0
+    along = np.arange(step, reach, step)
+    rows = np.floor(view[0] + 0.5 + np.outer(np.sin(angles), along)).astype(np.intp)
+    cols = np.floor(view[1] + 0.5 + np.outer(np.cos(angles), along)).astype(np.intp)
+    inside = (rows >= 0) & (rows < unseen.shape[0]) & (cols >= 0) & (cols < unseen.shape[1])
+    inside &= along < np.minimum(free, reach)[:, None]
+    new = np.zeros(rows.shape, np.bool_)
+    new[inside] = unseen[rows[inside], cols[inside]]
+    counted = new & (np.cumsum(new, axis=1) * step <= deepest)
+    return float((counted * along).sum() * step * 2.0 * math.pi / _RAYS)

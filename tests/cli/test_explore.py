@@ -1,0 +1,58 @@
+"""`trundle explore`: the files that it writes, what it prints, and its exit codes."""
+
+from pathlib import Path
+
+import pytest
+
+from support.command_line import Trundle
+from trundle.mapping.pose_graph_file import load_pose_graph
+from trundle.maps import OccupancyGrid
+
+QUICK = ("--backend", "kinematic", "--no-video", "--no-report")
+
+
+@pytest.fixture
+def small_map(tmp_path: Path) -> Path:
+    """A room of 6 x 4 m with a corner that cannot be seen from everywhere."""
+    import numpy as np
+
+    cells = np.zeros((80, 120), np.int8)
+    cells[[0, -1], :] = cells[:, [0, -1]] = 100
+    cells[:44, 58:62] = 100
+    OccupancyGrid(cells, 0.05).save(tmp_path / "small.yaml")
+    return tmp_path / "small.yaml"
+
+
+def test_a_room_is_explored_to_the_end(trundle: Trundle, small_map: Path) -> None:
+    ends = ("--start", "1.2,1.5", "--robot", "turtlebot3_burger", "--folder", "run")
+    done = trundle("explore", small_map, *ends, *QUICK, "-o", "out.yaml", "--posegraph", "site.posegraph", "--json")
+    assert done.code == 0, done.err
+    assert done.json["finished"]
+    assert (done.json["map"], done.json["posegraph"], done.json["contacts"]) == ("out.yaml", "site.posegraph", [])
+    assert done.json["open_frontiers"] == []
+    grid = OccupancyGrid.load("out.yaml")
+    assert (grid.data == 0).sum() * 0.05**2 == pytest.approx(22.6, rel=0.1)
+    assert len(load_pose_graph("site.posegraph").poses) > 3
+    assert Path("run/own_map_overlay.png").is_file()
+
+
+def test_the_time_limit_leaves_the_map_so_far_and_says_what_was_left(trundle: Trundle, small_map: Path) -> None:
+    ends = ("--start", "1.2,1.5", "--robot", "turtlebot3_burger", "--time-limit", "2")
+    done = trundle("explore", small_map, *ends, *QUICK, "-o", "out.yaml")
+    assert done.code == 1
+    assert "timed_out: not finished within 2.0 s" in done.out
+    assert "left to see" in done.out
+    assert OccupancyGrid.load("out.yaml").shape[0] > 10
+
+
+def test_a_goal_is_refused(trundle: Trundle) -> None:
+    done = trundle("explore", "maze", "--goal", "3,1")
+    assert done.code == 2
+    assert "an exploration has no goal" in done.err
+
+
+def test_a_map_that_was_edited_is_not_replaced(trundle: Trundle, small_map: Path) -> None:
+    small_map.write_text(small_map.read_text() + "# edited\n")
+    done = trundle("explore", "maze", "-o", small_map)
+    assert done.code == 2
+    assert "may have been edited by hand" in done.err

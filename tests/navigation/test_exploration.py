@@ -1,0 +1,176 @@
+"""Frontiers of a map, which of them is next, and the agent that drives to them."""
+
+import math
+
+import numpy as np
+import pytest
+
+from support.sensed_rooms import ROBOT
+from trundle.costmap import CostmapSettings
+from trundle.errors import InputError
+from trundle.geometry import Pose2D, Twist2D
+from trundle.maps import OccupancyGrid
+from trundle.navigation import NavigationStatus, Navigator
+from trundle.navigation.agents import create_agent
+from trundle.navigation.exploration import Explorer, ExplorerSettings, Frontier, find_frontiers
+from trundle.navigation.exploration.targets import Targets
+from trundle.observation import Estimate, Observation
+from trundle.sim import simulate
+from trundle.worlds import World
+
+EDGE = 0.05
+
+
+def costmap_of(cells):
+    return CostmapSettings(unknown="costly").make_costmap(OccupancyGrid(np.asarray(cells, np.int8), EDGE), ROBOT)
+
+
+def half_room():
+    """A room of 10 x 6 m, of which the left half is seen."""
+    cells = np.zeros((120, 200), np.int8)
+    cells[[0, -1], :] = cells[:, [0, -1]] = 100
+    cells[1:-1, 100:] = -1
+    cells[:, 100:][cells[:, 100:] == 100] = -1
+    return cells
+
+
+def frontier(x=0.0, y=0.0, *, distance=1.0, gain=1.0):
+    return Frontier(x, y, 1.0, (x, y), distance, gain)
+
+
+# Frontiers ------------------------------------------------------------------------------------------------------------
+
+
+def test_the_border_of_a_half_seen_room_is_one_frontier():
+    (found,) = find_frontiers(costmap_of(half_room()), Pose2D(1.5, 3.0))
+    assert (found.x, found.y) == pytest.approx((4.975, 3.0), abs=0.06)
+    assert found.length == pytest.approx(5.9, abs=0.1)
+    assert math.dist(found.view, (found.x, found.y)) < 1.0
+    assert found.distance == pytest.approx(3.5, abs=0.5)
+    assert 5.0 < found.gain < 30.0
+
+
+def test_a_room_that_is_seen_has_none():
+    cells = half_room()
+    cells[1:-1, 100:-1] = 0
+    cells[[0, -1], :] = cells[:, -1] = 100
+    assert find_frontiers(costmap_of(cells), Pose2D(1.5, 3.0)) == []
+
+
+def test_specks_between_beams_and_gaps_in_walls_are_none():
+    cells = half_room()
+    cells[1:-1, 100:-1] = 0
+    cells[[0, -1], :] = cells[:, -1] = 100
+    cells[40:44, 60:64] = -1  # 0.04 m²
+    wider = np.full((160, 240), -1, np.int8)
+    wider[20:140, 20:220] = cells
+    wider[60:65, 219] = 0  # 0.25 m of the east wall were never hit
+    costmap = CostmapSettings(unknown="costly").make_costmap(OccupancyGrid(wider, EDGE, Pose2D(-1.0, -1.0)), ROBOT)
+    assert find_frontiers(costmap, Pose2D(1.5, 3.0)) == []
+
+
+def test_what_lies_behind_a_wall_cannot_be_looked_at():
+    cells = half_room()
+    cells[:, 60] = 100
+    assert find_frontiers(costmap_of(cells), Pose2D(1.5, 3.0)) == []
+
+
+def test_a_robot_beside_the_map_finds_none():
+    assert find_frontiers(costmap_of(half_room()), Pose2D(50.0, 3.0)) == []
+
+
+# Targets --------------------------------------------------------------------------------------------------------------
+
+
+def test_near_frontiers_and_those_that_show_much_come_first():
+    targets = Targets(ExplorerSettings())
+    near, far, rich = frontier(5.0, distance=2.0), frontier(9.0, distance=8.0), frontier(20.0, distance=8.0, gain=50.0)
+    assert targets.choose([far, near], None) is near
+    assert targets.choose([near, rich], None) is rich
+    assert Targets(ExplorerSettings(gain_exponent=0.0)).choose([near, rich], None) is near
+
+
+def test_the_robot_does_not_turn_away_for_little():
+    targets = Targets(ExplorerSettings())
+    one, other = frontier(5.0, distance=3.0), frontier(9.0, distance=2.5)
+    assert targets.choose([one, other], None) is other
+    assert targets.choose([one, other], one) is one
+
+
+def test_a_refused_frontier_is_tried_again_after_the_others_and_then_given_up():
+    targets = Targets(ExplorerSettings(tries=2))
+    near, far = frontier(1.0, distance=1.0), frontier(9.0, distance=9.0)
+    targets.refuse(near, "no path")
+    assert targets.choose([near, far], None) is far
+    assert targets.choose([near], None) is near
+    targets.refuse(near, "stuck")
+    assert targets.choose([near], None) is None
+    assert [(one.x, one.reason) for one in targets.given_up([near])] == [(1.0, "stuck")]
+    assert targets.given_up([]) == ()
+
+
+def test_a_frontier_that_comes_back_again_and_again_is_given_up():
+    targets = Targets(ExplorerSettings())
+    for _ in range(3):
+        targets.note_vanished(frontier(1.0))
+    assert targets.choose([frontier(1.0)], None) is not None
+    targets.note_vanished(frontier(1.0))
+    assert targets.choose([frontier(1.0)], None) is None
+
+
+# The agent ------------------------------------------------------------------------------------------------------------
+
+
+def two_rooms():
+    """Two rooms with a door of 1.4 m between them."""
+    cells = np.zeros((100, 200), np.int8)
+    cells[[0, -1], :] = cells[:, [0, -1]] = 100
+    cells[:36, 100:102] = cells[64:, 100:102] = 100
+    return World.from_map(OccupancyGrid(cells, EDGE))
+
+
+def explore(world, controller="regulated_pure_pursuit", limit_s=150.0):
+    explorer = Explorer(ROBOT, Navigator(None, ROBOT, controller=controller))
+    with simulate(world, ROBOT, backend="kinematic", lidar=True) as sim:
+        state = sim.reset(Pose2D(2.0, 2.5))
+        while explorer.status not in (NavigationStatus.FINISHED, NavigationStatus.STUCK) and state.time < limit_s:
+            command = explorer.update(state.observation, Estimate(state.time, state.pose))
+            state = sim.step(command, explorer.dt)
+            assert not state.contacts
+    return explorer, state
+
+
+@pytest.mark.parametrize("controller", ["regulated_pure_pursuit", "mppi"])
+def test_two_rooms_are_explored_to_the_end(controller):
+    explorer, _ = explore(two_rooms(), controller)
+    assert explorer.status is NavigationStatus.FINISHED
+    assert explorer.given_up == ()
+    costmap = explorer.navigator.costmap
+    x, y = np.meshgrid(np.arange(0.5, 9.6, 0.25), np.arange(0.5, 4.6, 0.25))
+    row, col = costmap.world_to_cell(x, y)
+    assert costmap.unknown_cells[row, col].mean() < 0.01
+    assert explorer.report().message == "nothing is left to see"
+
+
+def test_without_scans_it_is_stuck_and_says_why():
+    explorer = Explorer(ROBOT)
+    for step in range(200):
+        observation = Observation(0.05 * step, Twist2D(), Pose2D(0.0, 0.0))
+        assert explorer.update(observation, Estimate(observation.time, Pose2D(0.0, 0.0))) == Twist2D()
+    assert explorer.status is NavigationStatus.STUCK
+    assert "needs scans" in explorer.report().message
+
+
+def test_a_reset_begins_anew():
+    explorer, _ = explore(two_rooms(), limit_s=5.0)
+    explorer.reset(seed=1)
+    assert (explorer.status, explorer.frontiers, explorer.target) == (NavigationStatus.IDLE, [], None)
+
+
+def test_options_come_by_name_and_are_checked():
+    made = create_agent("explorer", ROBOT, least_frontier=0.8)
+    assert made.settings.least_frontier == 0.8
+    with pytest.raises(InputError, match="least_frontier"):
+        create_agent("explorer", ROBOT, least_frontier=-1.0)
+    with pytest.raises(InputError, match="unknown"):
+        create_agent("explorer", ROBOT, frontier=1.0)
