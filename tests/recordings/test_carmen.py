@@ -77,7 +77,9 @@ def test_robotlaser_lines_bring_their_own_angles(tmp_path):
     for number in range(1, 5):
         ranges = " ".join(["2.5"] * 11)
         poses = f"{number}.3 0 0 {number} 0 0"
-        lines.append(f"ROBOTLASER1 0 -1.0 2.0 0.2 30.0 0.01 0 11 {ranges} 2 7 8 {poses} 0 0 0 0 0 {number} host {number}")
+        lines.append(
+            f"ROBOTLASER1 0 -1.0 2.0 0.2 30.0 0.01 0 11 {ranges} 2 7 8 {poses} 0 0 0 0 0 {number} host {number}"
+        )
     _, steps, scans = read(log(tmp_path, *lines))
     np.testing.assert_allclose(scans[0].angles, np.linspace(-1.0, 1.0, 11))
     assert scans[0].mount.x == pytest.approx(0.3)
