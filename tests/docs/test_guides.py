@@ -22,6 +22,7 @@ GUIDES = (
     "simulation",
     "planning",
     "localization",
+    "mapping_from_recordings",
 )
 # Pages with the fields, options and proofs behind a guide.
 REFERENCES = ("evaluation", "isaac", "planning", "ros2", "worlds")

@@ -327,6 +327,13 @@ def _posegraph(_: Child, file: Path) -> None:
     load_pose_graph(file)
 
 
+def _drive(_: Child, file: Path) -> None:
+    from trundle.recordings import open_drive
+
+    for _step in open_drive(file).steps():
+        pass
+
+
 def _commands(form: str, file: Path) -> list[list[str]]:
     """How the command line reads a file of a format."""
     out = file.parent / "out"
@@ -406,6 +413,8 @@ LOADERS: dict[str, Callable[[Child, Path], None]] = {
     "barn": _barn,
     "dynabarn": _dynabarn,
     "posegraph": _posegraph,
+    "carmen": _drive,
+    "drive": _drive,
 }
 
 

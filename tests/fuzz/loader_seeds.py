@@ -372,6 +372,29 @@ def pose_graphs(folder: Path) -> list[Path]:
     return [folder / "site.posegraph"]
 
 
+def carmen_logs(folder: Path) -> list[Path]:
+    """A drive as a CARMEN log, plain and gzipped."""
+    import gzip
+
+    from support.room_drives import Drive, write_carmen
+
+    log = write_carmen(folder / "drive.log", Drive(seconds=4.0))
+    (folder / "drive.log.gz").write_bytes(gzip.compress(log.read_bytes()))
+    return [log, folder / "drive.log.gz"]
+
+
+def foreign_bags(folder: Path) -> list[Path]:
+    """A drive in a bag that another program wrote, as MCAP and as SQLite."""
+    from support.room_drives import Drive, write_bag
+
+    drive = Drive(seconds=4.0, beams=60)
+    found = []
+    for storage in ("mcap", "sqlite3"):
+        bag = write_bag(folder / storage, drive, storage=storage)
+        found += [file for file in bag.iterdir() if file.suffix in (".mcap", ".db3")]
+    return found
+
+
 SEEDS: dict[str, Callable[[Path], list[Path]]] = {
     "urdf": urdf,
     "mjcf": mjcf,
@@ -391,4 +414,6 @@ SEEDS: dict[str, Callable[[Path], list[Path]]] = {
     "barn": barn,
     "dynabarn": dynabarn,
     "posegraph": pose_graphs,
+    "carmen": carmen_logs,
+    "drive": foreign_bags,
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import shutil
 
@@ -25,7 +26,7 @@ def read(path, **options):
 
 
 def check_increasing(steps):
-    for before, after in zip(steps, steps[1:], strict=False):
+    for before, after in itertools.pairwise(steps):
         assert after.begins_part or after.observation.time > before.observation.time
 
 
@@ -268,17 +269,13 @@ def test_two_topics_of_one_lidar_give_one(tmp_path):
 
 
 def test_what_can_be_read_of_a_bag_that_was_cut_off_is_used(tmp_path):
-    bag = write_bag(tmp_path / "bag", SHORT)
+    bag = write_bag(tmp_path / "bag", Drive(seconds=40.0, beams=2000))
     (file,) = bag.glob("*.mcap")
     content = file.read_bytes()
     cut = tmp_path / "cut.mcap"
-    cut.write_bytes(content[: len(content) * 2 // 3])
-    try:
-        drive, _, scans = read(cut)
-    except InputError as error:  # where the writer has one chunk for all of it, nothing can be read
-        assert "no message of it can be read" in str(error)
-        return
-    assert 0 < len(scans) < 60
+    cut.write_bytes(content[: len(content) * 9 // 10])
+    drive, _, scans = read(cut)
+    assert 0 < len(scans) < 200
     assert any("cut off or damaged" in line for line in drive.remarks.lines)
 
 

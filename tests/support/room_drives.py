@@ -224,7 +224,11 @@ def _scan(types: Any, time: float, drive: Drive, index: int) -> Any:
 
 def write_carmen(path: Path, drive: Drive, *, times: Callable[[int, float], float] | None = None) -> Path:
     """Write a CARMEN log: FLASER lines with the odometry, ODOM lines, PARAM lines."""
-    lines = ["# CARMEN Logfile", "PARAM robot_frontlaser_offset 0.2 nohost 0", "PARAM robot_front_laser_max 50.0 nohost 0"]
+    lines = [
+        "# CARMEN Logfile",
+        "PARAM robot_frontlaser_offset 0.2 nohost 0",
+        "PARAM robot_front_laser_max 50.0 nohost 0",
+    ]
     every = round(20.0 / drive.rate)
     for index, time in enumerate(drive.times.tolist()):
         pose = " ".join(f"{value:.6f}" for value in drive.odometry[index])

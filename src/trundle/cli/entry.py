@@ -26,7 +26,7 @@ VERBS = {
     "view": ("trundle.cli.view:app", "Show a robot, alone or in a world."),
     "joints": ("trundle.cli.joints:app", "List a robot's joints, and which ones drive it."),
     "drive": ("trundle.cli.drive:app", "Drive a robot by hand or by a list of commands."),
-    "map": ("trundle.cli.map:app", "Make, check and convert occupancy maps."),
+    "map": ("trundle.cli.map:app", "Make, check and convert occupancy maps, of worlds and of recorded drives."),
     "export": (
         "trundle.cli.export:app",
         "Write a world, a robot or a scenario as MJCF, USD, SDF, GLB, URDF, a map or a script.",

@@ -8,6 +8,7 @@ so the same observations give the same map.
 from __future__ import annotations
 
 import math
+import os
 from collections import deque
 from dataclasses import dataclass, replace
 
@@ -21,6 +22,7 @@ from trundle.mapping.loops import Loop, LoopFinder
 from trundle.mapping.nodes import MOST_POINTS, Nodes, Surface, make_surface, step_length
 from trundle.mapping.optimizer import component_of, fits, optimize
 from trundle.mapping.pose_graph import FOLLOWS, LOOP, PoseGraph
+from trundle.mapping.pose_graph_file import load_pose_graph, save_pose_graph
 from trundle.mapping.submaps import Submaps
 from trundle.mapping.window import Match, ScanWindow
 from trundle.maps import OccupancyGrid
@@ -117,6 +119,25 @@ class Mapper:
         mapper = cls(robot, seed=seed, max_range=max_range)
         mapper._begin(Nodes.from_graph(graph, robot), Pose2D(0.0, 0.0))
         return mapper
+
+    @classmethod
+    def load(
+        cls, path: str | os.PathLike[str], robot: Robot, *, seed: int = 0, max_range: float | None = None
+    ) -> Mapper:
+        """Continue the pose graph of a `.posegraph` file; see `from_graph`.
+
+        Raises:
+            InputError: If the file cannot be read, or is no pose graph of this version.
+        """
+        return cls.from_graph(load_pose_graph(path), robot, seed=seed, max_range=max_range)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write all that it knows to a `.posegraph` file, whole or not at all.
+
+        Raises:
+            OutputError: If the file cannot be written.
+        """
+        save_pose_graph(self.graph(), path)
 
     def reset(self, pose: Pose2D | None = None) -> None:
         """Forget everything, and start with the robot at a pose of the map frame; None for its origin."""
@@ -324,8 +345,27 @@ class Mapper:
         """Look for loops once more, from all key frames, and correct all poses."""
         if not len(self._nodes):
             return
+        roots = component_of(len(self._nodes), self._nodes.edges)
+        apart = next((node for node, root in enumerate(roots) if root != roots[0]), None)
+        if apart is not None:
+            self.seek_loops(apart)
         poses, _ = optimize(self._nodes, iterations=30)
         self._correct(poses)
+
+    def seek_loops(self, first: int) -> None:
+        """Look for loops from all key frames from a node on, as if the robot had just come there."""
+        nodes, recent = self._nodes, self._recent
+        self._recent = deque(maxlen=_CLOUD)
+        for node in range(first, len(nodes)):
+            if self._recent and nodes.parts[node] != nodes.parts[self._recent[-1][0]]:
+                self._recent.clear()
+            surface = nodes.key_surface(node)
+            if not len(surface.points):
+                continue
+            self._recent.append((node, surface))
+            if node % _LOOP_EVERY == 0:
+                self._close_loops(node, surface)
+        self._recent = recent
 
     def _estimate(self, observation: Observation) -> Estimate:
         if self._key is None:

@@ -27,6 +27,7 @@ def merge_pose_graphs(first: PoseGraph, second: PoseGraph, robot: Robot) -> Pose
         InputError: If both have more lidars together than a graph may have.
     """
     mapper = Mapper.from_graph(put_together(first, second), robot)
+    mapper.seek_loops(len(first.times))
     mapper.finish()
     return replace(mapper.graph(), robot=first.robot or second.robot)
 

@@ -119,7 +119,10 @@ def choose_corrections(graph: PoseGraph, corrections: Sequence[Correction], most
 def tell(graph: PoseGraph, one: Correction) -> str:
     """Say what a loop has changed."""
     x, y = graph.poses[one.second, :2].tolist()
-    where = f"at ({x:.1f}, {y:.1f}), {one.time - graph.times[0]:.0f} s"
+    part = graph.parts == graph.parts[one.second]
+    after = one.time - graph.times[part][0]
+    many = f" of part {int(graph.parts[one.second]) + 1}" if not part.all() else ""
+    where = f"at ({x:.1f}, {y:.1f}), {after:.0f} s after the begin{many}"
     if one.metres is None or one.radians is None:
         return f"{where}: part {int(graph.parts[one.second]) + 1} joins part {int(graph.parts[one.first]) + 1}"
     return f"{where}: corrected by {one.metres:.2f} m and {math.degrees(one.radians):.1f}°"

@@ -26,6 +26,7 @@ _KEY_M, _KEY_RAD = 0.3, math.radians(15.0)
 _GOOD_FIT = 0.35
 _VAGUE_M = 0.15  # standard deviation: along a corridor a scan fits anywhere
 _MOST_POOR_SHARE = 0.1
+_HOPELESS_SHARE = 0.3  # nothing is gained by reading on
 _LEAST_SCANS = 20
 
 
@@ -46,7 +47,11 @@ class ScanOdometry:
         self._first_poor: float | None = None
 
     def follow(self, observation: Observation) -> Observation | None:
-        """Return an observation with odometry from its scans; None where its scans have nothing to go by."""
+        """Return an observation with odometry from its scans; None where its scans have nothing to go by.
+
+        Raises:
+            InputError: If so many scans do not fit that the scans alone cannot suffice.
+        """
         standing = replace(observation, odometry=Pose2D(0.0, 0.0))
         self._picker.follow(standing)
         if not observation.scans:
@@ -67,22 +72,28 @@ class ScanOdometry:
         radians = min(_MOST_RAD, _LEAST_RAD + _FASTEST_RADPS * seconds)
         spread = np.diag(((metres / 3.0) ** 2, (metres / 3.0) ** 2, (radians / 3.0) ** 2))
         match = self._window.match(surface, self._pose @ step, spread)
-        self._count(match.fit, float(np.sqrt(np.linalg.eigvalsh(match.covariance[:2, :2])[-1])), time)
-        moved = self._pose.inverse() @ match.pose
+        is_good = self._count(match.fit, float(np.sqrt(np.linalg.eigvalsh(match.covariance[:2, :2])[-1])), time)
+        pose = match.pose if is_good else self._pose @ step
+        moved = self._pose.inverse() @ pose
         self._speed = moved.x / seconds, moved.y / seconds, moved.yaw / seconds
-        self._pose, self._time = match.pose, time
-        since = self._key.inverse() @ match.pose
+        self._pose, self._time = pose, time
+        since = self._key.inverse() @ pose
         if math.hypot(since.x, since.y) > _KEY_M or abs(since.yaw) > _KEY_RAD:
-            self._window.add(surface, match.pose)
-            self._key = match.pose
+            self._window.add(surface, pose)
+            self._key = pose
         return replace(observation, odometry=self._pose, twist=Twist2D(self._speed[0], self._speed[2]))
 
-    def _count(self, fit: float, vague: float, time: float) -> None:
+    def _count(self, fit: float, vague: float, time: float) -> bool:
+        """Count a match; whether it can be believed."""
         self._seen += 1
-        if fit < _GOOD_FIT or vague > _VAGUE_M:
-            self._poor += fit < _GOOD_FIT
-            self._vague += fit >= _GOOD_FIT
-            self._first_poor = time if self._first_poor is None else self._first_poor
+        if fit >= _GOOD_FIT and vague <= _VAGUE_M:
+            return True
+        self._poor += fit < _GOOD_FIT
+        self._vague += fit >= _GOOD_FIT
+        self._first_poor = time if self._first_poor is None else self._first_poor
+        if self._seen >= _LEAST_SCANS and self._poor + self._vague > _HOPELESS_SHARE * self._seen:
+            self.check()
+        return False
 
     def check(self) -> str:
         """Say how good it was.
