@@ -79,7 +79,7 @@ def test_a_graph_that_is_none_is_refused(spoiled):
         information[3] = 0.0
     if spoiled == "pose":
         truth[3, 0] = math.nan
-    with pytest.raises(ValueError, match="edge|definite|finite"):
+    with pytest.raises(ValueError, match=r"edge|definite|finite"):
         solve_graph(truth, edges, transforms, information, np.zeros(len(edges)), np.zeros(60, np.uint8), 5)
 
 
