@@ -68,7 +68,9 @@ def place_beams(ranges: npt.NDArray[np.float32], lidar: Lidar, poses: FloatArray
     """
     met = (ranges >= lidar.range_min) & (ranges < lidar.range_max)
     # Beyond the range there may be anything, and glass or black things return nothing: believe a half of it.
-    used = met | np.isposinf(ranges) | (ranges >= lidar.range_max)
+    none = np.isposinf(ranges) | (ranges >= lidar.range_max)
+    # A lone beam without a return is a dropout, which would draw free space through walls.
+    used = met | (none & np.roll(none, 1) & np.roll(none, -1))
     length = np.where(met, ranges, 0.5 * lidar.range_max)[used].astype(np.float64)
     angles = lidar.angles[used] + lidar.mount.yaw
     share = (np.arange(len(ranges)) / max(1, len(ranges) - 1))[used]

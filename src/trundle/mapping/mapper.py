@@ -41,6 +41,7 @@ _EDGE_FLOOR = np.diag((0.008**2, 0.008**2, math.radians(0.1) ** 2))
 _LOST_FIT = 0.2
 _GOOD_FIT, _MOST_DOUBT = 0.8, 100.0
 _LOOP_EVERY = 2  # key frames
+_LAST_EVERY = 8  # key frames that are compared once more at the end
 _TRUE_M, _TRUE_RAD, _MOST_LATE = 0.03, math.radians(0.3), 10
 # So many key frames from one place and in one direction are enough; a robot that circles adds no more.
 _PLACE_M, _SECTORS, _ENOUGH = 1.0, 8, 8
@@ -343,13 +344,23 @@ class Mapper:
 
     def finish(self) -> None:
         """Look for loops once more, from all key frames, and correct all poses."""
-        if not len(self._nodes):
+        nodes = self._nodes
+        if not len(nodes):
             return
-        roots = component_of(len(self._nodes), self._nodes.edges)
+        roots = component_of(len(nodes), nodes.edges)
         apart = next((node for node, root in enumerate(roots) if root != roots[0]), None)
         if apart is not None:
             self.seek_loops(apart)
-        poses, _ = optimize(self._nodes, iterations=30)
+        known = {(a, b) for a, b, _ in nodes.edges}
+        for node in range(0, len(nodes), _LAST_EVERY):
+            surface = nodes.key_surface(node)
+            if not len(surface.points):
+                continue
+            for loop in self._loops.search(node, surface, surface, tries=0):
+                if (loop.a, loop.b) not in known:
+                    nodes.add_edge(loop.a, loop.b, LOOP, loop.transform, loop.covariance)
+                    self._note([loop])
+        poses, _ = optimize(nodes, iterations=30)
         self._correct(poses)
 
     def seek_loops(self, first: int) -> None:
@@ -357,12 +368,12 @@ class Mapper:
         nodes, recent = self._nodes, self._recent
         self._recent = deque(maxlen=_CLOUD)
         for node in range(first, len(nodes)):
-            if self._recent and nodes.parts[node] != nodes.parts[self._recent[-1][0]]:
+            if node > first and nodes.parts[node] != nodes.parts[node - 1]:
                 self._recent.clear()
             surface = nodes.key_surface(node)
             if not len(surface.points):
                 continue
-            self._recent.append((node, surface))
+            self._recent.append((nodes.pose(node), surface))
             if node % _LOOP_EVERY == 0:
                 self._close_loops(node, surface)
         self._recent = recent
