@@ -6,12 +6,8 @@ the other, so that a long drive takes no more memory than its odometry.
 
 from __future__ import annotations
 
-import contextlib
 import heapq
 import itertools
-import shutil
-import tempfile
-import weakref
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -29,6 +25,7 @@ from trundle.messages import readers
 from trundle.messages.codec import DEFAULT, Distro
 from trundle.observation import Scan
 from trundle.recordings.bag_frames import find_base, find_mount, find_odometry_frame
+from trundle.recordings.bag_source import BagSource, DamagedError
 from trundle.recordings.bag_survey import (
     LidarSurvey,
     find_odometry_topic,
@@ -63,65 +60,12 @@ def read_bag_drive(
         InputError: If it is no bag, nothing of it can be read, or it has no scans, or no odometry where it must.
     """
     remarks = Remarks()
-    source = _Source(path, distro, remarks)
+    source = BagSource(path, distro, remarks)
     try:
         return _Maker(source, robot, scan_topics, odometry).make()
-    except _DamagedError:
+    except DamagedError:
         source.recover()
         return _Maker(source, robot, scan_topics, odometry).make()
-
-
-class _DamagedError(Exception):
-    """The bag ends early, or is damaged on the way; it can be recovered."""
-
-
-class _Source:
-    """A bag, or what could be recovered of it."""
-
-    def __init__(self, path: Path, distro: Distro, remarks: Remarks) -> None:
-        self.path, self.remarks = path, remarks
-        self._distro: Distro = distro
-        self._readable = path
-        self._recovered = False
-
-    @contextlib.contextmanager
-    def open(self) -> Iterator[BagReader]:
-        """Open it to read."""
-        try:
-            with BagReader(self._readable, distro=self._distro) as bag:
-                yield bag
-        except InputError as error:
-            if not self._recovered and self._find_file() is not None and "damaged" in str(error):
-                raise _DamagedError from error
-            raise
-
-    def recover(self) -> None:
-        """Go on with what can be read of the bag.
-
-        Raises:
-            InputError: If nothing can.
-        """
-        from trundle.bags.recovery import recover
-
-        file = self._find_file()
-        if file is None:
-            raise InputError(f"{self.path}: the bag is damaged")
-        folder = tempfile.mkdtemp(prefix="trundle-bag-")
-        weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
-        self._recovered = True
-        done = recover(file, Path(folder) / "drive.mcap")
-        self._readable = done.path
-        self.remarks.note(
-            f"the recording is cut off or damaged ({done.damage or 'its index is wrong'}): what could be read is used, "
-            f"{done.duration_s:.1f} s"
-        )
-
-    def _find_file(self) -> Path | None:
-        """Return the only MCAP file of the bag."""
-        if self.path.is_dir():
-            found = sorted(self.path.glob("*.mcap"))
-            return found[0] if len(found) == 1 else None
-        return self.path if self.path.suffix == ".mcap" else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,7 +92,7 @@ class _UsedLidar:
 class _Maker:
     """Makes the drive of what a bag holds."""
 
-    def __init__(self, source: _Source, robot: Robot | None, topics: Sequence[str], odometry: str | None) -> None:
+    def __init__(self, source: BagSource, robot: Robot | None, topics: Sequence[str], odometry: str | None) -> None:
         self._source, self._path, self._remarks = source, source.path, source.remarks
         self._topics, self._wanted = topics, odometry
         self._robot = robot
