@@ -72,7 +72,7 @@ class ClockOutput:
             self._outlet.write_bytes(data)
 
     def _look(self) -> None:
-        """Say once that another node publishes the clock, too, where one is seen; it is looked for every few seconds."""
+        """Say once that another node publishes the clock, too; it is looked for every few seconds."""
         now = real_time.monotonic()
         if self._told or now < self._look_at:
             return
