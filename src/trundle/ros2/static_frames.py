@@ -110,8 +110,9 @@ class StaticFrames:
                 )
 
     def _write(self) -> None:
-        self._published = {name: one for name, one in self._waiting.items() if name not in self._foreign}
-        self._outlet.write(self._make.transforms(list(self._published.values())))
+        left = {name: one for name, one in self._waiting.items() if name not in self._foreign}
+        self._outlet.write(self._make.transforms(list(left.values())))
+        self._published = left
 
 
 def _same(one: Any, other: Any) -> bool:
