@@ -117,12 +117,16 @@ class Warnings:
 
     Args:
         report: Gets each first warning. If None, the log does.
+
+    Attributes:
+        listeners: Get each report, too.
     """
 
     def __init__(self, report: Callable[[str], None] | None = None) -> None:
         self._report = report
         self._lock = threading.Lock()
         self._counts: Counter[str] = Counter()
+        self.listeners: list[Callable[[str], None]] = []
 
     @property
     def counts(self) -> dict[str, int]:
@@ -146,6 +150,8 @@ class Warnings:
 
     def note(self, text: str) -> None:
         """Report something every time, such as a connection that was lost."""
+        for listener in tuple(self.listeners):
+            listener(text)
         if self._report is not None:
             self._report(text)
         else:

@@ -15,6 +15,7 @@ from trundle.mission.place import make_place
 from trundle.mission.simulation import start_backend, wrap_backend
 from trundle.ros2.names import Names
 from trundle.ros2.navigator_role.role import NavigatorRole
+from trundle.ros2.node_services import ParameterServices, Rosout, Value
 from trundle.ros2.outputs.robot import RobotOutputs
 from trundle.ros2.profile import Profile
 from trundle.ros2.role import BridgeContext, Driver, LiveDriver, Role, RoleName, SimulationClock
@@ -96,6 +97,8 @@ class Bridge:
             self._opened.callback(self._role.close)
             self._role.open()
             SimulationServices(self.context, prefix=profile.services_prefix).open()
+            Rosout(self.wire)
+            ParameterServices(self.wire, describe_parameters(self.mission, profile, role)).open()
             self.wire.on_lost(self._role.lost)
         except BaseException:
             self.close()
@@ -133,6 +136,31 @@ class Bridge:
         others = () if self._observers is None else self._observers(self.mission, self._run)
         self.context.session = self._role.begin([self._outputs, *others], seed)
         return self.context.session
+
+
+def describe_parameters(mission: Mission, profile: Profile, role: RoleName) -> dict[str, Value]:
+    """Return what the node tells of itself as parameters: what drives, on what, and in which frames."""
+    scenario, frames = mission.scenario, profile.frames
+    names = {
+        "planner": scenario.planner,
+        "controller": mission.navigator.controller_name,
+        "smoother": scenario.smoother,
+        "localizer": scenario.localizer,
+        "backend": scenario.backend.name,
+    }
+    return {
+        "use_sim_time": profile.topics.clock is not None,
+        "role": role,
+        "robot": mission.robot.name,
+        "scenario": scenario.title,
+        "seed": scenario.seed,
+        "frames.map": frames.map,
+        "frames.odom": frames.odom,
+        "frames.base": frames.base,
+        "limits.linear_speed": mission.robot.limits.linear_speed,
+        "limits.angular_speed": mission.robot.limits.angular_speed,
+        **{name: "" if one is None else str(one) for name, one in names.items()},
+    }
 
 
 def build_mission(scenario: Scenario, profile: Profile) -> Mission:

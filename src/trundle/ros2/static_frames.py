@@ -73,7 +73,7 @@ class StaticFrames:
             return
         self._outlet = self._wire.outlet(self._topic, _TF, LATCHED)
         if self._mode == "auto":
-            self._wire.listen(self._topic, _TF, _ALL, self._take)
+            self._wire.listen(self._topic, _TF, _ALL, self._take, is_recorded=False)
             self._wire.every_round(self._look)
         if self._mode == "always" or self._patience_s == 0.0:
             self._write()
@@ -110,8 +110,9 @@ class StaticFrames:
                 )
 
     def _write(self) -> None:
-        self._published = {name: one for name, one in self._waiting.items() if name not in self._foreign}
-        self._outlet.write(self._make.transforms(list(self._published.values())))
+        left = {name: one for name, one in self._waiting.items() if name not in self._foreign}
+        self._outlet.write(self._make.transforms(list(left.values())))
+        self._published = left
 
 
 def _same(one: Any, other: Any) -> bool:

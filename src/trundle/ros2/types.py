@@ -93,10 +93,12 @@ class Types:
         from rosbags.interfaces import Nodetype
 
         self._learn(type_name)
-        what, detail = self.codec.fields(type_name).get(field, (Nodetype.BASE, None))
-        if what not in (Nodetype.ARRAY, Nodetype.SEQUENCE) or detail[0][0] != Nodetype.NAME:
+        fields = self.codec.fields(type_name)
+        if field not in fields:
             return ""
-        return str(detail[0][1])
+        what, detail = fields[field]
+        is_list = what in (Nodetype.ARRAY, Nodetype.SEQUENCE) and detail[0][0] == Nodetype.NAME
+        return str(detail[0][1]) if is_list else ""
 
     def constant(self, type_name: str, name: str, default: int = 0) -> int:
         """Return a constant of a type, such as an error code, or `default` where this distribution does not have it."""

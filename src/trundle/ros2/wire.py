@@ -95,8 +95,16 @@ class Inlet:
     """
 
     def __init__(
-        self, topic: str, type_name: str, qos: Qos, subscription: Subscription, handler: Callable[[Any, str], None]
+        self,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        subscription: Subscription,
+        handler: Callable[[Any, str], None],
+        *,
+        is_recorded: bool = True,
     ) -> None:
+        self._is_recorded = is_recorded
         self.topic, self.type_name, self.qos = topic, type_name, qos
         self._subscription, self._handler = subscription, handler
         self._second, self._count = 0, 0
@@ -133,7 +141,7 @@ class Inlet:
         )
 
     def _handle(self, data: bytes, source: str, wire: Wire) -> None:
-        if wire.record is not None:
+        if wire.record is not None and self._is_recorded:
             wire.record.add(self.topic, self.type_name, self.qos, data, wire.now())
         try:
             message = wire.types.decode(self.type_name, data)
@@ -217,7 +225,9 @@ class Wire:
         self.outlets.append(made)
         return made
 
-    def listen(self, topic: str, type_name: str, qos: Qos, handler: Callable[[Any, str], None]) -> Inlet:
+    def listen(
+        self, topic: str, type_name: str, qos: Qos, handler: Callable[[Any, str], None], *, is_recorded: bool = True
+    ) -> Inlet:
         """Read a topic.
 
         Args:
@@ -226,9 +236,12 @@ class Wire:
             qos: What is asked for.
             handler: Gets each message and who sent it ("" where that is not known). What it raises of `TrundleError`
                 is reported once for each kind.
+            is_recorded: Whether its messages are recorded; not those of a topic that is published here as well, which
+                come back.
         """
         full = self.names.resolve(topic)
-        inlet = Inlet(full, type_name, qos, self.transport.subscription(full, type_name, qos), handler)
+        subscription = self.transport.subscription(full, type_name, qos)
+        inlet = Inlet(full, type_name, qos, subscription, handler, is_recorded=is_recorded)
         self.inlets.append(inlet)
         return inlet
 

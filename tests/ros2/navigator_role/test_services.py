@@ -1,5 +1,7 @@
 """Services: costmaps, the map, the states of nodes, and what is refused."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -103,7 +105,8 @@ def test_the_costmaps_are_given_with_their_frame(serve, client):
     assert (whole.metadata.size_x, whole.metadata.size_y, len(whole.data)) == (160, 120, 19200)
     window = client.call("/local_costmap/get_costmap", "nav2_msgs/srv/GetCostmap").map
     at = window.metadata.origin.position
-    assert (window.metadata.size_x, at.x, at.y) == (60, pytest.approx(0.0, abs=0.06), pytest.approx(0.0, abs=0.06))
+    assert (window.metadata.size_x, at.x, at.y) == (60, pytest.approx(-1.5, abs=0.06), pytest.approx(-1.5, abs=0.06))
+    assert window.header.frame_id == "odom"
 
 
 def test_the_map_is_given(serve, client):
@@ -119,6 +122,9 @@ def test_a_window_over_the_edge_of_a_costmap_is_unknown_there(serve):
     assert (origin.x, origin.y) == (pytest.approx(-1.0), pytest.approx(1.5))
     assert (costs[:, :20] == NO_INFORMATION).all()
     assert (costs[:, 20:] == costmap.data[30:90, :40]).all()
+    turned, corner = local_window(costmap, Pose2D(0.5, 3.0), Pose2D(0.5, 3.0, math.pi / 2.0))  # y is forward there
+    assert (corner.x, corner.y) == (pytest.approx(-1.5), pytest.approx(-1.5))
+    assert (turned == np.rot90(costs)).mean() > 0.95
     assert (local_window(costmap, Pose2D(90.0, 90.0))[0] == NO_INFORMATION).all()
 
 

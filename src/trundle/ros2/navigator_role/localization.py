@@ -12,6 +12,7 @@ from trundle.messages.makers import DIAGNOSTICS, POSE
 from trundle.messages.particle_cloud import PARTICLE_CLOUD, encode_particles, learn_particle_cloud
 from trundle.messages.qos import LATCHED, SENSOR, TRANSFORMS, Qos
 from trundle.mission import Step
+from trundle.navigation import NavigationStatus
 from trundle.observation import LocalizationState, describe_state
 from trundle.ros2.navigator_role.context import Kit
 from trundle.ros2.outputs.odometry_covariance import EXACT
@@ -26,6 +27,11 @@ MOVED_M, TURNED_RAD = 0.25, 0.2
 
 PARTICLES_PERIOD_S = 0.2
 """Particles are published at most this often: whoever draws them sees no more."""
+
+_WARN, _ERROR = 1, 2
+"""Levels of diagnostic_msgs/DiagnosticStatus."""
+
+_GIVEN_UP = (NavigationStatus.STUCK, NavigationStatus.NO_PATH, NavigationStatus.PLANNING_TIMED_OUT)
 
 STATE_PERIOD_S = 1.0
 """The state is published where it changes, and this often, as diagnostics are."""
@@ -142,3 +148,35 @@ def _can_write(wire: Wire) -> bool:
         return wire.types.knows(PARTICLE_CLOUD)
     except InputError:
         return False
+
+
+class NavigationDiagnosis:
+    """Publishes what the navigator does on /diagnostics, where it changes and once a second.
+
+    It is a warning while the robot is blocked, and an error once it has given up.
+
+    Args:
+        kit: What the navigator works with.
+    """
+
+    def __init__(self, kit: Kit) -> None:
+        self._kit = kit
+        self._outlet = kit.context.wire.outlet("/diagnostics", DIAGNOSTICS, Qos(10))
+        self._cadence = Cadence(STATE_PERIOD_S)
+        self._said = ""
+
+    def publish(self, step: Step, time: float) -> None:
+        """Publish the status, if it is due."""
+        said = step.status.value
+        if not self._outlet.is_wanted or (said == self._said and not self._cadence.is_due(time)):
+            return
+        self._said = said
+        self._cadence.mark(time)
+        kit, make = self._kit, self._kit.types.make
+        status = make(
+            "diagnostic_msgs/msg/DiagnosticStatus",
+            level=_ERROR if step.status in _GIVEN_UP else _WARN if said == "blocked" else 0,
+            name="trundle: navigation",
+            message=kit.tasks.refuses or said,
+        )
+        self._outlet.write(make(DIAGNOSTICS, header=kit.make.header(time, ""), status=[status]))

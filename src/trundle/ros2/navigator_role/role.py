@@ -21,7 +21,7 @@ from trundle.ros2.navigator_role.costmap_outputs import FootprintOutput, GlobalC
 from trundle.ros2.navigator_role.driving import Follow, Navigate
 from trundle.ros2.navigator_role.inputs import PoseInputs
 from trundle.ros2.navigator_role.lifecycle import Lifecycle
-from trundle.ros2.navigator_role.localization import ParticleOutput, PoseOutput, StateOutput
+from trundle.ros2.navigator_role.localization import NavigationDiagnosis, ParticleOutput, PoseOutput, StateOutput
 from trundle.ros2.navigator_role.maps import MapServices
 from trundle.ros2.navigator_role.outputs import MapOutput, MarkerOutput, PlanOutput
 from trundle.ros2.navigator_role.plans import ComputePath, PlanServer
@@ -60,6 +60,7 @@ class NavigatorRole:
             self._pose_output,
             ParticleOutput(kit),
             StateOutput(kit),
+            NavigationDiagnosis(kit),
             MapOutput(kit),
             GlobalCostmapOutput(kit),
             LocalCostmapOutput(kit),

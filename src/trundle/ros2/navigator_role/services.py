@@ -104,7 +104,7 @@ class Services:
         def answer(request: Any) -> Any:
             belief, make = kit.beliefs.now, kit.types.make
             if local:
-                costs, origin = local_window(belief.costmap, belief.pose)
+                costs, origin = local_window(belief.costmap, belief.pose, belief.map_odom)
             else:
                 costs, origin = belief.costmap.data, belief.costmap.origin
             stamp = kit.make.stamp(belief.time)
@@ -118,7 +118,8 @@ class Services:
                 size_y=costs.shape[0],
                 origin=kit.make.pose(origin),
             )
-            header = kit.make.header(belief.time, kit.map_frame)
+            frames, names = kit.context.profile.frames, kit.context.wire.names
+            header = kit.make.header(belief.time, names.frame(frames.odom) if local else kit.map_frame)
             message = make("nav2_msgs/msg/Costmap", header=header, metadata=metadata, data=np.ravel(costs))
             return make("nav2_msgs/srv/GetCostmap_Response", map=message)
 

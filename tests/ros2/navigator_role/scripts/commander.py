@@ -96,7 +96,8 @@ def main():
     ):
         accepted = call()
         say(name, result=finish(navigator)["result"] if accepted else "REJECTED")
-    say("smooth", none=navigator.smoothPath(path) is None)
+    smoothed = navigator.smoothPath(path)
+    say("smooth", poses=0 if smoothed is None else len(smoothed.poses))
 
     navigator.lifecycleShutdown()
     say("shut down", accepted=bool(navigator.goToPose(there)))
