@@ -53,6 +53,8 @@ class PoseInputs:
 
     def _pose(self, message: Any, source: str) -> None:
         kit = self._kit
+        if kit.is_own_pose(message, source):
+            return
         try:
             check_frame(message.header.frame_id, (kit.map_frame,))
             pose = check_pose(message.pose.pose)
