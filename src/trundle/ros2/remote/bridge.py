@@ -212,20 +212,17 @@ class RemoteBridge:
 
     def _others_locate(self, now: float) -> Reasons:
         stream = self.inputs.map_odom_stream
-        if not stream.count or now - stream.last > max(1.0, stream.allowed_s):
+        if not stream.count or (not self.inputs.map_odom_is_static and now - stream.last > max(1.0, stream.allowed_s)):
             return {}
         return {
             "two localizers": "somebody else publishes map → odom, too: stop that, or give --localizer tf and take it"
         }
 
     def _tf_silent(self, now: float) -> Reasons:
+        if self.inputs.map_odom_is_static:
+            return {}
         silent = self.inputs.map_odom_stream.silent_s(now)
-        # AMCL sends it with each scan, slam_toolbox 50 times a second, others when it changes.
-        return {"map → odom silent": f"map → odom: nothing new for {silent:.2f} s"} if silent > TF_SILENT_S else {}
-
-
-TF_SILENT_S = 0.45
-"""map → odom from outside is out of date after this [s], where it comes more often."""
+        return {"map → odom silent": f"map → odom: nothing new for {silent:.2f} s"} if silent else {}
 
 
 def prepare(scenario: Scenario, profile: Profile, options: RemoteOptions) -> Setting:

@@ -46,7 +46,7 @@ class Guard:
         self._rules: list[Callable[[float], Reasons]] = []
         self._holds: dict[str, _Hold] = {}
         self._lock = threading.Lock()
-        self.reasons: Reasons = {}
+        self.reasons: Reasons = {"not begun": "nothing was looked at yet"}
         self.counts: Counter[str] = Counter()
 
     def add_rule(self, rule: Callable[[float], Reasons]) -> None:

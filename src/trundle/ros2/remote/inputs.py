@@ -83,6 +83,7 @@ class RobotInputs:
         frames: The transforms.
         odometry: The newest odometry, or None.
         map_odom: The newest map → odom from outside, or None.
+        map_odom_is_static: Whether it was sent once for good, on /tf_static.
         changed: Notified when a scan has arrived.
     """
 
@@ -105,6 +106,7 @@ class RobotInputs:
         self.clock, self.frames = RobotClock(), FrameTree()
         self.odometry: Odometry | None = None
         self.map_odom: Pose2D | None = None
+        self.map_odom_is_static = False
         self.changed = threading.Condition()
         self.odometry_stream, self.tf_stream = Stream("odometry"), Stream("odometry of tf")
         self.map_odom_stream = Stream("map → odom")
@@ -200,6 +202,7 @@ class RobotInputs:
                 )
                 continue
             if (parent, child) == (self._map, self._odom):
+                self.map_odom_is_static = is_static
                 self._take_map_odom()
             elif child in self.frames.moved:
                 first, second = self.frames.moved.pop(child)

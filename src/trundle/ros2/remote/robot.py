@@ -103,7 +103,7 @@ class RemoteRobot(Simulator):
         self._woken = 0.0
         self._blind = 0
         self._blind_until = 0.0
-        self._pose = _ORIGIN
+        self._pose, self._jumps = _ORIGIN, inputs.jumps
 
     @property
     def robot(self) -> Robot:
@@ -160,6 +160,9 @@ class RemoteRobot(Simulator):
 
     def _observe(self) -> RobotState:
         inputs = self._inputs
+        if inputs.jumps != self._jumps:  # nobody knows how the robot has moved meanwhile
+            self._jumps = inputs.jumps
+            self._localizer.doubt()
         now = inputs.now
         odometry, clock = inputs.odometry, inputs.clock
         time = self._time.at(now, (clock.jumps, clock.is_simulated))

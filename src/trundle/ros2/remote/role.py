@@ -164,6 +164,7 @@ class GoalDrive:
         guard: Why it must stand.
 
     Attributes:
+        waits_s: The drive is given up where the robot may not drive for so long [s of real time].
         arrived: Whether it has arrived at all of them.
         message: How it ended.
     """
@@ -178,7 +179,7 @@ class GoalDrive:
         waits_s: float = WAITS_S,
     ) -> None:
         self._goals, self._context, self._localizer, self._guard = tuple(goals), context, localizer, guard
-        self._waits_s = waits_s
+        self.waits_s = waits_s
         self._given = False
         self._held_since: float | None = None
         self.arrived = False
@@ -201,8 +202,8 @@ class GoalDrive:
             return
         if self._held_since is None:
             self._held_since = now
-        elif now - self._held_since > self._waits_s:
-            self._end(f"the robot had to stand for {self._waits_s:g} s: {'; '.join(reasons.values())}")
+        elif now - self._held_since > self.waits_s:
+            self._end(f"the robot had to stand for {self.waits_s:g} s: {'; '.join(reasons.values())}")
 
     def on_end(self, episode: Episode) -> None:
         """Do nothing."""
