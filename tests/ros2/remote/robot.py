@@ -38,6 +38,7 @@ class Habits:
     when_commanded: bool = False
     waits_for_pose: bool = False
     odometry_shift: Pose2D = Pose2D(0.0, 0.0)
+    tf_shift: Pose2D = Pose2D(0.0, 0.0)
     frame: str = ""
     listens: bool = True
     edit_scan: Callable[[Any], None] | None = None
@@ -125,7 +126,7 @@ class FakeRobot:
             self.send("/clock", make.clock(self.time))
         odometry = habits.odometry_shift @ (self._start.inverse() @ state.odometry)
         if habits.tf:
-            transforms = [make.transform(stamp, "odom", "base_link", odometry)]
+            transforms = [make.transform(stamp, "odom", "base_link", habits.tf_shift @ odometry)]
             if habits.map_odom is not None:
                 transforms.append(make.transform(stamp, "map", "odom", habits.map_odom))
             self.send("/tf", make.transforms(transforms))

@@ -36,9 +36,7 @@ def check_stop(remote: Remote, kind: str) -> None:
         ("odometry", False, "odometry silent"),
     ],
 )
-def test_silence_stops_the_robot_until_it_is_over(
-    navigate: Navigate, habit: str, value: object, kind: str
-) -> None:
+def test_silence_stops_the_robot_until_it_is_over(navigate: Navigate, habit: str, value: object, kind: str) -> None:
     remote = navigate(goal=FAR, habits={"tf": False})
     remote.wait_until_moving()
     before = getattr(remote.habits, habit)
@@ -73,6 +71,27 @@ def test_odometry_that_jumps_stops_the_robot_until_it_is_told_where_it_is(naviga
     wait_for(lambda: "not located" in remote.reasons)
     remote.put(SetPose(remote.robot.pose))
     remote.wait_until_moving()
+
+
+def test_odometry_that_disagrees_with_tf_stops_the_robot(navigate: Navigate) -> None:
+    remote = navigate(goal=FAR)
+    remote.wait_until_moving()
+    remote.habits.tf_shift = Pose2D(0.8, 0.0)
+    check_stop(remote, "odometry disagrees")
+
+
+def test_a_clock_of_1000_hz_is_no_flood(navigate: Navigate, network: FakeNetwork) -> None:
+    remote = navigate(goal=FAR)
+    remote.wait_until_moving()
+    codec = jazzy()
+    make = MessageMaker(codec)
+    clock = network.transport("gazebo").publisher("/clock", "rosgraph_msgs/msg/Clock", Qos())
+    until = time.monotonic() + 1.5
+    while time.monotonic() < until:
+        clock.write(codec.encode(make.clock(remote.robot.time)))
+        time.sleep(0.0005)
+    assert "/clock: flood" not in remote.kinds
+    assert "/clock silent" not in remote.bridge.guard.counts
 
 
 def test_a_clock_that_goes_back_stops_the_robot_until_it_is_told_where_it_is(navigate: Navigate) -> None:
@@ -162,9 +181,7 @@ def test_a_drive_is_given_up_where_the_robot_may_never_drive(navigate: Navigate)
         (lambda scan: setattr(scan, "angle_min", float("nan")), "not finite"),
     ],
 )
-def test_scans_that_are_none_let_the_robot_stand(
-    navigate: Navigate, edit: Callable[[Any], None], kind: str
-) -> None:
+def test_scans_that_are_none_let_the_robot_stand(navigate: Navigate, edit: Callable[[Any], None], kind: str) -> None:
     remote = navigate(goal=FAR)
     remote.wait_until_moving()
     remote.habits.edit_scan = edit

@@ -157,8 +157,9 @@ def navigate(
             if session is not None:
                 running.report(session.finish(), bridge.wire, bag, json=json, stops=bridge.guard.counts)
             raise
-    code = running.report(episode, bridge.wire, bag, json=json, stops=bridge.guard.counts)
-    return code if bridge.drive is None else int(not bridge.drive.arrived)
+    arrived = None if bridge.drive is None else bridge.drive.arrived
+    code = running.report(episode, bridge.wire, bag, json=json, stops=bridge.guard.counts, arrived=arrived)
+    return code if arrived is None else int(not arrived)
 
 
 def _with_localizer(given: scenario_options.ScenarioOptions, localizer: str | None) -> scenario_options.ScenarioOptions:

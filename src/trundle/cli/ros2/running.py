@@ -107,6 +107,7 @@ def report(
     *,
     json: bool,
     stops: Mapping[str, int] | None = None,
+    arrived: bool | None = None,
 ) -> int:
     """Print how it ended; returns the exit code.
 
@@ -116,6 +117,7 @@ def report(
         record: What was recorded.
         json: Whether it is printed as JSON.
         stops: How often the robot had to stand, for each kind of reason; None where nothing watches that.
+        arrived: Whether the robot has arrived at its goals; None where it had none.
     """
     code = 1 if episode is not None and episode.message.startswith(_FAILED) else 0
     metrics = None if episode is None else episode.metrics
@@ -127,7 +129,7 @@ def report(
         "real_time_factor": 0.0 if metrics is None else metrics.real_time_factor,
         "contacts": [] if metrics is None else list(metrics.contacts),
         "warnings": wire.warnings.counts,
-        **({} if stops is None else {"stops": dict(stops)}),
+        **({} if stops is None else {"stops": dict(stops), "arrived": arrived}),
         "recording": None if record is None else record.path,
         "messages": None if record is None else record.messages,
         "recording_error": (record.error or None) if record is not None else None,

@@ -160,15 +160,23 @@ def _describe_unused(unused: list[str], arguments: list[str]) -> str:
 
 @contextmanager
 def ends_as_by_ctrl_c() -> Iterator[None]:
-    """Let SIGTERM end what runs in the block as Ctrl-C does, if this is the main thread."""
+    """Let SIGTERM end what runs in the block as Ctrl-C does, if this is the main thread.
+
+    A shell lets what it starts in the background ignore SIGINT: `kill -INT` ends that all the same.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
     before = signal.signal(signal.SIGTERM, _interrupt)
+    ignores = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    if ignores:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         yield
     finally:
         signal.signal(signal.SIGTERM, before)
+        if ignores:
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _interrupt(number: int, frame: object) -> None:

@@ -19,12 +19,13 @@ from trundle.messages.qos import LATCHED, Qos
 from trundle.observation import Scan
 from trundle.robots import Robot
 from trundle.ros2.bad_input import BadInputError
-from trundle.ros2.profile import Profile, Sensor
+from trundle.ros2.profile import Profile
 from trundle.ros2.remote.commands import Sources
 from trundle.ros2.remote.frames import FrameTree
 from trundle.ros2.remote.guard import Guard, Reasons
 from trundle.ros2.remote.mounts import Mounts
-from trundle.ros2.remote.readings import read_odometry, read_scan
+from trundle.ros2.remote.readings import read_odometry
+from trundle.ros2.remote.scans import ScanInputs
 from trundle.ros2.remote.streams import AHEAD_S, RobotClock, Stream
 from trundle.ros2.wire import Wire
 
@@ -113,8 +114,8 @@ class RobotInputs:
         self.scan_streams = {name: Stream(f"scans of {name}") for name in self.sensors}
         self.jumps = 0
         self._scans: deque[Scan] = deque(maxlen=MOST_SCANS)
-        self._last_scan: dict[str, float] = {}
-        self._mounts = Mounts(wire, self.frames, self._base, robot)
+        mounts = Mounts(wire, self.frames, self._base, robot)
+        self._laser = ScanInputs(wire, robot, mounts, self._time_of, self._take_scan, real)
         self._by_tf: Odometry | None = None
         self._apart: tuple[Pose2D, Pose2D] | None = None
 
@@ -130,8 +131,8 @@ class RobotInputs:
         if topics.odom is not None:
             wire.listen(topics.odom, "nav_msgs/msg/Odometry", AS_IT_COMES, self._take_odometry)
         for name, sensor in self.sensors.items():
-            if sensor.scan is not None:
-                wire.listen(sensor.scan, "sensor_msgs/msg/LaserScan", AS_IT_COMES, self._scan_taker(name, sensor))
+            self._laser.listen(name, sensor)
+        wire.every_round(self._laser.look)
 
     # The thread that drives -----------------------------------------------------------------------------------------
 
@@ -171,7 +172,7 @@ class RobotInputs:
         with self.changed:
             self.jumps += 1
             self._scans.clear()
-            self._last_scan.clear()
+            self._laser.clear()
             self.frames.clear_moving()
             self.odometry = self._by_tf = self._apart = None
         self._guard.hold(kind, text, self._real())
@@ -311,31 +312,8 @@ class RobotInputs:
             text = f"the odometry of its topic and that of tf are {one.distance_to(two):.2f} m apart"
             self._guard.hold("odometry disagrees", text, self._real())
 
-    # Scans ----------------------------------------------------------------------------------------------------------
-
-    def _scan_taker(self, name: str, sensor: Sensor) -> Callable[[Any, str], None]:
-        def take(message: Any, source: str) -> None:
-            self._take_scan(name, sensor, message, source)
-
-        return take
-
-    def _take_scan(self, name: str, sensor: Sensor, message: Any, source: str) -> None:
-        time = self._time_of(readers.read_stamp(message.header.stamp), f"scans of {name}")
-        if time is None:
-            return
-        if time <= self._last_scan.get(name, -math.inf):
-            self._wire.warn(f"scans of {name}: repeated stamp", f"a scan of {name} is not newer than the one before")
-            return
-        mount = self._mounts.find(name, sensor, readers.read_frame(message.header.frame_id), self._real())
-        try:
-            scan, remarks = read_scan(message, name, time, mount)
-        except BadInputError as error:
-            self._drop(f"scans of {name}", error.kind, str(error), source)
-            return
-        for kind, text in remarks:
-            self._wire.warn(f"scans of {name}: {kind}", f"scans of {name}: {text}")
-        self._last_scan[name] = time
-        self.scan_streams[name].mark(self._real())
+    def _take_scan(self, scan: Scan) -> None:
+        self.scan_streams[scan.lidar].mark(self._real())
         with self.changed:
             self._scans.append(scan)
             self.changed.notify_all()

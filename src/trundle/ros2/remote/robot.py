@@ -163,7 +163,8 @@ class RemoteRobot(Simulator):
         if inputs.jumps != self._jumps:  # nobody knows how the robot has moved meanwhile
             self._jumps = inputs.jumps
             self._localizer.doubt()
-        now = inputs.now
+        taken = inputs.take_scans()
+        now = max([inputs.now, *(scan.time for scan in taken)])
         odometry, clock = inputs.odometry, inputs.clock
         time = self._time.at(now, (clock.jumps, clock.is_simulated))
         twist = _STAND
@@ -172,7 +173,7 @@ class RemoteRobot(Simulator):
             if not inputs.odometry_silent:
                 self._pose, twist = odometry.at(now), odometry.twist
         offset = self._time.offset
-        scans = tuple(replace(scan, time=min(scan.time - offset, time)) for scan in inputs.take_scans())
+        scans = tuple(replace(scan, time=min(scan.time - offset, time)) for scan in taken)
         seen = Observation(time, twist, self._pose, scans)
         estimate = self._localizer.update(seen)
         return RobotState(time, estimate.pose, twist, _STILL, _STILL, self._pose, scans=scans, odometry_twist=twist)
