@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time as clock
 from collections import deque
@@ -103,7 +104,7 @@ class CommandOutput:
         self._recent: deque[Twist2D] = deque(maxlen=64)
         self._others: dict[str, tuple[float, str]] = {}
         self._given = clock.monotonic()
-        self._stood_since: float | None = None
+        self._stood_since: float | None = -math.inf  # it was never driven: it is left alone
         self._ended = False
         self.sent = STAND
         self.moving_since: float | None = None
