@@ -117,6 +117,7 @@ class RobotInputs:
         mounts = Mounts(wire, self.frames, self._base, robot)
         self._laser = ScanInputs(wire, robot, mounts, self._time_of, self._take_scan, real)
         self._by_tf: Odometry | None = None
+        self._topic_stamp = -math.inf
         self._apart: tuple[Pose2D, Pose2D] | None = None
 
     def open(self) -> None:
@@ -175,6 +176,7 @@ class RobotInputs:
             self._laser.clear()
             self.frames.clear_moving()
             self.odometry = self._by_tf = self._apart = None
+            self._topic_stamp = -math.inf
         self._guard.hold(kind, text, self._real())
 
     def _take_static(self, message: Any, source: str) -> None:
@@ -273,7 +275,13 @@ class RobotInputs:
         if time is None:
             return
         last = self.odometry
-        if last is not None and time <= last.time and self.odometry_stream.count:
+        is_repeated = last is not None and time <= last.time and self.odometry_stream.count
+        if is_repeated and stamp > self._topic_stamp:  # tf was faster, while the topic was silent
+            self._topic_stamp = stamp
+            self.odometry_stream.mark(self._real())
+            return
+        self._topic_stamp = stamp
+        if last is not None and is_repeated:
             if stamp != 0.0:
                 self._wire.warn(
                     "odometry: repeated stamp", "an odometry is not newer than the one before: it is dropped"
