@@ -144,7 +144,7 @@ def test_ctrl_c_as_soon_as_the_offer_is_printed_ends_it_as_well(
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("trundle.cli.ros2.serve.describe_offer", interrupt)
+    monkeypatch.setattr("trundle.cli.ros2.running.describe_offer", interrupt)
     done = trundle("ros2", "serve", room_map, *ROBOT, "--json")
     assert done.code == 0, done.err
     assert json.loads(done.out)["message"] == "stopped by Ctrl-C"

@@ -26,6 +26,9 @@ ROUND_S = 0.1
 MOST_A_SECOND = 500
 """Messages of one topic that are handled in a second [real time]; a node that sends more floods, and is reported."""
 
+NEWEST_S = 0.002
+"""A topic of which only the newest message counts is looked at so often [s]; /clock may come 1,000 times a second."""
+
 _FLOOD_PAUSE_S = 0.02
 """How long the listening thread rests after a round with a flood, so that the run gets the processor [s]."""
 
@@ -103,10 +106,12 @@ class Inlet:
         handler: Callable[[Any, str], None],
         *,
         is_recorded: bool = True,
+        newest: bool = False,
     ) -> None:
         self._is_recorded = is_recorded
         self.topic, self.type_name, self.qos = topic, type_name, qos
-        self._subscription, self._handler = subscription, handler
+        self._subscription, self._handler, self._newest = subscription, handler, newest
+        self._handled_s = 0.0
         self._second, self._count = 0, 0
         self.received = 0
 
@@ -118,7 +123,16 @@ class Inlet:
     def take(self, wire: Wire) -> bool:
         """Handle what came, and return whether it was more than is handled in a second."""
         floods = False
-        for sample in self._subscription.take():
+        samples = self._subscription.take()
+        if self._newest and samples:
+            self.received += len(samples) - 1
+            now = clock.monotonic()
+            if now - self._handled_s < NEWEST_S:
+                self.received += 1
+                return False
+            self._handled_s = now
+            samples = samples[-1:]
+        for sample in samples:
             self.received += 1
             second = int(clock.monotonic())
             if second != self._second:
@@ -226,7 +240,14 @@ class Wire:
         return made
 
     def listen(
-        self, topic: str, type_name: str, qos: Qos, handler: Callable[[Any, str], None], *, is_recorded: bool = True
+        self,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        handler: Callable[[Any, str], None],
+        *,
+        is_recorded: bool = True,
+        newest: bool = False,
     ) -> Inlet:
         """Read a topic.
 
@@ -238,10 +259,11 @@ class Wire:
                 is reported once for each kind.
             is_recorded: Whether its messages are recorded; not those of a topic that is published here as well, which
                 come back.
+            newest: Whether only the newest message counts, however many come.
         """
         full = self.names.resolve(topic)
         subscription = self.transport.subscription(full, type_name, qos)
-        inlet = Inlet(full, type_name, qos, subscription, handler, is_recorded=is_recorded)
+        inlet = Inlet(full, type_name, qos, subscription, handler, is_recorded=is_recorded, newest=newest)
         self.inlets.append(inlet)
         return inlet
 

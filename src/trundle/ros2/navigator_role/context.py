@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -117,12 +118,16 @@ class Kit:
         context: The bridge.
         tasks: The drive and the behavior that run.
         beliefs: Where the robot is.
+
+    Attributes:
+        is_own_pose: Whether a message of /initialpose, from this source, was sent by trundle itself.
     """
 
     def __init__(self, context: BridgeContext, tasks: Tasks, beliefs: Beliefs) -> None:
         self.context, self.tasks, self.beliefs = context, tasks, beliefs
         self.make = context.maker
         self.map_frame = context.wire.names.frame(context.profile.frames.map)
+        self.is_own_pose: Callable[[Any, str], bool] = lambda message, source: False
 
     @property
     def types(self) -> Types:

@@ -62,6 +62,8 @@ class PoseInputs:
             where: The topic or service that it came by.
         """
         kit = self._kit
+        if kit.is_own_pose(message, source):
+            return
         try:
             check_frame(message.header.frame_id, (kit.map_frame,))
             pose = check_pose(message.pose.pose)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from trundle.errors import InputError
 from trundle.messages import Codec, Distro, Qos
+from trundle.messages.particle_cloud import learn_particle_cloud
 from trundle.ros2.transport.dds import domains
 from trundle.ros2.transport.dds.discovery import Discovery
 from trundle.ros2.transport.dds.endpoints import DdsPublisher, DdsSubscription
@@ -56,6 +57,7 @@ class DdsTransport:
         self.rmw = f"cyclonedds {version()}"
         self.notes = (*settings.notes, NO_SERVICES, _ports(settings))
         self._codec = Codec(settings.distro)
+        learn_particle_cloud(self._codec)  # what a localizer publishes; Nav2's types do not come along
         self._idl = IdlTypes(self._codec)
         domains.join(settings)
         try:

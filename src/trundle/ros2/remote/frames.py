@@ -1,0 +1,120 @@
+"""`FrameTree`: where frames are now, from /tf and /tf_static."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from trundle.geometry import FloatArray, Pose2D
+
+MOST_FRAMES = 2000
+"""More frames than this are a fault, and are not kept: the largest robots have some hundreds."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """Where a frame is in another one.
+
+    Attributes:
+        matrix: Pose of the frame in the other one, shape (4, 4).
+        time: Stamp of the newest of its moving transforms [s]; None where all are static.
+    """
+
+    matrix: FloatArray
+    time: float | None
+
+    @property
+    def pose(self) -> Pose2D:
+        """The pose on the floor."""
+        m = self.matrix
+        return Pose2D(float(m[0, 3]), float(m[1, 3]), float(np.arctan2(m[1, 0], m[0, 0])))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Edge:
+    parent: str
+    matrix: FloatArray
+    time: float | None
+
+
+class FrameTree:
+    """The newest transform of each frame. Only one thread uses it.
+
+    Attributes:
+        moved: Frames whose parent has changed, each with both parents: two publishers have different trees.
+    """
+
+    def __init__(self) -> None:
+        self._edges: dict[str, _Edge] = {}
+        self.moved: dict[str, tuple[str, str]] = {}
+
+    def __contains__(self, frame: str) -> bool:
+        return frame in self._edges or any(edge.parent == frame for edge in self._edges.values())
+
+    def __len__(self) -> int:
+        return len(self._edges)
+
+    def clear_moving(self) -> None:
+        """Forget what is not static: the time went back."""
+        self._edges = {child: edge for child, edge in self._edges.items() if edge.time is None}
+
+    def add(self, parent: str, child: str, matrix: FloatArray, time: float | None) -> str:
+        """Take the pose of `child` in `parent` at a time [s]; None for a static one.
+
+        Returns:
+            Why it is not taken; empty where it is.
+        """
+        if not parent or not child or parent == child:
+            return f"a transform from {parent!r} to {child!r} connects nothing"
+        if not np.isfinite(matrix).all():
+            return f"the transform of {child!r} has numbers that are not finite"
+        if self._is_below(parent, child):
+            return f"the transform {parent} → {child} closes a loop"
+        known = self._edges.get(child)
+        if known is None and len(self._edges) >= MOST_FRAMES:
+            return f"there are more than {MOST_FRAMES} frames"
+        if known is not None and known.parent != parent:
+            self.moved[child] = known.parent, parent
+        before = known.time if known is not None and known.parent == parent else None
+        if before is not None and time is not None and time < before:
+            return ""  # messages may overtake each other
+        self._edges[child] = _Edge(parent, matrix, time)
+        return ""
+
+    def parent(self, frame: str) -> str | None:
+        """Return the parent of a frame; None where it has none."""
+        edge = self._edges.get(frame)
+        return None if edge is None else edge.parent
+
+    def find(self, ancestor: str, frame: str) -> Placed | None:
+        """Return where a frame is in another one, which may be above it, below it or beside it; None in two trees."""
+        up, down = self._path(frame), self._path(ancestor)
+        above = {name: number for number, (name, _, _) in enumerate(down)}
+        for name, matrix, time in up:
+            number = above.get(name)
+            if number is not None:
+                _, other, other_time = down[number]
+                times = [one for one in (time, other_time) if one is not None]
+                return Placed(np.linalg.inv(other) @ matrix, max(times) if times else None)
+        return None
+
+    def _path(self, frame: str) -> list[tuple[str, FloatArray, float | None]]:
+        """Return each frame from this one up, with this one's pose in it and the newest stamp between them."""
+        found: list[tuple[str, FloatArray, float | None]] = [(frame, np.eye(4), None)]
+        edge = self._edges.get(frame)
+        while edge is not None:
+            _, matrix, time = found[-1]
+            newest = edge.time if time is None or (edge.time is not None and edge.time > time) else time
+            found.append((edge.parent, edge.matrix @ matrix, newest))
+            edge = self._edges.get(edge.parent)
+        return found
+
+    def _is_below(self, frame: str, ancestor: str) -> bool:
+        seen = 0
+        edge = self._edges.get(frame)
+        while edge is not None and seen <= MOST_FRAMES:
+            if edge.parent == ancestor:
+                return True
+            edge, seen = self._edges.get(edge.parent), seen + 1
+        return seen > MOST_FRAMES

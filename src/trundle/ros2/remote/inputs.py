@@ -1,0 +1,374 @@
+"""`RobotInputs`: what the robot sends, heard in the wire's thread and taken by the one that drives."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time as system
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from trundle.errors import InputError
+from trundle.geometry import Pose2D, Twist2D, integrate_twist, wrap_angle
+from trundle.messages import readers
+from trundle.messages.qos import LATCHED, Qos
+from trundle.observation import Scan
+from trundle.robots import Robot
+from trundle.ros2.bad_input import BadInputError
+from trundle.ros2.profile import Profile
+from trundle.ros2.remote.commands import Sources
+from trundle.ros2.remote.frames import FrameTree
+from trundle.ros2.remote.guard import Guard, Reasons
+from trundle.ros2.remote.mounts import Mounts
+from trundle.ros2.remote.readings import read_odometry
+from trundle.ros2.remote.scans import ScanInputs
+from trundle.ros2.remote.streams import AHEAD_S, RobotClock, Stream
+from trundle.ros2.wire import Wire
+
+AS_IT_COMES = Qos(20, "best_effort")
+"""QoS of what is read: best effort matches publishers of both kinds."""
+
+OLD_S = 1.0
+"""Messages whose stamps are older than this [s] are dropped."""
+
+MOST_SCANS = 20
+"""So many scans wait at most: a navigator that is busy for longer does without the older ones."""
+
+JUMP_M, JUMP_RAD, JUMP_TIMES = 0.3, 0.5, 3.0
+"""Odometry that moves by more than this, and so many times as fast as the robot can, has jumped."""
+
+APART_M, APART_RAD = 0.5, 0.5
+"""Odometry of the topic and of tf that have moved so far apart since both began disagree."""
+
+_LONGEST_EXTRAPOLATION_S = 0.3
+
+
+@dataclass(frozen=True, slots=True)
+class Odometry:
+    """Odometry that has arrived.
+
+    Attributes:
+        time: Its stamp [s], on the robot's clock.
+        pose: Pose of the base in the odom frame.
+        twist: Its twist.
+    """
+
+    time: float
+    pose: Pose2D
+    twist: Twist2D
+
+    def at(self, time: float) -> Pose2D:
+        """Return where the robot is at a later time [s], if it goes on like this."""
+        ahead = min(max(0.0, time - self.time), _LONGEST_EXTRAPOLATION_S)
+        x, y, yaw = integrate_twist(*self.pose.as_tuple(), self.twist.v, self.twist.w, ahead)
+        return Pose2D(x, y, wrap_angle(yaw))
+
+
+class RobotInputs:
+    """Listens to the robot's clock, transforms, odometry and scans.
+
+    Args:
+        wire: The network.
+        profile: Names of topics and frames.
+        robot: The robot, with its lidars.
+        guard: Is told of jumps.
+        sources: Which publishers are ours.
+        real, wall: Real time [s], from any origin, and this machine's clock.
+
+    Attributes:
+        clock: What time it is there.
+        frames: The transforms.
+        odometry: The newest odometry, or None.
+        map_odom: The newest map → odom from outside, or None.
+        map_odom_is_static: Whether it was sent once for good, on /tf_static.
+        changed: Notified when a scan has arrived.
+    """
+
+    def __init__(
+        self,
+        wire: Wire,
+        profile: Profile,
+        robot: Robot,
+        guard: Guard,
+        sources: Sources,
+        *,
+        real: Callable[[], float] = system.monotonic,
+        wall: Callable[[], float] = system.time,
+    ) -> None:
+        self._wire, self._profile, self._robot, self._guard, self._sources = wire, profile, robot, guard, sources
+        self._real, self._wall = real, wall
+        frame, frames = wire.names.frame, profile.frames
+        self._map, self._odom, self._base = frame(frames.map), frame(frames.odom), frame(frames.base)
+        self.sensors = {name: one for name, one in profile.sensors_of(robot).items() if one.scan or one.points}
+        self.clock, self.frames = RobotClock(), FrameTree()
+        self.odometry: Odometry | None = None
+        self.map_odom: Pose2D | None = None
+        self.map_odom_is_static = False
+        self.changed = threading.Condition()
+        self.odometry_stream, self.tf_stream = Stream("odometry"), Stream("odometry of tf")
+        self.map_odom_stream = Stream("map → odom")
+        self.scan_streams = {name: Stream(f"scans of {name}") for name in self.sensors}
+        self.jumps = 0
+        self._scans: deque[Scan] = deque(maxlen=MOST_SCANS)
+        mounts = Mounts(wire, self.frames, self._base, robot)
+        self._laser = ScanInputs(wire, robot, mounts, self._time_of, self._take_scan, real)
+        self._by_tf: Odometry | None = None
+        self._topic_stamp = -math.inf
+        self._apart: tuple[Pose2D, Pose2D] | None = None
+
+    def open(self) -> None:
+        """Listen."""
+        wire, topics = self._wire, self._profile.topics
+        if topics.clock is not None:
+            wire.listen(topics.clock, "rosgraph_msgs/msg/Clock", AS_IT_COMES, self._take_clock, newest=True)
+        transforms = "tf2_msgs/msg/TFMessage"
+        wire.listen(topics.tf, transforms, Qos(100, "best_effort"), self._take_moving)
+        if topics.tf_static is not None:
+            wire.listen(topics.tf_static, transforms, replace(LATCHED, depth=100), self._take_static)
+        if topics.odom is not None:
+            wire.listen(topics.odom, "nav_msgs/msg/Odometry", AS_IT_COMES, self._take_odometry)
+        for name, sensor in self.sensors.items():
+            self._laser.listen(name, sensor)
+        wire.every_round(self._laser.look)
+
+    # The thread that drives -----------------------------------------------------------------------------------------
+
+    @property
+    def now(self) -> float:
+        """What time it is there [s]."""
+        return self.clock.now(self._wall())
+
+    def take_scans(self) -> list[Scan]:
+        """Return the scans that have arrived since, with times of the robot's clock."""
+        with self.changed:
+            found = list(self._scans)
+            self._scans.clear()
+        return found
+
+    def wait_for_scan(self, timeout_s: float) -> bool:
+        """Wait for a scan, and return whether there is one."""
+        with self.changed:
+            return self.changed.wait_for(lambda: bool(self._scans), max(0.0, timeout_s))
+
+    @property
+    def scan_period(self) -> float | None:
+        """The shortest mean interval between scans of one lidar [s]; None without scans."""
+        periods = [stream.period for stream in self.scan_streams.values() if stream.period is not None]
+        return min(periods) if periods else None
+
+    # Clock and transforms -------------------------------------------------------------------------------------------
+
+    def _take_clock(self, message: Any, source: str) -> None:
+        if self._sources.is_ours(source):
+            return
+        if self.clock.set(readers.read_stamp(message.clock), self._real()):
+            self._jumped("clock jumped", f"the time of {self._profile.topics.clock} has jumped")
+
+    def _jumped(self, kind: str, text: str) -> None:
+        """Forget what was before a jump."""
+        with self.changed:
+            self.jumps += 1
+            self._scans.clear()
+            self._laser.clear()
+            self.frames.clear_moving()
+            self.odometry = self._by_tf = self._apart = None
+            self._topic_stamp = -math.inf
+        self._guard.hold(kind, text, self._real())
+
+    def _take_static(self, message: Any, source: str) -> None:
+        self._take_transforms(message, source, is_static=True)
+
+    def _take_moving(self, message: Any, source: str) -> None:
+        self._take_transforms(message, source, is_static=False)
+
+    def _take_transforms(self, message: Any, source: str, *, is_static: bool) -> None:
+        ours = self._sources.is_ours(source)
+        if ours:
+            return
+        moved = False
+        for one in message.transforms:
+            parent, child = readers.read_frame(one.header.frame_id), readers.read_frame(one.child_frame_id)
+            if (parent, child) == (self._map, self._odom) and ours is None and self._is_own(one):
+                continue
+            stamp = readers.read_stamp(one.header.stamp)
+            try:
+                why = self.frames.add(parent, child, readers.read_matrix(one.transform), None if is_static else stamp)
+            except InputError as error:
+                why = str(error)
+            if why:
+                self._wire.warn(
+                    f"tf: {child}", f"a transform of {self._wire.describe_source(source)} is dropped: {why}"
+                )
+                continue
+            if (parent, child) == (self._map, self._odom):
+                self.map_odom_is_static = is_static
+                self._take_map_odom()
+            elif child in self.frames.moved:
+                first, second = self.frames.moved.pop(child)
+                self._wire.warn(
+                    f"tf: two parents of {child}",
+                    f"tf has two parents of {child}: {first} and {second}; the newest counts",
+                )
+            moved |= not is_static and parent != self._map
+        if moved:
+            self._take_odometry_of_tf()
+
+    published: Pose2D | None = None
+    """map → odom as it was last published here: the transport may send it back without saying whose it is."""
+
+    def _is_own(self, transform: Any) -> bool:
+        sent = self.published
+        if sent is None:
+            return False
+        at = transform.transform.translation
+        return abs(at.x - sent.x) < 0.5 and abs(at.y - sent.y) < 0.5
+
+    def _take_map_odom(self) -> None:
+        found = self.frames.find(self._map, self._odom)
+        if found is not None:
+            self.map_odom = found.pose
+            self.map_odom_stream.mark(self._real())
+
+    def _take_odometry_of_tf(self) -> None:
+        found = self.frames.find(self._odom, self._base)
+        if found is None or found.time is None:
+            return
+        before, pose = self._by_tf, found.pose
+        if before is not None and found.time <= before.time and found.time != 0.0:
+            return
+        time = self._time_of(found.time, "tf")
+        if time is None:
+            return
+        twist = Twist2D()
+        if before is not None and 0.0 < time - before.time < 1.0:
+            step, passed = before.pose.inverse() @ pose, time - before.time
+            twist = Twist2D(step.x / passed, step.yaw / passed)
+            if passed < 0.03:  # smooth: a short interval makes large speeds of small errors
+                twist = Twist2D(0.5 * (twist.v + before.twist.v), 0.5 * (twist.w + before.twist.w))
+        self._by_tf = Odometry(time, pose, twist)
+        self.tf_stream.mark(self._real())
+        if not self.odometry_stream.count or self.odometry_stream.silent_s(self._real()):
+            self._put_odometry(self._by_tf)
+
+    # Odometry -------------------------------------------------------------------------------------------------------
+
+    def _take_odometry(self, message: Any, source: str) -> None:
+        try:
+            stamp, pose, twist = read_odometry(message)
+        except BadInputError as error:
+            self._drop("odometry", error.kind, str(error), source)
+            return
+        frame, child = readers.read_frame(message.header.frame_id), readers.read_frame(message.child_frame_id)
+        if (frame, child) != (self._odom, self._base):
+            self._wire.warn(
+                "odometry: frames",
+                f"the odometry has frames {frame!r} and {child!r} in place of {self._odom!r} and {self._base!r}; it is "
+                "taken as it is",
+            )
+        if not np.any(message.pose.covariance):
+            self._wire.warn("odometry: covariance of 0", "the odometry has a covariance of 0, which is no covariance")
+        time = self._time_of(stamp, "odometry")
+        if time is None:
+            return
+        last = self.odometry
+        is_repeated = last is not None and time <= last.time and self.odometry_stream.count
+        if is_repeated and stamp > self._topic_stamp:  # tf was faster, while the topic was silent
+            self._topic_stamp = stamp
+            self.odometry_stream.mark(self._real())
+            return
+        self._topic_stamp = stamp
+        if last is not None and is_repeated:
+            if stamp != 0.0:
+                self._wire.warn(
+                    "odometry: repeated stamp", "an odometry is not newer than the one before: it is dropped"
+                )
+                return
+            time = math.nextafter(last.time, math.inf)
+        self.odometry_stream.mark(self._real())
+        self._put_odometry(Odometry(time, pose, twist))
+        self._compare(pose)
+
+    def _put_odometry(self, new: Odometry) -> None:
+        last, limits = self.odometry, self._robot.limits
+        if last is not None:
+            passed = max(new.time - last.time, 0.02)
+            moved, turned = last.pose.distance_to(new.pose), abs(wrap_angle(new.pose.yaw - last.pose.yaw))
+            fast, quick = JUMP_TIMES * limits.linear_speed * passed, JUMP_TIMES * limits.angular_speed * passed
+            if moved > JUMP_M + fast or turned > JUMP_RAD + quick:
+                self._jumped("odometry jumped", f"the odometry has jumped by {moved:.2f} m and {turned:.2f} rad")
+        with self.changed:
+            self.odometry = new
+
+    def _compare(self, pose: Pose2D) -> None:
+        """Let the robot stand where the topic and tf have moved differently since both began."""
+        other = self._by_tf
+        if other is None or self.tf_stream.silent_s(self._real()) or self.odometry is None:
+            self._apart = None
+            return
+        if abs(other.time - self.odometry.time) > 0.1:
+            return
+        if self._apart is None:
+            self._apart = pose, other.pose
+            return
+        first, first_tf = self._apart
+        one, two = first.inverse() @ pose, first_tf.inverse() @ other.pose
+        if one.distance_to(two) > APART_M or abs(wrap_angle(one.yaw - two.yaw)) > APART_RAD:
+            text = f"the odometry of its topic and that of tf are {one.distance_to(two):.2f} m apart"
+            self._guard.hold("odometry disagrees", text, self._real())
+
+    def _take_scan(self, scan: Scan) -> None:
+        self.scan_streams[scan.lidar].mark(self._real())
+        with self.changed:
+            self._scans.append(scan)
+            self.changed.notify_all()
+
+    # Stamps ---------------------------------------------------------------------------------------------------------
+
+    def _time_of(self, stamp: float, what: str) -> float | None:
+        """Return the time that a stamp stands for [s]; None where it is of another time, and the message is dropped."""
+        wall = self._wall()
+        if stamp == 0.0:
+            self._wire.warn(f"{what}: stamp of 0", f"{what}: stamps are 0; messages count as sent when they arrive")
+            return self.clock.now(wall)
+        self.clock.see(stamp, wall)
+        now = self.clock.now(wall)
+        if stamp > now + AHEAD_S:
+            self._drop(what, "stamp in the future", f"its stamp {stamp:.3f} s is ahead of the time {now:.3f} s", "")
+            return None
+        if stamp < now - OLD_S:
+            self._drop(what, "stamp in the past", f"its stamp {stamp:.3f} s is {now - stamp:.2f} s old", "")
+            return None
+        return stamp
+
+    def _drop(self, what: str, kind: str, text: str, source: str) -> None:
+        self._wire.warn(
+            f"{what}: {kind}",
+            lambda: f"{what}: a message of {self._wire.describe_source(source)} is dropped: {text}",
+        )
+
+    # Rules of the guard ---------------------------------------------------------------------------------------------
+
+    def silences(self, now: float) -> Reasons:
+        """Return what has fallen silent, each by its own rate, apart from the odometry; a rule of the guard."""
+        found: Reasons = {}
+        streams = list(self.scan_streams.values())
+        if self.clock.is_simulated:
+            streams.append(self.clock.stream)
+        for stream in streams:
+            silent = stream.silent_s(now)
+            if silent:
+                found[f"{stream.name} silent"] = f"{stream.name}: nothing new for {silent:.2f} s"
+            elif not stream.count:
+                found[f"{stream.name} missing"] = f"{stream.name}: nothing has come yet"
+        return found
+
+    @property
+    def odometry_silent(self) -> bool:
+        """Whether neither the topic nor tf has sent odometry lately."""
+        now = self._real()
+        streams = [one for one in (self.odometry_stream, self.tf_stream) if one.count]
+        return all(one.silent_s(now) > 0.0 for one in streams)

@@ -1,0 +1,144 @@
+"""`RemoteLocalizer`: where a robot is that was not told, or that others locate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from trundle.errors import InputError
+from trundle.geometry import FloatArray, Pose2D
+from trundle.localization import Localizer
+from trundle.observation import Estimate, Observation
+
+_NOWHERE = Pose2D(0.0, 0.0)
+
+
+class RemoteLocalizer(Localizer):
+    """Gives a localizer its pose once there is one and the robot has sent its odometry; before, the robot is lost.
+
+    A run that begins again does not move the robot: it goes on where it was.
+
+    Args:
+        inner: What estimates the pose.
+        start: Where the robot is at first, map frame; None where that is to be told.
+        is_ready: Whether the robot has sent its odometry, without which a pose cannot be kept.
+        needs_scan: Whether the robot is located only once a scan was seen.
+
+    Attributes:
+        is_located: Whether the robot knows where it is, so that it may drive.
+        is_told: Whether it was told where it is, or is to search.
+    """
+
+    def __init__(
+        self, inner: Localizer, start: Pose2D | None, is_ready: Callable[[], bool], *, needs_scan: bool
+    ) -> None:
+        self._inner, self._is_ready, self._needs_scan = inner, is_ready, needs_scan
+        self._pending: tuple[Pose2D | None, FloatArray | None] | None = None if start is None else (start, None)
+        self._shown = _NOWHERE if start is None else start
+        self._seed = 0
+        self._begins = True
+        self._last: Estimate | None = None
+        self.is_told = False
+        self.is_located = False
+
+    @property
+    def waits_for_pose(self) -> bool:
+        """Whether nobody has said where the robot is."""
+        return not self.is_told and self._pending is None
+
+    @property
+    def shown(self) -> Pose2D:
+        """Where the robot is, as far as that is known; map frame."""
+        return self._shown
+
+    def begin(self) -> None:
+        """Take the next `reset` as that of a run that begins, which says nothing new."""
+        self._begins = True
+
+    def reset(self, pose: Pose2D | None, *, covariance: FloatArray | None = None, seed: int = 0) -> None:
+        """Start over with the robot at `pose`, once its odometry is there."""
+        self._seed, self._last = seed, None
+        if self._begins:
+            self._begins = False
+            return
+        if not self.is_told or not self._is_ready():
+            self._pending = pose, covariance
+            if pose is not None:
+                self._shown = pose
+            return
+        self._tell(pose, covariance)
+
+    def reinitialize_global(self) -> None:
+        """Search the whole map."""
+        if self.is_told:
+            self._inner.reinitialize_global()
+        else:
+            self._pending = None, None
+
+    def doubt(self) -> None:
+        """Take note that nobody knows any more how the robot has moved: its pose has to be told again."""
+        self.is_told = self.is_located = False
+        self._pending = None
+        self._last = None
+
+    def update(self, observation: Observation) -> Estimate:
+        """Return where the robot is: the same where the observation is the same."""
+        if self._last is not None and self._last.time == observation.time:
+            return self._last
+        if self._pending is not None and self._is_ready():
+            pose, covariance = self._pending
+            self._pending = None
+            self._tell(pose, covariance)
+        if not self.is_told:
+            origin = self._shown @ observation.odometry.inverse()
+            return Estimate(observation.time, self._shown, None, origin, state="lost")
+        self._last = found = self._inner.update(observation)
+        self._shown = found.pose
+        if not self.is_located and found.state == "localized" and (observation.scans or not self._needs_scan):
+            self.is_located = True
+        return found
+
+    def _tell(self, pose: Pose2D | None, covariance: FloatArray | None) -> None:
+        self.is_located = False
+        try:
+            self._inner.reset(pose, covariance=covariance, seed=self._seed)
+        except InputError:
+            self.is_told = False
+            raise
+        self.is_told = True
+
+
+class TfLocalizer(Localizer):
+    """The robot is where map → odom from outside puts it.
+
+    Args:
+        find: Gives map → odom as it is now, or None.
+
+    Attributes:
+        is_located: Whether there is a map → odom.
+    """
+
+    def __init__(self, find: Callable[[], Pose2D | None]) -> None:
+        self._find = find
+        self._known: Pose2D | None = None
+        self.is_located = False
+        self.waits_for_pose = False
+
+    def begin(self) -> None:
+        """Do nothing: where the robot is comes from outside."""
+
+    def reset(self, pose: Pose2D | None, *, covariance: FloatArray | None = None, seed: int = 0) -> None:
+        """Do nothing: the pose comes from outside."""
+
+    def doubt(self) -> None:
+        """Wait for a new map → odom."""
+        self._known = None
+        self.is_located = False
+
+    def update(self, observation: Observation) -> Estimate:
+        """Return where the robot is by map → odom."""
+        found = self._find()
+        self._known = self._known if found is None else found
+        if self._known is None:
+            return Estimate(observation.time, observation.odometry, state="lost")
+        self.is_located = True
+        return Estimate(observation.time, self._known @ observation.odometry, None, self._known)

@@ -1,0 +1,226 @@
+"""`RemoteRole`: trundle's navigator on a robot that is somewhere else; `GoalDrive`: drives to goals and ends."""
+
+from __future__ import annotations
+
+import time as system
+from collections.abc import Callable, Sequence
+
+from trundle.control.latency import Latency
+from trundle.errors import TrundleError
+from trundle.geometry import Goal
+from trundle.mission import Cancel, End, Episode, Observer, RunInfo, Session, SetGoal, SetGoals, Step, TaskEnd
+from trundle.mission.simulation import SessionOptions
+from trundle.ros2.navigator_role.context import NAVIGATOR
+from trundle.ros2.navigator_role.role import NavigatorOutputs, NavigatorRole
+from trundle.ros2.outputs.output import Output
+from trundle.ros2.remote.guard import Guard, GuardedMonitor
+from trundle.ros2.remote.inputs import RobotInputs
+from trundle.ros2.remote.localizer import RemoteLocalizer, TfLocalizer
+from trundle.ros2.remote.publishing import StartPose
+from trundle.ros2.remote.robot import RemoteRobot
+from trundle.ros2.role import BridgeContext
+
+NOT_LOCATED = "the robot does not know yet where it is: give its pose on /initialpose, or with --start"
+
+WAITS_S = 60.0
+"""A drive to goals is given up where the robot may not drive for so long [s of real time]."""
+
+_LATENCY_S, _LATENCY_STEP_S, _MOST_LATENCY_S = 1.0, 0.02, 0.3
+
+
+class LocatedOutput:
+    """Publishes where the robot is, once it knows that.
+
+    Args:
+        inner: The output.
+        localizer: Knows whether it knows.
+        published: Called before each message.
+    """
+
+    def __init__(self, inner: Output, localizer: RemoteLocalizer | TfLocalizer, published: Callable[[], None]) -> None:
+        self._inner, self._localizer, self._published = inner, localizer, published
+
+    def publish(self, step: Step, time: float) -> None:
+        """Publish it, if the robot knows where it is."""
+        if self._localizer.is_located:
+            self._published()
+            self._inner.publish(step, time)
+
+
+class RemoteRole(NavigatorRole):
+    """The navigator, whose robot is on the network.
+
+    Args:
+        context: What it plugs into.
+        robot: The robot.
+        inputs: What it sends.
+        localizer: Where it is.
+        guard: Why it must stand.
+        monitor: What every command passes.
+        locates: Whether trundle locates it, and publishes map → odom; else others do.
+        delay_s: How late commands arrive [s]; None where that is taken from the age of stamps.
+    """
+
+    def __init__(
+        self,
+        context: BridgeContext,
+        robot: RemoteRobot,
+        inputs: RobotInputs,
+        localizer: RemoteLocalizer | TfLocalizer,
+        guard: Guard,
+        monitor: GuardedMonitor,
+        *,
+        locates: bool,
+        delay_s: float | None,
+    ) -> None:
+        super().__init__(context)
+        self._robot, self._inputs, self._localizer, self._guard = robot, inputs, localizer, guard
+        self._monitor, self._locates, self._delay_s = monitor, locates, delay_s
+        self._applied_s, self._looked_s = -1.0, 0.0
+
+    def open(self) -> None:
+        """Open topics, services and actions."""
+        super().open()
+        kept = [one for one in self._outputs if one is not self._pose_output]
+        if self._locates:
+            kept.insert(0, LocatedOutput(self._pose_output, self._localizer, self._note_map_odom))
+        self._outputs = kept
+
+    def use_start(self, start: StartPose) -> None:
+        """Let what is published on /initialpose not come back as a pose from others."""
+        self._kit.is_own_pose = start.is_own
+
+    def begin(self, observers: Sequence[Observer], seed: int | None) -> Session:
+        """Begin a run where the robot is; it waits for goals."""
+        self._pose_output.begin()
+        self._localizer.begin()
+        options: SessionOptions = {"localizer": self._localizer, "latency": None, "monitor": self._monitor}
+        outputs = NavigatorOutputs(self._kit, self._outputs, self._markers)
+        agent = self._context.mission.navigator
+        return self._context.begin_session(agent, [_First(self), *observers, outputs], seed, options)
+
+    def lost(self, why: str) -> None:
+        """Cancel what runs: whoever asked for it, and the robot, are out of reach."""
+        super().lost(why)
+        if why:
+            self._context.driver.steering.put(Cancel(), by=NAVIGATOR)
+
+    def follow(self, step: Step) -> None:
+        """Keep the time of the network, the latency, and whether goals are taken."""
+        context = self._context
+        context.clock.offset = self._robot.offset
+        context.clock.set(step.state.time)
+        tasks, located = self._kit.tasks, self._localizer.is_located
+        if not located and not tasks.refuses:
+            tasks.refuses = NOT_LOCATED
+        elif located and tasks.refuses == NOT_LOCATED:
+            tasks.refuses = ""
+        if step.state.time - self._looked_s >= _LATENCY_S:
+            self._looked_s = step.state.time
+            self._compensate()
+
+    def _compensate(self) -> None:
+        """Let the navigator plan for the pose that the robot has when a command arrives.
+
+        Odometry is taken as of now, by its stamps. Nobody stamps when a command takes effect: it is taken to travel for
+        as long as the stamps say that odometry does.
+        """
+        delay = min(self._inputs.clock.age, _MOST_LATENCY_S) if self._delay_s is None else self._delay_s
+        if abs(delay - self._applied_s) < _LATENCY_STEP_S:
+            return
+        self._applied_s = delay
+        latency = Latency(command_delay_s=delay)
+        self._context.mission.navigator.set_latency(latency)
+        self._monitor.set_latency(latency)
+
+    def _note_map_odom(self) -> None:
+        self._inputs.published = self._kit.beliefs.now.map_odom
+
+
+class _First:
+    """Comes before all other observers: they need the time of the network."""
+
+    def __init__(self, role: RemoteRole) -> None:
+        self._role = role
+
+    def on_start(self, run: RunInfo) -> None:
+        """Do nothing: the first period tells the time."""
+
+    def on_step(self, step: Step) -> None:
+        """Keep the time of the network."""
+        self._role.follow(step)
+
+    def on_end(self, episode: Episode) -> None:
+        """Do nothing."""
+
+
+class GoalDrive:
+    """Drives to goals once the robot knows where it is, and ends the run; an observer.
+
+    Args:
+        goals: The goals, in order.
+        context: The bridge.
+        localizer: Knows whether the robot may drive.
+        guard: Why it must stand.
+
+    Attributes:
+        waits_s: The drive is given up where the robot may not drive for so long [s of real time].
+        arrived: Whether it has arrived at all of them.
+        message: How it ended.
+    """
+
+    def __init__(
+        self,
+        goals: Sequence[Goal],
+        context: BridgeContext,
+        localizer: RemoteLocalizer | TfLocalizer,
+        guard: Guard,
+        *,
+        waits_s: float = WAITS_S,
+    ) -> None:
+        self._goals, self._context, self._localizer, self._guard = tuple(goals), context, localizer, guard
+        self.waits_s = waits_s
+        self._given = False
+        self._held_since: float | None = None
+        self.arrived = False
+        self.message = ""
+
+    def on_start(self, run: RunInfo) -> None:
+        """Do nothing: the goals wait for the robot."""
+
+    def on_step(self, step: Step) -> None:
+        """Give the goals once the robot may drive; give up where it may not for too long."""
+        now = system.monotonic()
+        reasons = self._guard.reasons
+        if not reasons:
+            self._held_since = None
+            if not self._given:
+                self._given = True
+                goals = self._goals
+                directive = SetGoal(goals[0]) if len(goals) == 1 else SetGoals(goals, through=False)
+                self._context.driver.steering.put(directive, by="--goal", watcher=self)
+            return
+        if self._held_since is None:
+            self._held_since = now
+        elif now - self._held_since > self.waits_s:
+            self._end(f"the robot had to stand for {self.waits_s:g} s: {'; '.join(reasons.values())}")
+
+    def on_end(self, episode: Episode) -> None:
+        """Do nothing."""
+
+    def begin(self, time: float) -> None:
+        """Do nothing: the run has taken up the goals."""
+
+    def refuse(self, error: TrundleError) -> None:
+        """End: there is no path."""
+        self._end(str(error))
+
+    def end(self, end: TaskEnd) -> None:
+        """End: the goals are reached, or given up."""
+        self.arrived = end.result == "succeeded"
+        self._end("arrived" if self.arrived else end.message or end.result)
+
+    def _end(self, message: str) -> None:
+        if not self.message:
+            self.message = message
+            self._context.driver.steering.put(End(message), by="--goal")

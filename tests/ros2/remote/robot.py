@@ -1,0 +1,157 @@
+"""A robot on a network in memory, which behaves as badly as it is told."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ros2.fake_transport import FakeNetwork
+from trundle.geometry import Pose2D, Twist2D
+from trundle.maps import OccupancyGrid
+from trundle.messages import Codec, MessageMaker, Qos
+from trundle.observation import Scan
+from trundle.robots import Robot
+from trundle.sim import simulate
+from trundle.worlds import World
+
+PERIOD_S = 0.02
+LATCHED = Qos(10, durability="transient_local")
+
+
+@dataclass
+class Habits:
+    """What a robot sends, and how; all may be changed while it runs."""
+
+    clock: bool = True
+    clock_every: int = 1
+    scans: bool = True
+    odometry: bool = True
+    tf: bool = True
+    static: bool = True
+    map_odom: Pose2D | None = None
+    stamps: bool = True
+    ahead_s: float = 0.0
+    speed_share: float = 1.0
+    when_commanded: bool = False
+    waits_for_pose: bool = False
+    odometry_shift: Pose2D = Pose2D(0.0, 0.0)
+    tf_shift: Pose2D = Pose2D(0.0, 0.0)
+    frame: str = ""
+    listens: bool = True
+    edit_scan: Callable[[Any], None] | None = None
+
+
+class FakeRobot:
+    """Simulates a robot in real time, and publishes what a robot does.
+
+    Attributes:
+        habits: How it behaves.
+        pose: Where it truly is.
+        commands: (real time, command) of all that were heard.
+        contacts: What it has touched.
+    """
+
+    def __init__(self, network: FakeNetwork, codec: Codec, grid: OccupancyGrid, robot: Robot, start: Pose2D) -> None:
+        self.habits = Habits()
+        self.robot, self._start = robot, start
+        self._world = World.from_map(grid)
+        self._sim = simulate(self._world, robot, backend="kinematic", lidar=True)
+        self.network, self.codec, self.make = network, codec, MessageMaker(codec)
+        self.transport = network.transport("robot")
+        self._writers: dict[str, Any] = {}
+        self._inputs = [
+            (self.transport.subscription("/cmd_vel", kind, Qos()), kind) for kind in ("geometry_msgs/msg/Twist",)
+        ]
+        self._poses: Any = None
+        self.pose, self.time, self.commands, self.contacts = start, 100.0, [], []
+        self.twist = Twist2D()
+        self.told: list[Any] = []
+        self._ends = threading.Event()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+
+    def start(self) -> None:
+        if self.habits.waits_for_pose:
+            kind = "geometry_msgs/msg/PoseWithCovarianceStamped"
+            self._poses = self.transport.subscription("/initialpose", kind, Qos()), kind
+        self._thread.start()
+
+    def close(self) -> None:
+        self._ends.set()
+        if self._thread.is_alive():
+            self._thread.join(5.0)
+        self._sim.close()
+
+    def send(self, topic: str, message: Any, qos: Qos | None = None) -> None:
+        key = topic + message.__msgtype__
+        if key not in self._writers:
+            self._writers[key] = self.transport.publisher(topic, message.__msgtype__, qos or Qos())
+        self._writers[key].write(self.codec.encode(message))
+
+    def _run(self) -> None:
+        state = self._sim.reset(self._start)
+        command, heard, ticks = Twist2D(), -10.0, 0
+        due = time.monotonic()
+        if self.habits.static:
+            self.send("/tf_static", self.make.transforms(self._mounts()), LATCHED)
+        while not self._ends.is_set():
+            due += PERIOD_S
+            time.sleep(max(0.0, due - time.monotonic()))
+            habits = self.habits
+            for reader, kind in self._inputs:
+                for sample in reader.take():
+                    message = self.codec.decode(kind, sample.data)
+                    command = Twist2D(message.linear.x, message.angular.z)
+                    heard = time.monotonic()
+                    self.commands.append((heard, command))
+            if self._poses is not None:
+                self.told += [self.codec.decode(self._poses[1], one.data) for one in self._poses[0].take()]
+            if time.monotonic() - heard > 0.5:
+                command = Twist2D()
+            share = habits.speed_share if habits.listens and not (habits.waits_for_pose and not self.told) else 0.0
+            state = self._sim.step(Twist2D(share * command.v, share * command.w), PERIOD_S)
+            self.pose, self.twist, self.contacts = state.pose, state.twist, self.contacts + list(state.contacts)
+            self.time += PERIOD_S
+            ticks += 1
+            if habits.waits_for_pose and not self.told:
+                continue
+            self._publish(state, ticks, was_commanded=time.monotonic() - heard < 0.3)
+
+    def _publish(self, state: Any, ticks: int, *, was_commanded: bool) -> None:
+        habits, make = self.habits, self.make
+        stamp = self.time + habits.ahead_s if habits.stamps else 0.0
+        if habits.clock and ticks % habits.clock_every == 0:
+            self.send("/clock", make.clock(self.time))
+        odometry = habits.odometry_shift @ (self._start.inverse() @ state.odometry)
+        if habits.tf:
+            transforms = [make.transform(stamp, "odom", "base_link", habits.tf_shift @ odometry)]
+            if habits.map_odom is not None:
+                transforms.append(make.transform(stamp, "map", "odom", habits.map_odom))
+            self.send("/tf", make.transforms(transforms))
+        if habits.odometry and (was_commanded or not habits.when_commanded):
+            self.send("/odom", make.odometry(stamp, "odom", "base_link", odometry, state.twist))
+        for scan in state.scans:
+            if habits.scans:
+                self._send_scan(scan, stamp)
+
+    def _send_scan(self, scan: Scan, stamp: float) -> None:
+        topic = "scan" if len(self.robot.lidars) == 1 else f"{scan.lidar}/scan"
+        frame = self.habits.frame or (scan.lidar if "lidar" in scan.lidar else f"lidar_{scan.lidar}")
+        message = self.make.scan(replace(scan, time=stamp), frame)
+        if self.habits.edit_scan is not None:
+            self.habits.edit_scan(message)
+        self.send(f"/{topic}", message)
+
+    def _mounts(self) -> list[Any]:
+        return [
+            self.make.transform(
+                0.0,
+                "base_link",
+                name if "lidar" in name else f"lidar_{name}",
+                Pose2D(lidar.x, lidar.y, lidar.yaw),
+                lidar.z,
+            )
+            for name, lidar in self.robot.lidars.items()
+        ]

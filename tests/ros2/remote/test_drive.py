@@ -1,0 +1,91 @@
+"""A robot that is somewhere else is driven to its goal, whatever it is like."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from ros2.navigator_role.conftest import wait_for
+from ros2.remote.conftest import STAND, START, Remote
+from trundle.geometry import Pose2D
+from trundle.mission import Pause, SetGoal
+
+Navigate = Callable[..., Remote]
+GOAL = (3.6, 2.6)
+
+
+def check_arrival(remote: Remote) -> None:
+    """It has truly arrived, and touched nothing."""
+    remote.wait_for_end()
+    drive = remote.bridge.drive
+    assert drive is not None
+    assert drive.arrived, drive.message
+    assert remote.robot.pose.distance_to(Pose2D(*GOAL)) < 0.3
+    assert not remote.robot.contacts
+
+
+@pytest.mark.parametrize("localizer", ["odometry", "amcl", "tf"])
+def test_a_robot_is_driven_to_its_goal(navigate: Navigate, localizer: str) -> None:
+    by_tf = localizer == "tf"
+    remote = navigate(
+        localizer=localizer, start=None if by_tf else START, habits={"map_odom": START if by_tf else None}
+    )
+    check_arrival(remote)
+    assert remote.robot.commands[-1][1] == STAND
+
+
+@pytest.mark.parametrize(
+    ("habits", "remark"),
+    [
+        ({"stamps": False}, "odometry: stamp of 0"),
+        ({"ahead_s": 0.18, "clock_every": 5}, ""),
+        ({"speed_share": 0.5}, ""),
+        ({"odometry": False}, ""),
+        ({"tf": False, "static": False, "frame": "somewhere"}, ""),
+        ({"clock": False, "stamps": False}, "odometry: stamp of 0"),
+        ({"waits_for_pose": True, "when_commanded": True, "tf": False}, ""),
+    ],
+    ids=["stamps of 0", "stamps ahead", "half speed", "only tf", "no tf", "wall time", "waits for its pose"],
+)
+def test_quirks_of_robots_are_taken_as_they_are(navigate: Navigate, habits: dict[str, object], remark: str) -> None:
+    remote = navigate(habits=habits)
+    check_arrival(remote)
+    assert not remark or remark in remote.kinds
+
+
+def test_nothing_is_commanded_before_the_robot_is_located(navigate: Navigate) -> None:
+    remote = navigate(start=None, localizer="amcl")
+    wait_for(lambda: remote.bridge.localizer.waits_for_pose and remote.bridge.inputs.odometry is not None)
+    wait_for(lambda: "not located" in remote.reasons)
+    wait_for(lambda: all(one.count > 10 for one in remote.bridge.inputs.scan_streams.values()))
+    assert not remote.robot.commands
+    make = remote.robot.make
+    remote.robot.send("/initialpose", make.pose_estimate(0.0, START, None))
+    check_arrival(remote)
+
+
+def test_a_paused_robot_stands_and_goes_on(navigate: Navigate) -> None:
+    remote = navigate()
+    remote.wait_until_moving()
+    remote.put(Pause(True))
+    assert remote.wait_until_standing() < 0.6
+    remote.put(Pause(False))
+    check_arrival(remote)
+
+
+def test_a_goal_that_cannot_be_reached_ends_the_drive(navigate: Navigate) -> None:
+    remote = navigate(goal=(2.3, 5.5))
+    remote.wait_for_end()
+    drive = remote.bridge.drive
+    assert drive is not None
+    assert not drive.arrived
+    assert drive.message
+    assert all(command == STAND for _, command in remote.robot.commands)
+
+
+def test_it_waits_for_goals_without_one(navigate: Navigate) -> None:
+    remote = navigate(goal=None)
+    wait_for(lambda: not remote.reasons and remote.bridge.localizer.is_located)
+    remote.put(SetGoal((4.0, 2.0)))
+    wait_for(lambda: remote.robot.pose.distance_to(Pose2D(4.0, 2.0)) < 0.3)

@@ -1,0 +1,121 @@
+"""`trundle ros2 navigate` drives the robot of `trundle ros2 serve`, in two processes over Cyclone DDS."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+pytest.importorskip("rosbags", reason="rosbags is not installed")
+pytest.importorskip("cyclonedds", reason="cyclonedds is not installed, or has no wheel here")
+
+Start = Callable[..., subprocess.Popen[str]]
+
+
+@pytest.fixture
+def start() -> Iterator[Start]:
+    """Starts `trundle ros2` on a domain of its own; what runs is ended after the test."""
+    domain = str(random.SystemRandom().randrange(1, 102))
+    made: list[subprocess.Popen[str]] = []
+
+    def start(*arguments: str) -> subprocess.Popen[str]:
+        command = [
+            sys.executable,
+            "-m",
+            "trundle",
+            "ros2",
+            *arguments,
+            "--transport",
+            "dds",
+            "--domain",
+            domain,
+            "--json",
+        ]
+        made.append(subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True))
+        return made[-1]
+
+    yield start
+    for process in made:
+        process.kill()
+        process.communicate()
+
+
+def end(process: subprocess.Popen[str], number: int = signal.SIGINT) -> dict[str, Any]:
+    """End a process, and return how it says that it ended."""
+    process.send_signal(number)
+    out, _ = process.communicate(timeout=30)
+    return json.loads(out.splitlines()[-1])
+
+
+@pytest.fixture
+def served(start: Start) -> subprocess.Popen[str]:
+    """A robot whose odometry drifts."""
+    serve = start(
+        *("serve", "warehouse", "--robot", "nova_carter", "--start", "0,0,0", "--backend", "kinematic"),
+        *("--odometry", "scale=0.01", "--odometry", "heading=1deg"),
+    )
+    assert serve.stdout is not None
+    assert json.loads(serve.stdout.readline())["role"] == "simulator"
+    return serve
+
+
+NAVIGATE = ("navigate", "warehouse", "--robot", "nova_carter", "--start", "0,0,0")
+
+
+def test_it_drives_there_and_exits_with_0(start: Start, served: subprocess.Popen[str]) -> None:
+    navigate = start(*NAVIGATE, "--goal", "4,0")
+    out, said = navigate.communicate(timeout=90)
+    assert navigate.returncode == 0, out.splitlines()[-1] + said
+    ended = json.loads(out.splitlines()[-1])
+    assert ended["message"] == "arrived"
+    assert end(served)["distance_m"] > 3.5
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_the_robot_stands_after_the_end(start: Start, served: subprocess.Popen[str], number: int) -> None:
+    navigate = start(*NAVIGATE, "--goal", "12,0")
+    assert navigate.stdout is not None
+    navigate.stdout.readline()
+    time.sleep(6.0)
+    navigate.send_signal(number)
+    navigate.communicate(timeout=30)
+    assert navigate.returncode == 1
+    ended = end(served)
+    assert ended["distance_m"] > 0.2
+    assert "cmd_vel: timeout" not in ended["warnings"]
+
+
+def test_without_a_robot_it_says_what_is_missing(start: Start) -> None:
+    navigate = start(*NAVIGATE, "--goal", "4,0")
+    assert navigate.stdout is not None
+    navigate.stdout.readline()
+    time.sleep(3.0)
+    stops = end(navigate)["stops"]
+    assert "odometry missing" in stops
+    assert "scans of front missing" in stops
+
+
+def test_kill_int_ends_a_server_that_was_started_in_the_background() -> None:
+    """A shell without job control lets background processes ignore SIGINT."""
+    script = f"{sys.executable} -m trundle ros2 serve warehouse --transport dds --domain 99 --json & echo $!; wait"
+    shell = subprocess.Popen(["sh", "-c", script], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    assert shell.stdout is not None
+    number = int(shell.stdout.readline())
+    try:
+        shell.stdout.readline()  # what is offered
+        os.kill(number, signal.SIGINT)
+        out, _ = shell.communicate(timeout=20)
+        assert json.loads(out)["message"] == "stopped by Ctrl-C"
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(number, signal.SIGKILL)
+        shell.kill()
