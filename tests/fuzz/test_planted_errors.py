@@ -194,6 +194,8 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "flood": ("components", fuzz_components, "flood_free", one_more),
     "largest area": ("components", fuzz_components, "flood_largest", one_more),
     "rays through cells": ("rays", fuzz_rays, "cast_grid_rays", scaled(1e-3)),
+    "rays that jump": ("rays", fuzz_rays, "cast_jumping_rays", scaled(1e-15)),
+    "free squares": ("rays", fuzz_rays, "chebyshev_field", one_more),
     "rays to outlines": ("rays", fuzz_rays, "cast_outline_rays", scaled(1e-2)),
     "lone hits": ("rays", fuzz_rays, "find_lone_hits", one_more),
     "what has moved": ("rays", fuzz_rays, "find_moved", part(0, lambda velocities: velocities * 1.001)),

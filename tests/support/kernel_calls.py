@@ -155,6 +155,8 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "grid_search": lambda: _core.grid_search(
         COSTS, np.where(np.arange(256) < 253, 1, 0).astype(np.uint16), START, GOAL, 8, 10.0, None
     ),
+    "cast_jumping_rays": lambda: _core.cast_jumping_rays(BLOCKED, 12.0, 0.5, np.linspace(0.0, 6.0, 40), 30.0),
+    "chebyshev_field": lambda: _core.chebyshev_field(BLOCKED),
     "cast_grid_rays": lambda: _core.cast_grid_rays(BLOCKED, 12.0, 0.5, np.linspace(0.0, 6.0, 40), 30.0),
     "HybridAStar": lambda: _core.HybridAStar(**HYBRID).bytes,
     "HybridAStar.plan": lambda: HYBRID_ASTAR.plan(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from trundle._core import cast_grid_rays, cast_outline_rays
+from trundle._core import cast_jumping_rays, cast_outline_rays
 from trundle.geometry import FloatArray, Pose2D
 from trundle.geometry.solids import Cylinder, OccupancyCells, Sphere
 from trundle.sim.footprint import CellField
@@ -62,9 +62,8 @@ class WorldOutline:
         step = float(angles[-1] - angles[0]) / (count - 1) if count > 1 else 1.0
         distances = cast_outline_rays(self._segments, self._discs, x, y, float(angles[0]), step, count, reach)
         for field in self.fields:
-            inverse, scale = field.frame.inverse(), field.resolution
+            inverse, scale = field.inverse, field.resolution
             local = inverse @ Pose2D(x, y)
-            cells = field.blocked.view(np.uint8)
-            hits = cast_grid_rays(cells, local.x / scale, local.y / scale, angles + inverse.yaw, reach / scale)
+            hits = cast_jumping_rays(field.free, local.x / scale, local.y / scale, angles + inverse.yaw, reach / scale)
             np.minimum(distances, hits * scale, out=distances)
         return distances
