@@ -50,10 +50,11 @@ def test_three_that_ask_the_same_make_one_call_for_each_scan(calls):
 @pytest.mark.parametrize("other", ["place", "scan before", "no scan before"])
 def test_another_place_or_scan_before_is_another_question(calls, other):
     now = scan(0.1, b100=2.0)
+    before = scan(0.0, b100=2.0)
     first, second = LoneHits(), LoneHits()
-    first.without(scan(0.0, b100=2.0), HERE, put=math.nan)
+    first.without(before, HERE, put=math.nan)
     assert first.without(now, HERE, put=math.nan) is now  # seen before at the same place
     if other != "no scan before":
-        second.without(scan(0.0) if other == "scan before" else scan(0.0, b100=2.0), HERE, put=math.nan)
+        second.without(scan(0.0) if other == "scan before" else before, HERE, put=math.nan)
     found = second.without(now, THERE if other == "place" else HERE, put=math.nan)
     assert math.isnan(found.ranges[100])
