@@ -58,7 +58,7 @@ def drive(world: Any, grid: Any, seconds: float) -> tuple[dict[str, list[float]]
     lidars = {name: lidar.model_copy(update={"noise": 0.01}) for name, lidar in robot.lidars.items()}
     robot = robot.model_copy(update={"lidars": lidars})
     times: dict[str, list[float]] = {part: [] for part in PARTS}
-    spent = dict.fromkeys(("costmap", "tracker"), 0.0)
+    spent: dict[str, float] = {"costmap": 0.0, "tracker": 0.0}
 
     def timed(owner: type, part: str) -> None:
         original: Callable[..., Any] = owner.update  # type: ignore[attr-defined]
@@ -84,7 +84,7 @@ def drive(world: Any, grid: Any, seconds: float) -> tuple[dict[str, list[float]]
         blind.reset(start, seed=1)
         navigator.set_goal(goal)
         while state.time < seconds and navigator.status not in FINAL:
-            spent.update(costmap=0.0, tracker=0.0)
+            spent["costmap"] = spent["tracker"] = 0.0
             began = time.thread_time()
             command = navigator.update(state.pose, state.twist, time=state.time, scans=state.scans)
             decided = time.thread_time()
