@@ -99,6 +99,35 @@ class Scan:
         return points
 
 
+def make_scan(
+    lidar: str,
+    time: float,
+    mount: Pose2D,
+    height: float,
+    angles: FloatArray,
+    ranges: FloatArray,
+    range_min: float,
+    range_max: float,
+    time_increment: float = 0.0,
+) -> Scan:
+    """Return a scan of values that are known to be right: they are neither checked nor copied.
+
+    The arguments are the attributes of a `Scan`; the arrays become read-only.
+    """
+    angles.flags.writeable = ranges.flags.writeable = False
+    scan, put = object.__new__(Scan), object.__setattr__
+    put(scan, "lidar", lidar)
+    put(scan, "time", time)
+    put(scan, "mount", mount)
+    put(scan, "height", height)
+    put(scan, "angles", angles)
+    put(scan, "ranges", ranges)
+    put(scan, "range_min", range_min)
+    put(scan, "range_max", range_max)
+    put(scan, "time_increment", time_increment)
+    return scan
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Observation:
     """All that a robot knows of its surroundings and its motion at one moment.

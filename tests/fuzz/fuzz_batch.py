@@ -1,4 +1,4 @@
-"""Many robots at once: the field that rays jump by, rays, motion, contacts and scans, against plain versions."""
+"""Many robots at once: motion, contacts and scans, against plain versions."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import random
 import numpy as np
 
 from fuzz.loop import attempt, rng_of, spoil
-from support.batch_oracle import chebyshev, drive
-from trundle._core import Batch, cast_grid_rays, cast_jumping_rays, chebyshev_field, footprint_collides
+from support.batch_oracle import drive
+from trundle._core import Batch, chebyshev_field, footprint_collides
 
 CELL = 0.1
 OUTLINE = np.array([(0.25, 0.15), (-0.35, 0.2), (-0.35, -0.2), (0.25, -0.15)])
@@ -19,27 +19,6 @@ def cells_of(generator: random.Random) -> np.ndarray:
     rng = rng_of(generator)
     shape = generator.choice((1, 3, 20)), generator.choice((1, 7, 31))
     return (rng.random(shape) < generator.choice((0.0, 0.003, 0.03, 0.2, 1.0))).astype(np.uint8)
-
-
-def check_rays(generator: random.Random) -> None:
-    rng, blocked = rng_of(generator), cells_of(generator)
-    field = chebyshev_field(blocked)
-    assert np.array_equal(field, chebyshev(blocked))
-    x, y = rng.uniform((-5, -5), (blocked.shape[1] + 5, blocked.shape[0] + 5)).tolist()
-    if generator.random() < 0.3:
-        x, y = round(2.0 * x) / 2.0, round(2.0 * y) / 2.0
-    angles = np.append(rng.uniform(-7, 7, 20), np.arange(-4, 5) * (math.pi / 4))
-    reach = generator.choice((0.0, 3.0, 50.0, 1e5))
-    arguments = (field, x, y, angles, reach)
-    if generator.random() < 0.3:
-        attempt(cast_jumping_rays, spoil(generator, arguments))
-        return
-    found, expected = cast_jumping_rays(*arguments), cast_grid_rays(blocked, x, y, angles, reach)
-    # The walk adds up rounded steps: where it is at a border of its reach, the two may differ.
-    steady = np.abs(np.nan_to_num(np.minimum(found, expected), posinf=1e9) - reach) > 1e-6
-    assert np.array_equal(np.isinf(found[steady]), np.isinf(expected[steady]))
-    hit = np.isfinite(found) & np.isfinite(expected)
-    assert np.abs(found[hit] - expected[hit]).max(initial=0.0) < 1e-9
 
 
 def check_batch(generator: random.Random) -> None:
@@ -118,4 +97,4 @@ def check_scan(generator: random.Random) -> None:
 
 
 def one_round(generator: random.Random) -> None:
-    generator.choice((check_rays, check_batch, check_scan))(generator)
+    generator.choice((check_batch, check_scan))(generator)

@@ -10,7 +10,14 @@ import numpy as np
 from fuzz.loop import attempt, rng_of, spoil
 from support.lone_hits_oracle import find_lone_hits as find_lone_hits_slowly
 from support.moved_points_oracle import find_moved as find_moved_slowly
-from trundle._core import cast_grid_rays, cast_outline_rays, find_lone_hits, find_moved
+from trundle._core import (
+    cast_grid_rays,
+    cast_jumping_rays,
+    cast_outline_rays,
+    chebyshev_field,
+    find_lone_hits,
+    find_moved,
+)
 from trundle.geometry import FloatArray
 
 CLOSE = 1e-6
@@ -51,6 +58,32 @@ def check_cells(generator: random.Random) -> None:
     inner = meet_boxes(corners + close, corners + 1.0 - close, origin, angles)
     assert (found >= np.where(outer > reach, np.inf, outer - 10.0 * close)).all()
     assert (found[inner <= reach - 10.0 * close] <= inner[inner <= reach - 10.0 * close]).all()
+
+
+def check_jumps(generator: random.Random) -> None:
+    """Rays that jump against those that walk, bit for bit; many of them along lines and through corners of cells."""
+    rng = rng_of(generator)
+    shape = generator.choice((1, 3, 20, 300)), generator.choice((1, 7, 31, 280))
+    blocked = (rng.random(shape) < generator.choice((0.0, 0.0005, 0.005, 0.05, 0.3, 1.0))).astype(np.uint8)
+    origin = rng.uniform((-1, -1), (shape[1] + 1, shape[0] + 1))
+    if generator.random() < 0.4:
+        origin = np.round(origin * 2.0) / 2.0
+    angles = rng.uniform(-7, 7, generator.choice((1, 40, 100)))
+    some = rng.random(angles.shape)
+    angles = np.where(some < 0.2, rng.integers(-16, 17, angles.shape) * (math.pi / 8.0), angles)
+    to_corners = rng.integers((0, 0), (shape[1] + 1, shape[0] + 1), (len(angles), 2)) - origin
+    angles = np.where(some > 0.8, np.arctan2(to_corners[:, 1], to_corners[:, 0]), angles)
+    reach = generator.choice((0.0, 3.0, 50.0, 240.0, 1e5))
+    field = chebyshev_field(blocked)
+    if generator.random() < 0.2:
+        attempt(cast_jumping_rays, spoil(generator, (field, *origin.tolist(), angles, reach)))
+        attempt(chebyshev_field, spoil(generator, (blocked,)))
+        return
+    cells, (row, col) = np.argwhere(blocked), rng.integers((0, 0), shape)
+    apart = np.abs(cells - (row, col)).max(axis=1).min(initial=255)
+    assert field[row, col] == apart
+    walked = cast_grid_rays(blocked, *origin.tolist(), angles, reach)
+    assert walked.tobytes() == cast_jumping_rays(field, *origin.tolist(), angles, reach).tobytes()
 
 
 def meet_outline(segments: FloatArray, discs: FloatArray, angles: FloatArray, grown: float) -> FloatArray:
@@ -150,4 +183,4 @@ def check_lone(generator: random.Random) -> None:
 
 
 def one_round(generator: random.Random) -> None:
-    generator.choice((check_cells, check_outlines, check_moved, check_lone))(generator)
+    generator.choice((check_cells, check_jumps, check_outlines, check_moved, check_lone))(generator)

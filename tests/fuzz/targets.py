@@ -69,8 +69,15 @@ TARGETS = {
     "components": Target(
         fuzz_components.one_round, ("label_components", "mark_gaps", "flood_free", "flood_largest"), 500
     ),
-    "rays": Target(fuzz_rays.one_round, ("cast_grid_rays", "cast_outline_rays", "find_moved", "find_lone_hits"), 1000),
-    "batch": Target(fuzz_batch.one_round, ("Batch", "cast_jumping_rays", "chebyshev_field"), 300),
+    "rays": Target(
+        fuzz_rays.one_round,
+        (
+            *("cast_grid_rays", "cast_jumping_rays", "chebyshev_field"),
+            *("cast_outline_rays", "find_moved", "find_lone_hits"),
+        ),
+        1000,
+    ),
+    "batch": Target(fuzz_batch.one_round, ("Batch",), 300),
     "localization": Target(
         fuzz_localization.one_round,
         (

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
 
 def drive(pose: Any, motion: Any, command: Any, limits: Any, substeps: int) -> tuple[list[float], list[float]]:
     """The pose and the motion (ramp v, ramp w, v, w, left, right) after some substeps."""
@@ -25,13 +23,3 @@ def drive(pose: Any, motion: Any, command: Any, limits: Any, substeps: int) -> t
         chord = v * dt * (math.sin(turn / 2) / (turn / 2) if abs(turn) > 1e-9 else 1.0)
         x, y, yaw = x + chord * math.cos(yaw + turn / 2), y + chord * math.sin(yaw + turn / 2), yaw + turn
     return [x, y, yaw], [ramp_v, ramp_w, v, w, left, right]
-
-
-def chebyshev(blocked: Any) -> Any:
-    """Chebyshev distances by comparing every cell with every blocked one."""
-    at = np.argwhere(blocked)
-    out = np.full(blocked.shape, 255)
-    for row, col in np.ndindex(blocked.shape):
-        if len(at):
-            out[row, col] = min(255, int(np.abs(at - (row, col)).max(axis=1).min()))
-    return out

@@ -642,10 +642,10 @@ def cast_grid_rays(
 def cast_jumping_rays(
     field: npt.NDArray[np.uint8], x: float, y: float, angles: npt.NDArray[np.float64], reach: float
 ) -> npt.NDArray[np.float64]:
-    """As `cast_grid_rays`, by the Chebyshev field of the cells."""
+    """The same as `cast_grid_rays`, bit for bit, for the cells whose `chebyshev_field` this is."""
 
 def chebyshev_field(blocked: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-    """Chebyshev distance in cells from each cell to the nearest blocked one, 255 at most."""
+    """Chebyshev distance in cells of each cell from the nearest blocked one, 0 for those and at most 255."""
 
 def mark_scan(
     evidence: npt.NDArray[np.uint8],

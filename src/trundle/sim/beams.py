@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from trundle._core import cast_grid_rays, cast_outline_rays
+from trundle._core import cast_jumping_rays, cast_outline_rays
 from trundle.geometry import FloatArray, Pose2D
 from trundle.geometry.solids import Cylinder, OccupancyCells, Sphere
 from trundle.sim.footprint import CellField
 from trundle.sim.sections import Disc, outline_segments, slab_section
 from trundle.worlds import World
+
+_AROUND_M = 2.0
+"""Segments beyond the reach of beams by more than this are left out until the robot has driven as far."""
 
 
 class WorldOutline:
@@ -41,6 +46,7 @@ class WorldOutline:
                 segments.append(outline_segments(solid, height))
         self._segments = np.vstack(segments)
         self._discs = np.array(discs).reshape(-1, 3)
+        self._around: tuple[float, float, float, FloatArray] | None = None
 
     @property
     def segments(self) -> FloatArray:
@@ -60,11 +66,26 @@ class WorldOutline:
         """
         count = len(angles)
         step = float(angles[-1] - angles[0]) / (count - 1) if count > 1 else 1.0
-        distances = cast_outline_rays(self._segments, self._discs, x, y, float(angles[0]), step, count, reach)
+        distances = cast_outline_rays(
+            self._segments_around(x, y, reach), self._discs, x, y, float(angles[0]), step, count, reach
+        )
         for field in self.fields:
-            inverse, scale = field.frame.inverse(), field.resolution
+            inverse, scale = field.inverse, field.resolution
             local = inverse @ Pose2D(x, y)
-            cells = field.blocked.view(np.uint8)
-            hits = cast_grid_rays(cells, local.x / scale, local.y / scale, angles + inverse.yaw, reach / scale)
+            hits = cast_jumping_rays(field.free, local.x / scale, local.y / scale, angles + inverse.yaw, reach / scale)
             np.minimum(distances, hits * scale, out=distances)
         return distances
+
+    def _segments_around(self, x: float, y: float, reach: float) -> FloatArray:
+        """Segments that may be within reach [m] of (x, y), and some more."""
+        if self._around is not None:
+            at_x, at_y, of, segments = self._around
+            if of == reach and math.hypot(x - at_x, y - at_y) < _AROUND_M:
+                return segments
+        start, end = self._segments[:, :2] - (x, y), self._segments[:, 2:] - (x, y)
+        middle, half = 0.5 * (start + end), 0.5 * (end - start)
+        nearest = np.hypot(middle[:, 0], middle[:, 1]) - np.hypot(half[:, 0], half[:, 1])
+        # A millimetre for rounding, where worlds are kilometres wide.
+        segments = self._segments[nearest <= reach + _AROUND_M + 1e-3]
+        self._around = x, y, reach, segments
+        return segments

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
+import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
@@ -10,6 +12,7 @@ from typing import Self
 import numpy as np
 import numpy.typing as npt
 
+from trundle._core import chebyshev_field
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Footprint, Pose2D
 from trundle.geometry.solids import OccupancyCells, Solid
@@ -22,6 +25,31 @@ from trundle.worlds import World
 _TOUCH = 1e-9
 """Overlaps up to this depth [m] are rounding noise of adjacent shapes."""
 
+_AROUND_M = 1.0
+"""Sections this close to where the robot was are looked at until it has driven as far, ..."""
+
+_FEW = 40
+"""... unless there are more of them; NumPy is then faster with all sections."""
+
+_SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+
+_Bytes = npt.NDArray[np.uint8]
+
+_fields: dict[int, tuple[weakref.ref[npt.NDArray[np.bool_]], _Bytes]] = {}
+
+
+def free_squares(blocked: npt.NDArray[np.bool_]) -> _Bytes:
+    """Return the Chebyshev distance [cells] of each cell from the nearest blocked one, shape (rows, cols).
+
+    It is computed once for an array, which must not change, and kept for as long as the array.
+    """
+    key = id(blocked)
+    kept = _fields.get(key)
+    if kept is None or kept[0]() is not blocked:
+        kept = weakref.ref(blocked, lambda _: _fields.pop(key, None)), chebyshev_field(blocked.view(np.uint8))
+        _fields[key] = kept
+    return kept[1]
+
 
 @dataclass(frozen=True, slots=True)
 class CellField:
@@ -30,6 +58,7 @@ class CellField:
     Attributes:
         name: Of the solid; a cell of it is `name[row,col]`.
         frame: Pose of the corner of cell (0, 0) in the map frame.
+        inverse: Pose of the map frame in that frame.
         blocked: bool, shape (rows, cols).
         resolution: [m].
     """
@@ -38,6 +67,15 @@ class CellField:
     frame: Pose2D
     blocked: npt.NDArray[np.bool_]
     resolution: float
+    inverse: Pose2D = dataclasses.field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "inverse", self.frame.inverse())
+
+    @property
+    def free(self) -> _Bytes:
+        """How far [cells] each cell is from the nearest blocked one; see `free_squares`."""
+        return free_squares(self.blocked)
 
     @classmethod
     def of(cls, solid: Solid, cells: OccupancyCells) -> CellField:
@@ -94,16 +132,56 @@ class FootprintChecker:
                     self._sections.append(section)
         bounds = [_bounds(section) for section in self._sections]
         self._bounds: FloatArray = np.ascontiguousarray(np.array(bounds).reshape(-1, 4).T[[0, 2, 1, 3]])
+        self._looked_at = math.inf, -math.inf, math.inf, -math.inf
+        self._around: list[tuple[int, float, float, float, float]] = []
 
-    def find(self, poses: FloatArray) -> tuple[Contact, ...]:
+    def find(self, poses: Sequence[tuple[float, float, float]] | FloatArray) -> tuple[Contact, ...]:
         """Return the contacts at any of the poses (x, y, yaw), map frame, shape (P, 3), one per solid."""
-        reach = self._footprint.circumscribed_radius
-        x, y = poses[:, 0].tolist(), poses[:, 1].tolist()
-        left, right, below, above = self._bounds
-        near = (left < max(x) + reach) & (right > min(x) - reach) & (below < max(y) + reach) & (above > min(y) - reach)
-        indices = near.nonzero()[0]
-        if len(indices) == 0 and not self._fields:
+        x, y, _ = zip(*(poses.tolist() if isinstance(poses, np.ndarray) else poses), strict=True)
+        indices = self._near(min(x), max(x), min(y), max(y))
+        fields = [field for field in self._fields if not self._is_clear_of(field, x, y)]
+        if not indices and not fields:
             return ()
+        return self._touched(np.asarray(poses), indices, fields)
+
+    def _near(self, left: float, right: float, below: float, above: float) -> list[int]:
+        """Sections whose bounds are within the footprint's reach of a box [m]."""
+        reach = self._footprint.circumscribed_radius
+        left, right, below, above = left - reach, right + reach, below - reach, above + reach
+        west, east, south, north = self._looked_at
+        if not (west <= left and right <= east and south <= below and above <= north):
+            west, east, south, north = left - _AROUND_M, right + _AROUND_M, below - _AROUND_M, above + _AROUND_M
+            low_x, high_x, low_y, high_y = self._bounds
+            around = (low_x < east) & (high_x > west) & (low_y < north) & (high_y > south)
+            found = around.nonzero()[0]
+            if len(found) > _FEW:
+                near = (low_x < right) & (high_x > left) & (low_y < above) & (high_y > below)
+                return near.nonzero()[0].tolist()
+            self._looked_at = west, east, south, north
+            self._around = [
+                (int(i), *bounds) for i, bounds in zip(found, self._bounds[:, found].T.tolist(), strict=True)
+            ]
+        return [
+            index
+            for index, low_x, high_x, low_y, high_y in self._around
+            if low_x < right and high_x > left and low_y < above and high_y > below
+        ]
+
+    def _is_clear_of(self, field: CellField, x: Sequence[float], y: Sequence[float]) -> bool:
+        """Whether the free square around the last of some places surely holds the footprint at all of them."""
+        local, edge = field.inverse, field.resolution
+        cos, sin = math.cos(local.yaw), math.sin(local.yaw)
+        at_x, at_y = x[-1], y[-1]
+        col = math.floor((local.x + cos * at_x - sin * at_y) / edge)
+        row = math.floor((local.y + sin * at_x + cos * at_y) / edge)
+        rows, cols = field.blocked.shape
+        if not (0 <= row < rows and 0 <= col < cols):
+            return False
+        moved = math.hypot(max(max(x) - at_x, at_x - min(x)), max(max(y) - at_y, at_y - min(y)))
+        # One cell less, as the robot may be anywhere in its own one, and one more for rounding.
+        return (self._footprint.circumscribed_radius + moved) / edge < int(field.free[row, col]) - 2
+
+    def _touched(self, poses: FloatArray, indices: list[int], fields: list[CellField]) -> tuple[Contact, ...]:
         outlines = self._footprint.at_poses(poses)
         contacts: list[Contact] = []
         touched: set[str] = set()
@@ -120,13 +198,13 @@ class FootprintChecker:
                 touched.add(self._names[index])
                 x, y = _middle_of_overlap(outlines[hits[0]], section)
                 contacts.append(Contact("chassis", self._names[index], x, y))
-        for field in self._fields:
+        for field in fields:
             contacts += self._touched_cells(field, poses)
         return tuple(contacts)
 
     def _touched_cells(self, field: CellField, poses: FloatArray) -> list[Contact]:
         """A contact for each blocked cell under the footprint, the deepest first."""
-        local = field.frame.inverse()
+        local = field.inverse
         placed = np.c_[local.transform_points(poses[:, :2]), poses[:, 2] + local.yaw]
         outlines = self._footprint.at_poses(placed)
         rows, cols = field.blocked.shape
@@ -138,8 +216,7 @@ class FootprintChecker:
         if len(cells) == 0:
             return []
         cells += np.array([first_row, first_col])
-        corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-        squares: FloatArray = (cells[:, None, ::-1].astype(np.float64) + corners) * field.resolution
+        squares: FloatArray = (cells[:, None, ::-1].astype(np.float64) + _SQUARE) * field.resolution
         depth = polygon_depth(outlines, squares).max(axis=0)
         deepest = np.argsort(-depth, kind="stable")
         touched = deepest[depth[deepest] > _TOUCH]

@@ -7,10 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Self
 
-import numpy as np
-
 from trundle.errors import InputError, SimulationError
-from trundle.geometry import FloatArray, Pose2D, Twist2D, arc_shares
+from trundle.geometry import Pose2D, Twist2D, arc_shares
 from trundle.geometry.solids import Solid
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.footprint import FootprintChecker
@@ -113,7 +111,7 @@ class KinematicSimulator(Simulator):
         if self._movers is not None:
             self._movers.reset(seed, pose)
         touched = {} if self._movers is None else {each.other: each for each in self._movers.touching(pose)}
-        return self._state(Motion(0.0, 0.0, 0.0, 0.0), np.array([self._pose]), touched, since=-1.0)
+        return self._state(Motion(0.0, 0.0, 0.0, 0.0), [self._pose], touched, since=-1.0)
 
     def place(self, pose: Pose2D) -> RobotState:
         """Put the robot at rest at `pose` (map frame); time, wheels and odometry stay as they are.
@@ -128,7 +126,7 @@ class KinematicSimulator(Simulator):
         self._ramp.reset()
         touched = {} if self._movers is None else {each.other: each for each in self._movers.touching(pose)}
         now = self._steps * self._timestep
-        return self._state(Motion(0.0, 0.0, 0.0, 0.0), np.array([self._pose]), touched, since=now)
+        return self._state(Motion(0.0, 0.0, 0.0, 0.0), [self._pose], touched, since=now)
 
     def step(self, command: Twist2D, dt: float) -> RobotState:
         """Drive one control period of `dt` [s], a multiple of the timestep, with a commanded twist.
@@ -141,26 +139,35 @@ class KinematicSimulator(Simulator):
         since = self._steps * self._timestep
         motions = self._ramp.advance(command, count_steps(dt, self._timestep))
         poses: list[tuple[float, float, float]] = []
+        cosine, sine, timestep = math.cos, math.sin, self._timestep
         x, y, yaw = self._pose
         left, right = self._wheels
         last: Motion | None = None
         length = turn = along = across = by_left = by_right = 0.0
         for motion in motions:
             if motion is not last:  # a constant motion is one object, and its arcs are alike
-                last, length, turn = motion, motion.v * self._timestep, motion.w * self._timestep
-                by_left, by_right = motion.left * self._timestep, motion.right * self._timestep
+                last = motion
+                v, w, left_speed, right_speed = motion
+                length, turn, by_left, by_right = (
+                    v * timestep,
+                    w * timestep,
+                    left_speed * timestep,
+                    right_speed * timestep,
+                )
                 along, across = arc_shares(turn)
-            cos, sin = math.cos(yaw), math.sin(yaw)
-            x, y, yaw = x + length * (cos * along - sin * across), y + length * (sin * along + cos * across), yaw + turn
+            cos, sin = cosine(yaw), sine(yaw)
+            x += length * (cos * along - sin * across)
+            y += length * (sin * along + cos * across)
+            yaw += turn
             left += by_left
             right += by_right
             poses.append((x, y, yaw))
         if self.on_substep is not None:
             self._report_substeps(self.on_substep, poses, motions)
-        touched = self._pass_movers(poses, [motion.v for motion in motions])
+        touched = {} if self._movers is None else self._pass_movers(self._movers, poses, motions)
         self._pose, self._wheels = (x, y, yaw), (left, right)
         self._steps += len(motions)
-        return self._state(motions[-1], np.array(poses), touched, since)
+        return self._state(motions[-1], poses, touched, since)
 
     def _report_substeps(
         self, report: Callable[[Substep], None], poses: list[tuple[float, float, float]], motions: Sequence[Motion]
@@ -187,14 +194,14 @@ class KinematicSimulator(Simulator):
         if self._closed:
             raise SimulationError("this simulator was closed; make a new one with trundle.simulate")
 
-    def _pass_movers(self, poses: list[tuple[float, float, float]], speeds: list[float]) -> dict[str, Contact]:
+    def _pass_movers(
+        self, field: MoverField, poses: list[tuple[float, float, float]], motions: Sequence[Motion]
+    ) -> dict[str, Contact]:
         """Move the movers along with the robot, and find the first contact with each of them."""
-        field, touched = self._movers, dict[str, Contact]()
-        if field is None:
-            return touched
-        for index, (place, v) in enumerate(zip(poses, speeds, strict=True)):
+        touched = dict[str, Contact]()
+        for index, (place, motion) in enumerate(zip(poses, motions, strict=True)):
             pose = Pose2D(place[0], place[1], math.remainder(place[2], math.tau))
-            field.advance((self._steps + index + 1) * self._timestep, lambda at=(pose, v): at)
+            field.advance((self._steps + index + 1) * self._timestep, lambda at=(pose, motion.v): at)
             for contact in field.touching(pose):
                 touched.setdefault(contact.other, contact)
         return touched
@@ -208,7 +215,9 @@ class KinematicSimulator(Simulator):
     def _odometry_at(self, pose: Pose2D) -> Pose2D:
         return pose if self._T_odom_map is _NOT_PLACED else self._T_odom_map @ pose
 
-    def _state(self, motion: Motion, poses: FloatArray, touched: dict[str, Contact], since: float) -> RobotState:
+    def _state(
+        self, motion: Motion, poses: list[tuple[float, float, float]], touched: dict[str, Contact], since: float
+    ) -> RobotState:
         time = self._steps * self._timestep
         pose = Pose2D(self._pose[0], self._pose[1], math.remainder(self._pose[2], math.tau))
         return RobotState(

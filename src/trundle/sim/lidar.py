@@ -10,7 +10,7 @@ import numpy as np
 
 from trundle.errors import UnknownNameError
 from trundle.geometry import FloatArray, Pose2D
-from trundle.observation import Scan
+from trundle.observation import Scan, make_scan
 from trundle.robots import Lidar, Robot
 from trundle.sim.beams import WorldOutline
 from trundle.sim.movers import MoverField, MoverOutline
@@ -58,6 +58,7 @@ class LidarSet:
             if name not in robot.lidars:
                 raise UnknownNameError(f"lidar of {robot.name}", name, robot.lidars)
         self._lidars = [(name, robot.lidars[name], beam_angles(robot.lidars[name])) for name in names]
+        self._mounts = {name: Pose2D(lidar.x, lidar.y, lidar.yaw) for name, lidar, _ in self._lidars}
         self._cast = cast
         self.reset(0)
 
@@ -85,14 +86,14 @@ class LidarSet:
         )
 
     def _take(self, name: str, lidar: Lidar, angles: FloatArray, pose: Pose2D, now: float) -> Scan:
-        mount = Pose2D(lidar.x, lidar.y, lidar.yaw)
+        mount = self._mounts[name]
         sensor = pose @ mount
         ranges = self._cast(sensor.x, sensor.y, lidar.z, angles + sensor.yaw, lidar.range_max)
         hit = ranges <= lidar.range_max
         if lidar.noise > 0.0:
             ranges = ranges + self._rng.normal(0.0, lidar.noise, len(angles))
-        ranges = np.where(hit, np.clip(ranges, lidar.range_min, lidar.range_max), np.inf)
-        return Scan(name, now, mount, lidar.z, angles, ranges, lidar.range_min, lidar.range_max)
+        ranges = np.where(hit, np.minimum(np.maximum(ranges, lidar.range_min), lidar.range_max), np.inf)
+        return make_scan(name, now, mount, lidar.z, angles, ranges, lidar.range_min, lidar.range_max)
 
 
 class SceneBeams:

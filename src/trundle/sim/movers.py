@@ -106,7 +106,7 @@ class MoverField:
             mover_x, mover_y, yaw = self.state[index, :3].tolist()
             frame = Pose2D(mover_x, mover_y, wrap_angle(yaw))
             local = frame.inverse() @ pose
-            found = self._checker(self.kinds[index]).find(np.array([local.as_tuple()]))
+            found = self._checker(self.kinds[index]).find([local.as_tuple()])
             if found:
                 (x, y) = frame.transform_points([(found[0].x, found[0].y)])[0].tolist()
                 contacts.append(Contact(found[0].part, self.names[index], x, y))

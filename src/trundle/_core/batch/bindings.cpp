@@ -1,12 +1,9 @@
-// Names and arguments of these kernels in Python; kernels.hpp and batch.hpp say what they do.
+// Names and arguments of these kernels in Python; batch.hpp says what they do.
 #include "batch/batch.hpp"
-#include "batch/kernels.hpp"
 
 void bind_batch(nanobind::module_ &m) {
   using namespace trundle;
   using nanobind::arg;
-  m.def("chebyshev_field", &chebyshev_field, arg("blocked"));
-  m.def("cast_jumping_rays", &cast_jumping_rays, arg("field"), arg("x"), arg("y"), arg("angles"), arg("reach"));
   nb::class_<Batch>(m, "Batch")
       .def(nb::init<In<std::uint8_t, 1>, In<std::int64_t, 2>, In<double, 2>, double, In<double, 2>, In<double, 1>,
                     In<double, 2>, In<std::int64_t, 1>, In<double, 1>, In<double, 2>, In<std::int64_t, 1>,

@@ -5,6 +5,8 @@ void bind_rays(nanobind::module_ &m) {
   using namespace trundle;
   using nanobind::arg;
   m.def("cast_grid_rays", &cast_grid_rays, arg("blocked"), arg("x"), arg("y"), arg("angles"), arg("reach"));
+  m.def("cast_jumping_rays", &cast_jumping_rays, arg("field"), arg("x"), arg("y"), arg("angles"), arg("reach"));
+  m.def("chebyshev_field", &chebyshev_field, arg("blocked"));
   m.def("cast_outline_rays", &cast_outline_rays, arg("segments"), arg("discs"), arg("x"), arg("y"), arg("first"),
         arg("step"), arg("count"), arg("reach"));
   m.def("find_moved", &find_moved, arg("points"), arg("sensor"), arg("angles"), arg("through"), arg("earlier"),

@@ -1,86 +1,161 @@
-// Rays through a grid of blocked cells, for planar lidars: Amanatides and Woo, A Fast Voxel Traversal Algorithm (1987).
+// Rays through a grid of blocked cells, for planar lidars: from cell to cell, or by jumps through a field of distances,
+// with the same answer.
 #include "rays/kernels.hpp"
 
-#include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
+
+#include "rays/cell_walk.hpp"
+#include "rays/jumping_ray.hpp"
+#include "shared/registers.hpp"
 
 namespace trundle {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t kTogether = 16;  // sums that are added up side by side, as one waits for its own last one
+constexpr int kFarthest = 255;         // distance that a byte holds
 
-struct Grid {
-  const std::uint8_t *blocked;
-  std::ptrdiff_t rows, cols;
+void check_rays(double x, double y, double reach) {
+  if (!std::isfinite(x) || !std::isfinite(y)) throw std::invalid_argument("the rays' origin must be finite");
+  if (!(reach >= 0.0) || !std::isfinite(reach)) throw std::invalid_argument("reach must be a finite distance");
+}
+
+CellBytes cells_of(const In<std::uint8_t, 2> &array) {
+  return {array.data(), static_cast<std::ptrdiff_t>(array.shape(0)), static_cast<std::ptrdiff_t>(array.shape(1))};
+}
+
+// Sums of hits that wait until there are enough of them.
+struct Sums {
+  std::array<double, kTogether> sum{}, spacing{}, more{};
+  std::array<std::size_t, kTogether> ray{};
+  std::size_t count = 0;
+  double most = 0.0;
+
+  void push(std::size_t index, const Landing &landing) {
+    sum[count] = landing.first, spacing[count] = landing.spacing, ray[count] = index;
+    more[count] = static_cast<double>(landing.more);
+    most = std::max(most, more[count]);
+    ++count;
+  }
+
+  // As `Landing::distance`.
+  TRUNDLE_INLINE void add() {
+    for (double step = 0.0; step < most; step += 1.0) {
+      for (std::size_t i = 0; i < kTogether; ++i) {
+        const double next = sum[i] + spacing[i];
+        sum[i] = step < more[i] ? next : sum[i];
+      }
+    }
+  }
+
+  TRUNDLE_INLINE void flush(double reach, double *out) {
+    add();
+    for (std::size_t i = 0; i < count; ++i) out[ray[i]] = sum[i] <= reach ? sum[i] : kNoHit;
+    count = 0, most = 0.0;
+    more.fill(0.0);
+  }
 };
 
-// Distance in cells from (x, y), in cell units, along the unit vector (dx, dy) to the first blocked cell, or infinity
-// where there is none within `reach`. A ray that starts in a blocked cell reads 0.
-double cast_ray(const Grid &grid, double x, double y, double dx, double dy, double reach) {
-  // Skip to where the ray enters the grid.
-  double enter = 0.0, leave = reach;
-  const double low[2] = {-x, -y}, high[2] = {grid.cols - x, grid.rows - y}, along[2] = {dx, dy};
-  for (int axis = 0; axis < 2; ++axis) {
-    if (along[axis] == 0.0) {
-      if (low[axis] > 0.0 || high[axis] < 0.0) return kInfinity;
-      continue;
-    }
-    double first = low[axis] / along[axis], second = high[axis] / along[axis];
-    if (first > second) std::swap(first, second);
-    enter = std::max(enter, first);
-    leave = std::min(leave, second);
-  }
-  if (enter > leave) return kInfinity;
-
-  // The entry of a ray from far away is rounded, and may lie outside.
-  std::ptrdiff_t col = static_cast<std::ptrdiff_t>(std::clamp(std::floor(x + enter * dx), 0.0, grid.cols - 1.0));
-  std::ptrdiff_t row = static_cast<std::ptrdiff_t>(std::clamp(std::floor(y + enter * dy), 0.0, grid.rows - 1.0));
-  const std::ptrdiff_t col_step = dx > 0.0 ? 1 : -1, row_step = dy > 0.0 ? 1 : -1;
-  const double col_delta = dx != 0.0 ? 1.0 / std::abs(dx) : kInfinity;
-  const double row_delta = dy != 0.0 ? 1.0 / std::abs(dy) : kInfinity;
-  double next_col = dx != 0.0 ? (col + (dx > 0.0 ? 1 : 0) - x) / dx : kInfinity;
-  double next_row = dy != 0.0 ? (row + (dy > 0.0 ? 1 : 0) - y) / dy : kInfinity;
-  double distance = enter;
-  while (distance <= reach) {
-    if (grid.blocked[row * grid.cols + col]) return distance;
-    if (next_col < next_row) {
-      distance = next_col;
-      next_col += col_delta;
-      col += col_step;
-      if (col < 0 || col >= grid.cols) return kInfinity;
-    } else {
-      distance = next_row;
-      next_row += row_delta;
-      row += row_step;
-      if (row < 0 || row >= grid.rows) return kInfinity;
+TRUNDLE_INLINE void cast_all(const CellBytes &field, double x, double y, const double *angles, double reach,
+                             std::vector<double> &out) {
+  const double rounding = rounding_of_walk(field, reach);
+  Sums sums;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (!std::isfinite(angles[i])) continue;
+    const double dx = std::cos(angles[i]), dy = std::sin(angles[i]);
+    const Landing landing = land_ray(field, x, y, dx, dy, reach, rounding);
+    if (landing.kind == Landing::kUnsure) {
+      out[i] = walk_ray(field, x, y, dx, dy, reach, [](std::uint8_t distance) { return distance == 0; });
+    } else if (landing.kind == Landing::kHit) {
+      sums.push(i, landing);
+      if (sums.count == kTogether) sums.flush(reach, out.data());
     }
   }
-  return kInfinity;
+  sums.flush(reach, out.data());
 }
+
+#ifdef TRUNDLE_AVX2
+TRUNDLE_TARGET("avx2") void cast_all_avx2(const CellBytes &field, double x, double y, const double *angles, double reach,
+                                          std::vector<double> &out) {
+  cast_all(field, x, y, angles, reach, out);
+}
+#endif
 
 }  // namespace
 
 nb::ndarray<nb::numpy, double> cast_grid_rays(In<std::uint8_t, 2> blocked, double x, double y, In<double, 1> angles,
                                               double reach) {
-  if (!std::isfinite(x) || !std::isfinite(y)) throw std::invalid_argument("the rays' origin must be finite");
-  if (!(reach >= 0.0) || !std::isfinite(reach)) throw std::invalid_argument("reach must be a finite distance");
-  const Grid grid{blocked.data(), static_cast<std::ptrdiff_t>(blocked.shape(0)),
-                  static_cast<std::ptrdiff_t>(blocked.shape(1))};
-  std::vector<double> out(angles.size(), kInfinity);
+  check_rays(x, y, reach);
+  const CellBytes grid = cells_of(blocked);
+  std::vector<double> out(angles.size(), kNoHit);
   {
     nb::gil_scoped_release release;
     if (grid.rows > 0 && grid.cols > 0) {
       for (std::size_t i = 0; i < out.size(); ++i) {
         const double angle = angles.data()[i];
-        if (std::isfinite(angle)) out[i] = cast_ray(grid, x, y, std::cos(angle), std::sin(angle), reach);
+        if (!std::isfinite(angle)) continue;
+        out[i] = walk_ray(grid, x, y, std::cos(angle), std::sin(angle), reach, [](std::uint8_t cell) { return cell != 0; });
       }
     }
   }
   const std::size_t count = out.size();
   return to_numpy(std::move(out), {count});
+}
+
+nb::ndarray<nb::numpy, double> cast_jumping_rays(In<std::uint8_t, 2> field, double x, double y, In<double, 1> angles,
+                                                 double reach) {
+  check_rays(x, y, reach);
+  const CellBytes grid = cells_of(field);
+  std::vector<double> out(angles.size(), kNoHit);
+  {
+    nb::gil_scoped_release release;
+    if (grid.rows > 0 && grid.cols > 0) {
+#ifdef TRUNDLE_AVX2
+      if (__builtin_cpu_supports("avx2")) {
+        cast_all_avx2(grid, x, y, angles.data(), reach, out);
+      } else
+#endif
+        cast_all(grid, x, y, angles.data(), reach, out);
+    }
+  }
+  const std::size_t count = out.size();
+  return to_numpy(std::move(out), {count});
+}
+
+// Chessboard distance by two passes over the eight neighbours: Rosenfeld and Pfaltz, Distance Functions on Digital
+// Pictures (1968).
+nb::ndarray<nb::numpy, std::uint8_t> chebyshev_field(In<std::uint8_t, 2> blocked) {
+  const std::size_t rows = blocked.shape(0), cols = blocked.shape(1);
+  std::vector<std::uint8_t> out(rows * cols);
+  {
+    nb::gil_scoped_release release;
+    // Beside the grid is nothing: a ray that leaves it meets no cell any more.
+    const auto pass = [&](std::size_t row, std::size_t from, bool first) {
+      std::uint8_t *here = out.data() + row * cols;
+      const std::uint8_t *other = out.data() + from * cols;
+      const bool has_other = from != row;
+      int last = kFarthest;
+      if (has_other) {
+        for (std::size_t col = 0; col < cols; ++col) {
+          int least = other[col];
+          if (col > 0) least = std::min<int>(least, other[col - 1]);
+          if (col + 1 < cols) least = std::min<int>(least, other[col + 1]);
+          here[col] = static_cast<std::uint8_t>(std::min<int>(here[col], least + 1));
+        }
+      }
+      for (std::size_t k = 0; k < cols; ++k) {
+        std::uint8_t &cell = here[first ? k : cols - 1 - k];
+        last = std::min<int>(cell, last + 1);
+        cell = static_cast<std::uint8_t>(last);
+      }
+    };
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = blocked.data()[i] ? 0 : kFarthest;
+    for (std::size_t row = 0; row < rows; ++row) pass(row, row > 0 ? row - 1 : row, true);
+    for (std::size_t row = rows; row-- > 0;) pass(row, row + 1 < rows ? row + 1 : row, false);
+  }
+  return to_numpy(std::move(out), {rows, cols});
 }
 
 }  // namespace trundle

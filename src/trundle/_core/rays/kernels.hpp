@@ -9,6 +9,13 @@ namespace trundle {
 nb::ndarray<nb::numpy, double> cast_grid_rays(In<std::uint8_t, 2> blocked, double x, double y, In<double, 1> angles,
                                               double reach);
 
+// The same distances, bit for bit, for the grid whose `chebyshev_field` this is.
+nb::ndarray<nb::numpy, double> cast_jumping_rays(In<std::uint8_t, 2> field, double x, double y, In<double, 1> angles,
+                                                 double reach);
+
+// Chebyshev distance in cells of each cell from the nearest blocked one, 0 for those and at most 255.
+nb::ndarray<nb::numpy, std::uint8_t> chebyshev_field(In<std::uint8_t, 2> blocked);
+
 // Distances from (x, y) along `count` rays at `first + i * step` to the nearest segment (x0, y0, x1, y1) or disc
 // (x, y, radius), infinity where there is none within `reach`. From inside a disc the rays meet its rim.
 nb::ndarray<nb::numpy, double> cast_outline_rays(In<double, 2> segments, In<double, 2> discs, double x, double y,

@@ -12,11 +12,12 @@ from trundle.messages.qos import SENSOR
 from trundle.observation import Scan
 from trundle.robots import Robot
 from trundle.ros2.bad_input import BadInputError
+from trundle.ros2.inlet import Inlet
 from trundle.ros2.profile import Sensor
 from trundle.ros2.remote.clouds import LOWEST_M, Band, read_cloud
 from trundle.ros2.remote.mounts import Mounts
 from trundle.ros2.remote.readings import read_scan
-from trundle.ros2.wire import Inlet, Wire
+from trundle.ros2.wire import Wire
 
 _SCAN, _CLOUD = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/PointCloud2"
 

@@ -15,9 +15,10 @@ from trundle.navigation import Agent, AgentInfo, NavigationStatus
 from trundle.observation import Estimate, Observation
 from trundle.robots import Robot
 from trundle.ros2.bad_input import BadInputError, check_frame, check_stamp, check_twist, is_wall_time
+from trundle.ros2.inlet import Inlet
 from trundle.ros2.profile import Profile
 from trundle.ros2.role import BridgeContext, SimulationClock
-from trundle.ros2.wire import Inlet, Wire
+from trundle.ros2.wire import Wire
 
 COMMANDS = Qos(10)
 """QoS of /cmd_vel: reliable, as most publishers are; Nav2's and teleop's offer that."""

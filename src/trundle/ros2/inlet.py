@@ -1,0 +1,114 @@
+"""`Inlet`: a topic that the bridge reads: what came is decoded and handled, and floods are cut."""
+
+from __future__ import annotations
+
+import logging
+import time as clock
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from trundle.errors import TrundleError
+from trundle.messages.qos import Qos
+
+if TYPE_CHECKING:
+    from trundle.ros2.transport.transport import Subscription
+    from trundle.ros2.wire import Wire
+
+_LOGGER = logging.getLogger(__name__)
+
+MOST_A_SECOND = 500
+"""Messages of one topic that are handled in a second [real time]; a node that sends more floods, and is reported."""
+
+NEWEST_S = 0.002
+"""A topic of which only the newest message counts is looked at so often [s]; /clock may come 1,000 times a second."""
+
+
+class Inlet:
+    """A topic that the bridge reads.
+
+    Attributes:
+        topic: Its full name.
+        type_name: Type of its messages.
+        qos: What it is read with.
+        received: How many messages came.
+    """
+
+    def __init__(
+        self,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        subscription: Subscription,
+        handler: Callable[[Any, str], None],
+        *,
+        is_recorded: bool = True,
+        newest: bool = False,
+    ) -> None:
+        self._is_recorded = is_recorded
+        self.topic, self.type_name, self.qos = topic, type_name, qos
+        self._subscription, self._handler, self._newest = subscription, handler, newest
+        self._handled_s = 0.0
+        self._second, self._count = 0, 0
+        self.received = 0
+
+    @property
+    def writers(self) -> int:
+        """How many write to it."""
+        return self._subscription.matched
+
+    def take(self, wire: Wire) -> bool:
+        """Handle what came, and return whether it was more than is handled in a second."""
+        floods = False
+        samples = self._subscription.take()
+        if self._newest and samples:
+            self.received += len(samples) - 1
+            now = clock.monotonic()
+            if now - self._handled_s < NEWEST_S:
+                self.received += 1
+                return False
+            self._handled_s = now
+            samples = samples[-1:]
+        for sample in samples:
+            self.received += 1
+            second = int(clock.monotonic())
+            if second != self._second:
+                self._second, self._count = second, 0
+            self._count += 1
+            if self._count > MOST_A_SECOND:
+                floods = True
+                self._warn_of_flood(sample.source, wire)
+            else:
+                self._handle(sample.data, sample.source, wire)
+        return floods
+
+    def _warn_of_flood(self, source: str, wire: Wire) -> None:
+        wire.warn(
+            f"{self.topic}: flood",
+            lambda: (
+                f"{wire.describe_source(source)} floods {self.topic} with more than {MOST_A_SECOND} messages a "
+                "second; the rest of each second is dropped"
+            ),
+        )
+
+    def _handle(self, data: bytes, source: str, wire: Wire) -> None:
+        if wire.record is not None and self._is_recorded:
+            wire.record.add(self.topic, self.type_name, self.qos, data, wire.now())
+        try:
+            message = wire.types.decode(self.type_name, data)
+        except TrundleError as error:
+            reason = str(error)
+            wire.warn(
+                f"{self.topic}: not a {self.type_name}",
+                lambda: (
+                    f"{wire.describe_source(source)} sent on {self.topic} what is not a {self.type_name} of "
+                    f"{wire.types.distro}: {reason}; it is dropped: give --distro as the other side has it"
+                ),
+            )
+            return
+        try:
+            self._handler(message, source)
+        except TrundleError as error:
+            wire.warn(f"{self.topic}: refused", f"a message of {self.topic} is dropped: {error}")
+        except Exception:  # a message from outside never ends the bridge
+            _LOGGER.exception("a message of %s could not be handled", self.topic)
+            wire.warn(f"{self.topic}: failed", f"a message of {self.topic} could not be handled, and is dropped")
