@@ -9,7 +9,7 @@ import numpy as np
 
 from fuzz.loop import attempt, rng_of, spoil
 from support.batch_oracle import drive
-from trundle._core import Batch, chebyshev_field, footprint_collides
+from trundle._core import Batch, cast_grid_rays, chebyshev_field, footprint_collides
 
 CELL = 0.1
 OUTLINE = np.array([(0.25, 0.15), (-0.35, 0.2), (-0.35, -0.2), (0.25, -0.15)])

@@ -226,6 +226,8 @@ class Explorer(Agent):
         """Stop the behavior that was asked for, if one runs, and explore on."""
         self.navigator.cancel_behavior()
 
-    def clear_obstacles(self, region: Literal["all", "around", "except"] = "all", size: float = 0.0) -> None:
+    def clear_obstacles(
+        self, region: Literal["all", "around", "except"] = "all", size: float = 0.0, *, at: Pose2D | None = None
+    ) -> None:
         """Forget what the scans saw; the map stays."""
-        self.navigator.clear_obstacles(region, size)
+        self.navigator.clear_obstacles(region, size, at=at)

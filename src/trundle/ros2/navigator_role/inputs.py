@@ -52,7 +52,8 @@ class PoseInputs:
         kit.context.driver.steering.put(SetGoal(pose), by=_GOAL, refused=self._refused(_GOAL))
 
     def _pose(self, message: Any, source: str) -> None:
-        self.take_pose(message, _POSE)
+        if not self._kit.is_own_pose(message, source):
+            self.take_pose(message, _POSE)
 
     def take_pose(self, message: Any, where: str) -> None:
         """Tell the localizer the pose of a geometry_msgs/PoseWithCovarianceStamped; what is wrong is reported.
@@ -62,8 +63,6 @@ class PoseInputs:
             where: The topic or service that it came by.
         """
         kit = self._kit
-        if kit.is_own_pose(message, source):
-            return
         try:
             check_frame(message.header.frame_id, (kit.map_frame,))
             pose = check_pose(message.pose.pose)
