@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 import os
-from collections import deque
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,10 +18,12 @@ from trundle.geometry import FloatArray, Pose2D, wrap_angle
 from trundle.localization.amcl.beams import BeamPicker
 from trundle.mapping.live_map import LiveMap
 from trundle.mapping.loops import Loop, LoopFinder
+from trundle.mapping.motion import motion_spread, turned
 from trundle.mapping.nodes import MOST_POINTS, Nodes, Surface, make_surface, step_length
 from trundle.mapping.optimizer import component_of, fits, optimize
 from trundle.mapping.pose_graph import FOLLOWS, LOOP, PoseGraph
 from trundle.mapping.pose_graph_file import load_pose_graph, save_pose_graph
+from trundle.mapping.recent_surfaces import RecentSurfaces
 from trundle.mapping.submaps import Submaps
 from trundle.mapping.window import Match, ScanWindow
 from trundle.maps import OccupancyGrid
@@ -33,10 +34,6 @@ from trundle.values import check_kind
 _LEAST_M, _LEAST_RAD = 0.02, math.radians(0.5)  # less motion than that is not worth a match
 _KEPT_M, _KEPT_RAD = 0.10, math.radians(5.0)  # scans that the map is drawn from
 _KEY_M, _KEY_RAD = 0.4, math.radians(20.0)
-_CLOUD = 6  # key frames that are compared with an old place together
-# What the odometry leaves open: wheels slip by some per cent, and turn by some degrees per metre.
-_DRIFT_M, _DRIFT_SHARE = 0.02, 0.05
-_TURN_RAD, _TURN_SHARE, _TURN_PER_M = math.radians(0.5), 0.05, math.radians(3.0)
 _EDGE_FLOOR = np.diag((0.008**2, 0.008**2, math.radians(0.1) ** 2))
 _LOST_FIT = 0.2
 _GOOD_FIT, _MOST_DOUBT = 0.8, 100.0
@@ -104,7 +101,7 @@ class Mapper:
     def _begin_part(self) -> None:
         self._part += 1
         self._window = ScanWindow()
-        self._recent: deque[tuple[Pose2D, Surface]] = deque(maxlen=_CLOUD)
+        self._recent = RecentSurfaces()
         self._floats: _Floating | None = None  # the last node, where it stands for many
         self._key: tuple[int, Pose2D] | None = None  # the last node, and its pose in the frame of the window
         self._last: tuple[Pose2D, Pose2D] | None = None  # the last match: odometry, and pose in the frame of the window
@@ -206,7 +203,7 @@ class Mapper:
             self._last = odometry, self._local
             return
         moved = self._last[0].inverse() @ odometry
-        prior = _motion_spread(moved)
+        prior = motion_spread(moved)
         match = self._window.match(surface, self._local, prior)
         self._poor = self._poor + 1 if match.fit < _LOST_FIT else 0
         self._worst = min(self._worst, match.fit)
@@ -249,7 +246,7 @@ class Mapper:
             self._seen_from[place] = self._seen_from.get(place, 0) + 1
             self._add_scans(observation, Pose2D(0.0, 0.0))
         self._window.add(surface, local)
-        self._recent.append((local, surface))
+        self._recent.add(local, surface)
         self._submaps.add(node)
         self._key_frames += 1
         if self._key_frames % _LOOP_EVERY == 0:
@@ -275,18 +272,8 @@ class Mapper:
         placed = self._picker.scan_poses(scan, observation)
         return placed if placed is not None else (Pose2D(0.0, 0.0), Pose2D(0.0, 0.0))
 
-    def _cloud(self) -> Surface:
-        """What the last key frames saw, seen from the newest of them."""
-        here = self._recent[-1][0].inverse()
-        seen = [(here @ local, one) for local, one in self._recent]
-        parts = [
-            (_moved(one.points, pose), _turned(one.normals, pose), _moved(one.sensors, pose)) for pose, one in seen
-        ]
-        points, normals, sensors = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
-        return Surface(points, normals, sensors)
-
     def _close_loops(self, node: int, surface: Surface) -> None:
-        loops = self._loops.search(node, surface, self._cloud())
+        loops = self._loops.search(node, surface, self._recent.together())
         if loops:
             self._take(loops)
 
@@ -366,14 +353,14 @@ class Mapper:
     def seek_loops(self, first: int) -> None:
         """Look for loops from all key frames from a node on, as if the robot had just come there."""
         nodes, recent = self._nodes, self._recent
-        self._recent = deque(maxlen=_CLOUD)
+        self._recent = RecentSurfaces()
         for node in range(first, len(nodes)):
             if node > first and nodes.parts[node] != nodes.parts[node - 1]:
                 self._recent.clear()
             surface = nodes.key_surface(node)
             if not len(surface.points):
                 continue
-            self._recent.append((nodes.pose(node), surface))
+            self._recent.add(nodes.pose(node), surface)
             if node % _LOOP_EVERY == 0:
                 self._close_loops(node, surface)
         self._recent = recent
@@ -386,7 +373,7 @@ class Mapper:
             T_map_local = self._nodes.pose(node) @ local.inverse()
             pose, covariance = T_map_local @ self._local, turned(self._spread, T_map_local.yaw)
             if self._last is not None:
-                covariance = covariance + _motion_spread(self._last[0].inverse() @ observation.odometry) * 0.25
+                covariance = covariance + motion_spread(self._last[0].inverse() @ observation.odometry) * 0.25
         T_map_odom = pose @ observation.odometry.inverse()
         return Estimate(observation.time, pose, covariance, T_map_odom, self._state())
 
@@ -404,30 +391,6 @@ class Mapper:
         return self._nodes.to_graph()
 
 
-def _motion_spread(moved: Pose2D) -> FloatArray:
-    """Covariance of a motion by the odometry."""
-    far, turn = math.hypot(moved.x, moved.y), abs(wrap_angle(moved.yaw))
-    metres = _DRIFT_M + _DRIFT_SHARE * far
-    radians = _TURN_RAD + _TURN_SHARE * turn + _TURN_PER_M * far
-    return np.diag((metres**2, metres**2, radians**2))
-
-
 def _place_of(pose: Pose2D) -> tuple[int, int, int]:
     sector = round(pose.yaw / (2.0 * math.pi) * _SECTORS) % _SECTORS
     return math.floor(pose.x / _PLACE_M), math.floor(pose.y / _PLACE_M), sector
-
-
-def turned(covariance: FloatArray, yaw: float) -> FloatArray:
-    """Turn a covariance of (x, y, yaw) by an angle [rad]."""
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    turn = np.array(((cos, -sin, 0.0), (sin, cos, 0.0), (0.0, 0.0, 1.0)))
-    return turn @ covariance @ turn.T
-
-
-def _turned(points: FloatArray, pose: Pose2D) -> FloatArray:
-    cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
-    return points @ np.array(((cos, sin), (-sin, cos)))
-
-
-def _moved(points: FloatArray, pose: Pose2D) -> FloatArray:
-    return _turned(points, pose) + np.array((pose.x, pose.y))

@@ -13,6 +13,7 @@ from trundle.geometry import Pose2D
 from trundle.mission import Episode, Mission, Observer, Scenario, Session
 from trundle.mission.place import make_place
 from trundle.mission.simulation import start_backend, wrap_backend
+from trundle.ros2.inlet import Record
 from trundle.ros2.names import Names
 from trundle.ros2.navigator_role.role import NavigatorRole
 from trundle.ros2.node_services import ParameterServices, Rosout, Value
@@ -22,7 +23,7 @@ from trundle.ros2.role import BridgeContext, Driver, LiveDriver, Role, RoleName,
 from trundle.ros2.simulator_role.role import SimulatorRole
 from trundle.ros2.simulator_role.services import SimulationServices
 from trundle.ros2.static_frames import StaticFramesMode
-from trundle.ros2.wire import Record, Wire
+from trundle.ros2.wire import Wire
 from trundle.sim.footprint import FootprintChecker
 
 if TYPE_CHECKING:

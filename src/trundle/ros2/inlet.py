@@ -5,14 +5,14 @@ from __future__ import annotations
 import logging
 import time as clock
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from trundle.errors import TrundleError
 from trundle.messages.qos import Qos
 
 if TYPE_CHECKING:
     from trundle.ros2.transport.transport import Subscription
-    from trundle.ros2.wire import Wire
+    from trundle.ros2.types import Types
 
 _LOGGER = logging.getLogger(__name__)
 
@@ -21,6 +21,30 @@ MOST_A_SECOND = 500
 
 NEWEST_S = 0.002
 """A topic of which only the newest message counts is looked at so often [s]; /clock may come 1,000 times a second."""
+
+
+class Record(Protocol):
+    """Keeps what goes over the wire."""
+
+    def add(self, topic: str, type_name: str, qos: Qos, data: bytes, time: float) -> None:
+        """Add a message that was written or received at a simulated time [s]."""
+        ...
+
+
+class Listener(Protocol):
+    """What reads topics, as a `Wire` does: it has the types and the record, and reports what is wrong."""
+
+    types: Types
+    record: Record | None
+    now: Callable[[], float]
+
+    def warn(self, kind: str, text: str | Callable[[], str]) -> None:
+        """Report something, once for each kind."""
+        ...
+
+    def describe_source(self, source: str) -> str:
+        """Return who sent something."""
+        ...
 
 
 class Inlet:
@@ -56,7 +80,7 @@ class Inlet:
         """How many write to it."""
         return self._subscription.matched
 
-    def take(self, wire: Wire) -> bool:
+    def take(self, wire: Listener) -> bool:
         """Handle what came, and return whether it was more than is handled in a second."""
         floods = False
         samples = self._subscription.take()
@@ -81,7 +105,7 @@ class Inlet:
                 self._handle(sample.data, sample.source, wire)
         return floods
 
-    def _warn_of_flood(self, source: str, wire: Wire) -> None:
+    def _warn_of_flood(self, source: str, wire: Listener) -> None:
         wire.warn(
             f"{self.topic}: flood",
             lambda: (
@@ -90,7 +114,7 @@ class Inlet:
             ),
         )
 
-    def _handle(self, data: bytes, source: str, wire: Wire) -> None:
+    def _handle(self, data: bytes, source: str, wire: Listener) -> None:
         if wire.record is not None and self._is_recorded:
             wire.record.add(self.topic, self.type_name, self.qos, data, wire.now())
         try:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from trundle.errors import TrundleError
 from trundle.messages.qos import Qos
 from trundle.ros2.actions import Action, GoalAdapter
 from trundle.ros2.bad_input import Warnings
-from trundle.ros2.inlet import Inlet
+from trundle.ros2.inlet import Inlet, Record
 
 if TYPE_CHECKING:
     from trundle.ros2.names import Names
@@ -28,14 +28,6 @@ _FLOOD_PAUSE_S = 0.02
 
 _ENDS_S = 1.0
 """How long `close` waits for the listening thread [s]."""
-
-
-class Record(Protocol):
-    """Keeps what goes over the wire."""
-
-    def add(self, topic: str, type_name: str, qos: Qos, data: bytes, time: float) -> None:
-        """Add a message that was written or received at a simulated time [s]."""
-        ...
 
 
 class Outlet:

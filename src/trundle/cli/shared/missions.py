@@ -224,11 +224,10 @@ class _Recorder:
 
     def report(self, episode: Episode, facts: Mapping[str, object] | None, finish: Finish | None) -> int:
         """Print the result of the last run, as JSON with more facts; return the exit code."""
-        if self._folder is None or self._mission is None:
-            return 0 if episode.arrived else 1
-        if finish is not None:
-            return finish(self._mission, episode, self._folder)
-        report(episode, self._folder, json=self._shown.json, facts=facts)
+        if self._folder is not None and self._mission is not None:
+            if finish is not None:
+                return finish(self._mission, episode, self._folder)
+            report(episode, self._folder, json=self._shown.json, facts=facts)
         return 0 if episode.arrived else 1
 
 

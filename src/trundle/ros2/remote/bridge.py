@@ -16,6 +16,7 @@ from trundle.mission import Episode, Mission, Scenario, Session
 from trundle.mission.place import make_place
 from trundle.mission.scenario import Setting
 from trundle.ros2.bridge import MakeObservers
+from trundle.ros2.inlet import Record
 from trundle.ros2.names import Names
 from trundle.ros2.profile import Profile
 from trundle.ros2.remote.commands import CommandOutput, Sources
@@ -26,7 +27,7 @@ from trundle.ros2.remote.publishing import StartPose, StaticFrames
 from trundle.ros2.remote.robot import RemoteRobot
 from trundle.ros2.remote.role import NOT_LOCATED, GoalDrive, RemoteRole
 from trundle.ros2.role import BridgeContext, Driver, LiveDriver, SimulationClock
-from trundle.ros2.wire import Record, Wire
+from trundle.ros2.wire import Wire
 
 if TYPE_CHECKING:
     from trundle.ros2.transport.transport import Transport
