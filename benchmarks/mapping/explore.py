@@ -25,7 +25,7 @@ import trundle
 from trundle._core import cast_grid_rays, label_components
 from trundle.costmap import INSCRIBED, LETHAL
 from trundle.maps.cells import UNKNOWN, round_trinary
-from trundle.mission.explore import exploring
+from trundle.mission.exploring import exploring
 from trundle.planning import cost_field
 from trundle.sim.odometry_errors import OdometryErrors
 

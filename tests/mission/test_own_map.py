@@ -13,7 +13,7 @@ from trundle.geometry import Pose2D
 from trundle.localization import create_localizer
 from trundle.maps import OccupancyGrid
 from trundle.mission import Scenario, Session
-from trundle.mission.explore import exploring
+from trundle.mission.exploring import exploring
 from trundle.mission.own_map import Correction, describe_corrections
 from trundle.navigation import Navigator
 from trundle.navigation.agents import CommandScript

@@ -96,7 +96,7 @@ def explore(
         posegraph: Also write the poses, scans and loops that the map was drawn from, such as site.posegraph; trundle
             map continue goes on from there.
     """
-    from trundle.mission.explore import conclude, exploring
+    from trundle.mission.exploring import conclude, exploring
 
     target = options.output_file(Path("map.yaml") if out is None else out, "map.yaml", (".yaml", ".yml"))
     if not overwrite:

@@ -3,7 +3,7 @@
 from trundle.fault import Fault
 from trundle.geometry import Goal
 from trundle.mission.episode import Episode, Metrics, Outcome
-from trundle.mission.explore import Exploration, explore
+from trundle.mission.exploring import Exploration, explore
 from trundle.mission.fields import Rules, RunSettings
 from trundle.mission.loop import run
 from trundle.mission.observers import (
