@@ -158,3 +158,16 @@ def test_beams_count_as_on_fine_points_of_them():
     assert (counts[..., 0] == most[..., 0]).all()
     assert (counts[..., 1] >= least).all()
     assert (counts[..., 1] <= most[..., 1]).all()
+
+
+def test_a_wall_on_the_border_of_two_cells_leaves_nothing_unknown_before_it():
+    counts = np.zeros((60, 60, 4), dtype=np.int32)
+    for _ in range(30):
+        x = RNG.uniform(0.2, 2.8, 200)
+        points = np.column_stack((x, 2.0 + 0.02 * (x - 1.5) + RNG.normal(0.0, 0.01, 200)))
+        count_beams(counts, np.tile((1.5, 0.3), (200, 1)), points, np.ones(200, np.uint8), np.zeros(2), 0.05, 0.1, 1)
+    cells = draw_cells(counts, np.array((2.0, 0.1, 1.0)))
+    for col in range(6, 54):
+        wall = np.flatnonzero(cells[:, col] >= 65)
+        assert 0 <= cells[wall[0] - 1, col] <= 20
+        assert cells[wall[-1] + 1, col] == -1

@@ -7,6 +7,7 @@ import pytest
 
 from mapping.rooms import SEGMENTS, drive, ring
 from trundle import Mapper, Pose2D, Robot, draw_map
+from trundle._core import label_components
 
 
 @pytest.fixture(scope="module")
@@ -119,3 +120,15 @@ def test_a_robot_that_stands_adds_nothing(robot: Robot) -> None:
         mapper.update(observation)
     assert len(mapper.graph().times) == 1
     assert len(mapper.graph().scan_nodes) == 1
+
+
+def test_after_the_end_the_map_is_that_of_the_graph(twice_round) -> None:
+    mapper, _ = twice_round
+    assert np.array_equal(mapper.grid().data, draw_map(mapper.graph()).data)
+
+
+def test_free_space_hangs_together_with_where_the_robot_was(twice_round) -> None:
+    """What beams that graze a wall leave behind it is not known."""
+    cells = draw_map(twice_round[0].graph()).data
+    labels, parts = label_components(((cells >= 0) & (cells <= 20)).view(np.uint8), diagonal=False)
+    assert len(parts) == 1, f"{len(parts)} pieces of free space, {labels.max()}"

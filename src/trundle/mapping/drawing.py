@@ -7,13 +7,13 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from trundle._core import count_beams, draw_cells
+from trundle._core import count_beams, draw_cells, label_components
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.mapping.optimizer import component_of
 from trundle.mapping.pose_graph import Lidar, PoseGraph
 from trundle.maps import OccupancyGrid
-from trundle.maps.cells import MAX_CELLS
+from trundle.maps.cells import FREE_UP_TO, MAX_CELLS, UNKNOWN
 
 _SHORT_BY_CELLS = 2.0  # beams that graze a wall pass through its cells
 # Of the beams in a cell of a wall, many only graze it: with a share of 0.3, 78 % of the surface of a warehouse that was
@@ -51,7 +51,7 @@ def draw_map(graph: PoseGraph, *, resolution: float = 0.05) -> OccupancyGrid:
         canvas.count(beams, graph.poses[node], 1)
     if canvas.is_empty:
         raise InputError("the pose graph has no scan, so there is nothing to draw")
-    return canvas.grid()
+    return canvas.grid(graph.poses[np.array(roots) == roots[0], :2])
 
 
 class Beams(tuple[FloatArray, FloatArray, npt.NDArray[np.uint8]]):
@@ -145,9 +145,16 @@ class Canvas:
             counts[row : row + self._counts.shape[0], col : col + self._counts.shape[1]] = self._counts
         self._counts, self._corner = counts, (left, bottom)
 
-    def grid(self) -> OccupancyGrid:
-        """Return the map."""
+    def grid(self, places: FloatArray) -> OccupancyGrid:
+        """Return the map.
+
+        Free cells that do not hang together with one of the places are specks behind walls: they are not known.
+
+        Args:
+            places: Where the robot was (x, y) [m], shape (N, 2).
+        """
         cells = draw_cells(self._counts, np.array((_LEAST_ENDS, _LEAST_SHARE, _LEAST_BEAMS)))
+        self._leave_specks(cells, places)
         seen = cells >= 0
         rows, cols = (np.flatnonzero(seen.any(axis=axis)) for axis in (1, 0))
         size, pad = self._tile * self.resolution, max(1, round(_PADDING_M / self.resolution))
@@ -157,3 +164,17 @@ class Canvas:
             cells = cells[low : rows[-1] + 1 + pad, left : cols[-1] + 1 + pad]
             x, y = x + float(left) * self.resolution, y + float(low) * self.resolution
         return OccupancyGrid(cells, self.resolution, Pose2D(x, y), surface="centre")
+
+    def _leave_specks(self, cells: npt.NDArray[np.int8], places: FloatArray) -> None:
+        """Make free cells unknown from which no place can be reached over free cells."""
+        free = (cells >= 0) & (cells <= FREE_UP_TO)
+        labels, parts = label_components(free.view(np.uint8), diagonal=False)
+        corner = np.array(self._corner) * (self._tile * self.resolution)
+        at = np.floor((places - corner) / self.resolution).astype(np.int64)
+        kept = np.zeros(len(parts) + 1, dtype=bool)
+        for row in (-1, 0, 1):  # a robot may stand where something was seen later
+            for col in (-1, 0, 1):
+                rows = np.clip(at[:, 1] + row, 0, cells.shape[0] - 1)
+                kept[labels[rows, np.clip(at[:, 0] + col, 0, cells.shape[1] - 1)]] = True
+        kept[0] = False
+        cells[free & ~kept[labels]] = UNKNOWN

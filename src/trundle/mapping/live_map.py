@@ -45,7 +45,8 @@ class LiveMap:
             if wanted:
                 self._count(nodes, scans, pose, 1)
                 self._drawn[node] = (pose.copy(), len(scans))
-        return self._canvas.grid()
+        drawn = [nodes.poses[node][:2] for node in self._drawn]
+        return self._canvas.grid(np.array(drawn).reshape(-1, 2))
 
     def _count(self, nodes: Nodes, scans: list, pose: FloatArray, sign: int) -> None:
         for scan in scans:

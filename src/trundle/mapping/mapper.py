@@ -349,6 +349,7 @@ class Mapper:
                     self._note([loop])
         poses, _ = optimize(nodes, iterations=30)
         self._correct(poses)
+        self._live = None  # small corrections are not drawn while the robot drives
 
     def seek_loops(self, first: int) -> None:
         """Look for loops from all key frames from a node on, as if the robot had just come there."""

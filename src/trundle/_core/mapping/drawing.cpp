@@ -146,17 +146,22 @@ nb::ndarray<nb::numpy, std::int8_t> draw_cells(In<std::int32_t, 3> counts, In<do
       return moved[at] >= s[0] && moved[at] >= s[1] * (moved[at] + beams[at]);
     };
     // A wall on the border of two cells comes to lie in both of them by turns: the one with more ends keeps it.
-    const auto is_beaten = [&](std::ptrdiff_t row, std::ptrdiff_t col) {
+    // On the side that beams came from it is free then, behind the wall it is not known: 1 or 2; 0 where it keeps it.
+    const auto beaten = [&](std::ptrdiff_t row, std::ptrdiff_t col) {
       const auto at = static_cast<std::size_t>(row * cols + col);
-      if (!across[at]) return false;
+      if (!across[at]) return 0;
       for (const std::ptrdiff_t step : {std::ptrdiff_t{-1}, std::ptrdiff_t{1}}) {
         const std::ptrdiff_t r = across[at] == 2 ? row + step : row, c = across[at] == 1 ? col + step : col;
         if (r < 0 || c < 0 || r >= rows || c >= cols) continue;
         const auto other = static_cast<std::size_t>(r * cols + c);
         if (across[other] != across[at] || !is_wall(other)) continue;
-        if (moved[other] > moved[at] || (moved[other] == moved[at] && step < 0)) return true;
+        if (moved[other] < moved[at] || (moved[other] == moved[at] && step > 0)) continue;
+        const std::ptrdiff_t before = across[at] == 2 ? row - step : row, beside = across[at] == 1 ? col - step : col;
+        const bool is_inside = before >= 0 && beside >= 0 && before < rows && beside < cols;
+        const bool is_seen = cells[at * kKinds + 1] > 0 || (is_inside && cells[(before * cols + beside) * kKinds + 1] > 0);
+        return is_seen ? 1 : 2;
       }
-      return false;
+      return 0;
     };
     for (std::ptrdiff_t row = 0; row < rows; ++row) {
       for (std::ptrdiff_t col = 0; col < cols; ++col) {
@@ -164,8 +169,9 @@ nb::ndarray<nb::numpy, std::int8_t> draw_cells(In<std::int32_t, 3> counts, In<do
         const std::int32_t *mine = cells + (row * cols + col) * kKinds;
         const double ends = moved[at], passed = ends > 0.0 ? beams[at] : 0.0;
         const double share = ends > 0.0 ? ends / (ends + passed) : 0.0;
-        if (is_wall(at) && is_beaten(row, col)) {
-          out[at] = mine[1] > 0 ? 20 : -1;
+        const int lost = is_wall(at) ? beaten(row, col) : 0;
+        if (lost) {
+          out[at] = lost == 1 ? 10 : -1;
         } else if (is_wall(at)) {
           // From the least share on 65 to 100: what maps take for occupied.
           out[at] = static_cast<std::int8_t>(std::lround(65.0 + 35.0 * (share - s[1]) / (1.0 - s[1])));
@@ -177,6 +183,22 @@ nb::ndarray<nb::numpy, std::int8_t> draw_cells(In<std::int32_t, 3> counts, In<do
         }
       }
     }
+    // Beams are counted up to a little before their ends: what is left between free space and a wall is free.
+    std::vector<std::size_t> before;
+    for (std::ptrdiff_t row = 1; row + 1 < rows; ++row) {
+      for (std::ptrdiff_t col = 1; col + 1 < cols; ++col) {
+        const auto at = static_cast<std::size_t>(row * cols + col);
+        if (out[at] != -1) continue;
+        for (const std::ptrdiff_t to : {std::ptrdiff_t{1}, std::ptrdiff_t{-1}, cols, -cols}) {
+          const auto wall = static_cast<std::size_t>(row * cols + col + to), free = static_cast<std::size_t>(row * cols + col - to);
+          if (out[wall] >= 65 && out[free] >= 0 && out[free] <= 20) {
+            before.push_back(at);
+            break;
+          }
+        }
+      }
+    }
+    for (const std::size_t at : before) out[at] = 10;
   }
   return to_numpy(std::move(out), {static_cast<std::size_t>(rows), static_cast<std::size_t>(cols)});
 }
