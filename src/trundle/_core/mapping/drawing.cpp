@@ -18,6 +18,7 @@ namespace {
 
 constexpr int kKinds = 4;
 constexpr double kPerCell = 1000.0;
+constexpr std::int32_t kSure = 4;  // beams that passed
 constexpr std::int32_t kMost = 1'000'000;  // sums of places stay below 2^31
 
 }  // namespace
@@ -178,8 +179,9 @@ nb::ndarray<nb::numpy, std::int8_t> draw_cells(In<std::int32_t, 3> counts, In<do
         } else if (mine[1] + mine[0] >= s[2]) {
           const double all = static_cast<double>(mine[1]) + ends;
           const double odds = all > 0.0 ? std::min(1.0, ends / (all * s[1])) : 0.0;
-          out[at] = mine[1] > 0 ? static_cast<std::int8_t>(std::lround(odds < 0.5 ? 40.0 * odds : 20.0 + 80.0 * (odds - 0.5)))
-                                : -1;
+          // What some beams passed is free, though a person stood there once; of what one or two passed it is not sure.
+          const double doubt = mine[1] >= kSure || odds < 0.5 ? 20.0 * odds : 20.0 + 80.0 * (odds - 0.5);
+          out[at] = mine[1] > 0 ? static_cast<std::int8_t>(std::lround(doubt)) : -1;
         }
       }
     }
