@@ -56,3 +56,12 @@ def test_a_map_that_was_edited_is_not_replaced(trundle: Trundle, small_map: Path
     done = trundle("explore", "maze", "-o", small_map)
     assert done.code == 2
     assert "may have been edited by hand" in done.err
+
+
+def test_options_of_the_explorer_and_of_slam_need_no_names(trundle: Trundle, small_map: Path) -> None:
+    done = trundle("explore", small_map, "--backend", "kinematic", "--agent-option", "tries=none", "--no-video")
+    assert done.code == 2
+    assert "tries" in done.err
+    done = trundle("explore", small_map, "--backend", "kinematic", "--localizer-option", "nothing=1", "--no-video")
+    assert done.code == 2
+    assert "nothing" in done.err

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -96,12 +96,16 @@ def explore(
         posegraph: Also write the poses, scans and loops that the map was drawn from, such as site.posegraph; trundle
             map continue goes on from there.
     """
-    from trundle.mission.exploring import conclude, exploring
+    from trundle.mission.exploring import EXPLORER, conclude, exploring
 
     target = options.output_file(Path("map.yaml") if out is None else out, "map.yaml", (".yaml", ".yml"))
     if not overwrite:
         options.check_map_replaceable(target)
     graph_file = None if posegraph is None else options.output_file(posegraph, "site.posegraph", (".posegraph",))
+    if given.agent is None and given.agent_options:
+        given = replace(given, agent=EXPLORER)
+    if given.localizer is None and given.localizer_options:
+        given = replace(given, localizer="slam")
     scenario = exploring(given.make(source))
     if scenario.name is None:
         scenario = scenario.model_copy(update={"name": f"explore-{scenario.title}"})
