@@ -157,9 +157,11 @@ nb::ndarray<nb::numpy, std::int8_t> draw_cells(In<std::int32_t, 3> counts, In<do
         const auto other = static_cast<std::size_t>(r * cols + c);
         if (across[other] != across[at] || !is_wall(other)) continue;
         if (moved[other] < moved[at] || (moved[other] == moved[at] && step > 0)) continue;
-        const std::ptrdiff_t before = across[at] == 2 ? row - step : row, beside = across[at] == 1 ? col - step : col;
-        const bool is_inside = before >= 0 && beside >= 0 && before < rows && beside < cols;
-        const bool is_seen = cells[at * kKinds + 1] > 0 || (is_inside && cells[(before * cols + beside) * kKinds + 1] > 0);
+        bool is_seen = false;  // beams end a little short of a wall, and those that graze it pass through its cells
+        for (std::ptrdiff_t away = 1; away <= 2; ++away) {
+          const std::ptrdiff_t r2 = across[at] == 2 ? row - away * step : row, c2 = across[at] == 1 ? col - away * step : col;
+          is_seen = is_seen || (r2 >= 0 && c2 >= 0 && r2 < rows && c2 < cols && cells[(r2 * cols + c2) * kKinds + 1] > 0);
+        }
         return is_seen ? 1 : 2;
       }
       return 0;

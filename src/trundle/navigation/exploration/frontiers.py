@@ -18,6 +18,8 @@ _AROUND_M = 0.3
 """The robot stands there: so far beside its outline [m] it can drive, whatever the costmap says."""
 _LOOK_M = 3.0
 """A place from which a frontier is looked at lies within this of it [m]."""
+_PLACES = 9
+"""So many places of a frontier are tried before it counts as out of sight."""
 _RAYS = 180
 _UNSEEN_M = 3.0
 """Along a ray, not more than this of unknown space counts [m]: what is behind is anybody's guess."""
@@ -76,12 +78,19 @@ def find_frontiers(costmap: Costmap, pose: Pose2D, settings: ExplorerSettings | 
     for number in np.flatnonzero(table[:, 0] * edge >= settings.least_frontier).tolist():
         _, first, end, left, right = table[number].tolist()
         rows, cols = np.nonzero(labels[first:end, left:right] == number + 1)
-        middle = int(((rows - rows.mean()) ** 2 + (cols - cols.mean()) ** 2).argmin())
-        at = first + int(rows[middle]), left + int(cols[middle])
         reach = _LOOK_M / edge
-        view = _place_to_look(blocked, roomy, at, reach) or _place_to_look(blocked, reached, at, reach)
-        if view is None:
+        found_place = None
+        # A part of a long one may lie behind a wall.
+        order = np.argsort((rows - rows.mean()) ** 2 + (cols - cols.mean()) ** 2, kind="stable")
+        for index in order[np.linspace(0, len(order) - 1, min(len(order), _PLACES)).astype(np.intp)].tolist():
+            at = first + int(rows[index]), left + int(cols[index])
+            view = _place_to_look(blocked, roomy, at, reach) or _place_to_look(blocked, reached, at, reach)
+            if view is not None:
+                found_place = at, view
+                break
+        if found_place is None:
             continue
+        at, view = found_place
         gain = _gain(blocked, unseen, view, settings.view_range / edge, _UNSEEN_M / edge) * edge**2
         if gain < settings.least_gain:
             continue
