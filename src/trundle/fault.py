@@ -26,6 +26,7 @@ LIBRARIES = frozenset(
         "docstring_parser",
         "duckdb",
         "glfw",
+        "gymnasium",
         "isaacsim",
         "launch",
         "launch_ros",

@@ -81,6 +81,7 @@ def test_scans_alone_suffice_where_they_come_often_enough(trundle: Trundle, tmp_
     assert any("the motion is that of the scans" in line for line in done.json["remarks"])
 
 
+@pytest.mark.filterwarnings("ignore:the odometry jumped")  # as the motion of such scans does
 def test_scans_alone_that_do_not_fit_each_other_are_refused(trundle: Trundle, tmp_path: Path) -> None:
     def shuffle(topic, message, index):
         if topic == "/scan":

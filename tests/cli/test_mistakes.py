@@ -70,7 +70,7 @@ run map.yaml --planner dijkstra | There are: any_angle, astar
 run map.yaml --controller purepursuit | Did you mean 'regulated_pure_pursuit'?
 run map.yaml --smoother spline | There are: constrained
 run map.yaml --backend Mujoco | Did you mean 'mujoco'?
-run map.yaml --localizer slam | There are: amcl, odometry
+run map.yaml --localizer gps | There are: amcl, odometry, slam
 evaluate office --planners astr | Did you mean 'astar'?
 evaluate smok | Did you mean 'smoke'?
 export warehouse --to pdf | There are: glb

@@ -9,6 +9,7 @@ import yaml
 
 from support.command_line import Trundle
 from trundle.mission import Scenario
+from trundle.nav2.remarks import ROS_OWN
 
 NAV2 = Path(__file__).parents[1] / "nav2" / "data" / "humble.yaml"
 ENDS = ("--start", "0.5,0.5", "--goal", "2.5,1.5")
@@ -40,7 +41,8 @@ def test_what_has_no_counterpart_is_listed_on_stderr_and_in_the_json(trundle: Tr
     assert ("amcl", "max_particles") not in named
     assert named["amcl", "base_frame_id"]["kind"] == "no counterpart"
     assert named["controller_server", "FollowPath.plugin"]["kind"] == "changed"
-    assert all(name in done.err for _, name in named)
+    assert all(name in done.err for (_, name), remark in named.items() if remark["text"] != ROS_OWN)
+    assert "left to ROS" in done.err
     quiet = trundle("scenario", room_map, "--nav2-params", NAV2, "--quiet", "-o", "other.yaml")
     assert len(quiet.err.strip().splitlines()) == 1
     assert "--json lists them" in quiet.err

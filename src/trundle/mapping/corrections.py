@@ -34,7 +34,8 @@ def find_corrections(graph: PoseGraph) -> tuple[Correction, ...]:
     """Return the loops of a graph: those that join parts first, then the largest correction first."""
     chained = _chain(graph)
     found: list[Correction] = []
-    for first, second, kind in graph.edges.tolist():
+    for one, other, kind in graph.edges.tolist():
+        first, second = min(one, other), max(one, other)
         if kind != LOOP:
             continue
         metres = radians = None

@@ -106,6 +106,7 @@ class Mapper:
         self._key: tuple[int, Pose2D] | None = None  # the last node, and its pose in the frame of the window
         self._last: tuple[Pose2D, Pose2D] | None = None  # the last match: odometry, and pose in the frame of the window
         self._kept: Pose2D | None = None
+        self._before: tuple[Pose2D, Pose2D] | None = None  # the first odometry, and pose in the frame of the window
         self._spread: FloatArray = np.diag((1e-6, 1e-6, 1e-6))
         self._poor = 0
         self._worst = 1.0  # fit since the last node
@@ -176,12 +177,10 @@ class Mapper:
         if self._picker.follow(observation) and self._key is not None:
             self._begin_part()
         odometry = observation.odometry
-        if self._last is None:
-            self._local = self._start if not len(self._nodes) else Pose2D(0.0, 0.0)
-            self._odometry = odometry
-        else:
-            self._local = self._last[1] @ (self._last[0].inverse() @ odometry)
-        self._odometry = odometry
+        if self._before is None:
+            self._before = odometry, self._start if not len(self._nodes) else Pose2D(0.0, 0.0)
+        known, local = self._before if self._last is None else self._last
+        self._local = local @ (known.inverse() @ odometry)
         if observation.scans and self._has_moved(odometry):
             self._see(observation)
         return self._estimate(observation)

@@ -57,7 +57,7 @@ TALKS = [pytest.param((*case.values, "simulator"), id=f"{case.id}-simulator", ma
 """Each pair in each role."""
 
 RARE = {
-    *("/contacts", "/plan", "/trajectories", "/waypoints"),
+    *("/contacts", "/plan", "/rosout", "/trajectories", "/waypoints"),
     *("/global_costmap/costmap_updates", "/local_costmap/costmap_updates"),
 }
 """Topics on which nothing may be said."""
