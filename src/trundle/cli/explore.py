@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 from cyclopts import App, Parameter
 
@@ -103,9 +103,9 @@ def explore(
         options.check_map_replaceable(target)
     graph_file = None if posegraph is None else options.output_file(posegraph, "site.posegraph", (".posegraph",))
     if given.agent is None and given.agent_options:
-        given = replace(given, agent=EXPLORER)
+        given = replace(cast("Any", given), agent=EXPLORER)
     if given.localizer is None and given.localizer_options:
-        given = replace(given, localizer="slam")
+        given = replace(cast("Any", given), localizer="slam")
     scenario = exploring(given.make(source))
     if scenario.name is None:
         scenario = scenario.model_copy(update={"name": f"explore-{scenario.title}"})
