@@ -13,7 +13,7 @@ from trundle.mission.own_map import LEAST_CORRECTION_M, Correction, OwnMap
 from trundle.observation import Estimate
 
 PERIOD_S = 1.0
-"""How often the map is drawn anew [s]: often enough to plan on, as the scans show what is new since then."""
+"""How often the map is drawn again [s]: often enough to plan on, as the scans show what is new since then."""
 
 _MOST_NAMED = 5
 

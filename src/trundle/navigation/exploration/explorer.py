@@ -22,7 +22,7 @@ from trundle.path import Path
 from trundle.robots import Robot
 
 _MOVED_M = 0.75
-"""A goal is set anew once its frontier has moved by this much [m]; each makes another plan."""
+"""A goal is set again once its frontier has moved by this much [m]; each makes another plan."""
 _BLIND_S = 5.0
 """Without a scan for this long at the start [s], there will be none."""
 _NEARER_M = 0.3

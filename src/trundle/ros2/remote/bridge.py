@@ -46,7 +46,7 @@ class RemoteOptions:
 
     Attributes:
         localizer: "tf", or None for the localizer of the scenario.
-        start: Where the robot is at first, map frame; None where that is told on /initialpose.
+        start: Where the robot is at first, map frame; None where that comes on /initialpose.
         goals: Where it drives, in order, and then the run ends. If empty, it waits for goals.
         static_frames: Whether base → sensor is published.
     """
