@@ -163,9 +163,10 @@ def main() -> None:
     parser.add_argument("--picture", type=Path)
     options = parser.parse_args()
     warnings.simplefilter("ignore")
-    print(
-        "world                      metres    ATE  online95  near wall  mapped  x real  draw s  nodes  scans     MB  moved by"
+    header = (
+        "world                      metres    ATE  online95  near wall  mapped  x real  draw s  nodes  scans     MB"
     )
+    print(f"{header}  moved by")
     robot = load_robot()
     for name in options.worlds:
         for seed in options.seeds:
