@@ -71,10 +71,19 @@ def test_the_localizer_finishes_its_map_once_at_the_end():
     assert localizer.finished == 1
 
 
+def test_slam_says_with_the_map_where_it_comes_from():
+    _, _, steps, episode = listen("slam")
+    track = steps[-1].map_track
+    assert len(track.poses) > 2
+    assert track.poses[:, 0] == pytest.approx(np.sort(track.poses[:, 0]))
+    assert (track.loops.shape[1], track.corrections) == (2, ())
+    assert len(episode.own_map.track.poses) >= len(track.poses)
+
+
 def test_other_localizers_make_none():
     _, times, steps, episode = listen("odometry")
     assert times == []
-    assert steps[-1].map is None
+    assert (steps[-1].map, steps[-1].map_track) == (None, None)
     assert episode.own_map is None
 
 
