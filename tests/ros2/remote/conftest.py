@@ -121,7 +121,7 @@ def navigate(network: FakeNetwork, room_file: str) -> Iterator[Callable[..., Rem
 
     def navigate(
         *,
-        goal: tuple[float, ...] | None = (3.6, 2.6),
+        goal: tuple[float, ...] | None = (2.7, 2.2),
         start: Pose2D | None = START,
         localizer: str = "odometry",
         robot: str | Path = "turtlebot3_waffle",
