@@ -38,7 +38,7 @@ def from_graph(
         second: Another one to merge into it.
     """
     from trundle.mapping import load_pose_graph, merge_pose_graphs
-    from trundle.recordings.unknown_robot import make_unknown_robot
+    from trundle.recordings.drive import make_unknown_robot
 
     machine = of_map.load_robot()
     targets = of_map.check(source=posegraph_file)
