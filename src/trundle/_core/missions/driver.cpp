@@ -13,6 +13,8 @@ namespace {
 
 using namespace missions;
 
+constexpr double kMostPeriods = 1e6, kLongest = 1e4;
+
 void require(bool holds, const char *what) {
   if (!holds) throw nb::value_error(what);
 }
@@ -59,7 +61,7 @@ MissionDriver::MissionDriver(In<std::uint8_t, 2> costs, In<std::uint8_t, 2> free
   for (std::size_t i = 0; i < 13; ++i) require(p[i] >= 0.0, "settings must not be negative");
   require(l[3] > 0.0 && l[4] > 0.0 && l[5] > 0.0 && l[6] > 0.0 && l[8] > 0.0 && l[10] > 0.0,
           "accelerations, wheels, track and periods must be positive");
-  require(l[9] >= 1.0 && l[9] <= 1e6, "a control period has 1 to a million substeps");
+  require(l[9] >= 1.0 && l[9] <= 1e4, "a control period has 1 to 10,000 substeps");
   require(p[2] > 1e-3 && p[12] < 1e3, "the lookahead must be positive, and the padding below a kilometre");
   limits_ = {l[0], l[1], l[2], l[3], l[4]};
   wheel_radius_ = l[5], track_width_ = l[6], wheel_speed_ = l[7], timestep_ = l[8], period_ = l[10];
@@ -177,7 +179,12 @@ nb::tuple MissionDriver::drive(In<double, 2> starts, In<double, 2> goals, In<dou
             "each mission needs a path with poses, and its check");
     const double *start = starts.data() + 3 * i, *goal = goals.data() + 3 * i, limit = time_limits.data()[i];
     require(std::abs(goal[0]) < 1e9 && std::abs(goal[1]) < 1e9, "goals must be finite");
-    require(limit >= 0.0 && limit / period_ < 1e8, "time limits must be finite");
+    require(limit >= 0.0 && limit / period_ <= kMostPeriods, "a time limit has at most a million control periods");
+    double far = 0.0;
+    for (const double *pose = paths.data() + 3 * path; pose + 3 < paths.data() + 3 * path_end; pose += 3) {
+      far += length(pose[3] - pose[0], pose[4] - pose[1]);
+    }
+    require(far <= kLongest, "a path is at most 10 km long");
     all.push_back({{start[0], start[1], start[2]},
                    {goal[0], goal[1], goal[2]},
                    !std::isfinite(goal[2]),

@@ -120,7 +120,8 @@ class PurePursuit {
   double least_room(const Ground &ground, const Motion &motion) {
     const Pose &first = motion.first, &last = motion.last;
     const double away = length(first.x - last.x, first.y - last.y), turn = std::abs(last.yaw - first.yaw);
-    const auto pieces = static_cast<int>(std::max(1.0, std::ceil(std::max(away / 0.005, turn / (0.5 * kDegree)))));
+    const double steps = std::ceil(std::max(away / 0.005, turn / (0.5 * kDegree)));
+    const auto pieces = static_cast<int>(std::min(std::max(1.0, steps), 1e7));
     const double change[3] = {last.x - first.x, last.y - first.y, last.yaw - first.yaw};
     const double from[3] = {first.x, first.y, first.yaw};
     // As `np.linspace` rounds: where one of the steps is 0, it multiplies by shares.

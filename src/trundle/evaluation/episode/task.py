@@ -21,7 +21,7 @@ from trundle.geometry import Goal, Pose2D
 from trundle.localization.localizer import LOCALIZERS
 from trundle.maps import OccupancyGrid
 from trundle.mission import Episode, Outcome, Scenario, sample_mission, sample_tight_ends
-from trundle.mission.batch import BATCH, BatchMission, HandedOver
+from trundle.mission.batch import BATCH, BatchMission, HandedOver, needs_python
 from trundle.mission.goal_fields import exact_goals, make_goal
 from trundle.mission.loop import run
 from trundle.mission.metrics import Truth, measure_truth
@@ -206,7 +206,8 @@ class EpisodeTask:
         measure = _Measured(kept)
         if scenario.backend.name == BATCH:
             note({"stage": "drive", "row": known})
-            (driven,) = kept.batch.drive([BatchMission(setting, measure)])
+            needs = ", ".join(needs_python(scenario))
+            driven = HandedOver(needs) if needs else kept.batch.drive([BatchMission(setting, measure)])[0]
             if not isinstance(driven, HandedOver):
                 return driven, measure.truth
             known["handed_over"] = driven.reason

@@ -13,7 +13,7 @@ from trundle._core import MissionDriver, chebyshev_field
 from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
 from trundle.costmap import LETHAL, Costmap
 from trundle.errors import InputError, PlanningError
-from trundle.geometry import FloatArray, Goal, Pose2D
+from trundle.geometry import FloatArray, Goal, Pose2D, Twist2D
 from trundle.mission.batch.needs import world_needs_python
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.metrics import Measure
@@ -26,21 +26,24 @@ from trundle.mission.running.run_log import AgentTotals, RunLog
 from trundle.mission.scenario import Setting
 from trundle.mission.trajectory import Trajectory
 from trundle.navigation import Navigator
+from trundle.path import Path
 from trundle.planning import PathCheck
 from trundle.sim.kinematic import TIMESTEP
 from trundle.sim.ramp import count_steps
 
-_ARRIVED, _TIMED_OUT = 0, 1
+_ARRIVED = 0
 _HANDED_OVER = {
-    2: "it touches something",
-    3: "it is blocked",
-    4: "it makes no progress along its path",
-    5: "it makes no progress",
-    6: "its footprint touches something where it stands",
+    2: "contact",
+    3: "blocked",
+    4: "no progress along the path",
+    5: "no progress",
+    6: "contact of a robot that stands",
 }
-"""Endings of the kernel."""
+"""Endings of the kernel with which a drive is handed over."""
 
 _MOST_KERNELS = 2
+_MOST_PERIODS, _LONGEST_M = 1_000_000, 10_000.0
+"""What the kernel takes of a mission at most, in control periods and path [m]; its memory is bounded by them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,7 +64,7 @@ class HandedOver:
     """A mission that needs more than the kernel has: it is driven from its start, step by step.
 
     Attributes:
-        reason: What it needs.
+        reason: What it needs, in a few words: "blocked".
     """
 
     reason: str
@@ -74,8 +77,19 @@ class _Planned:
     mission: BatchMission
     navigator: Navigator
     info: RunInfo
-    check: PathCheck
     began_s: float
+
+    @property
+    def course(self) -> tuple[Path, PathCheck]:
+        """The path, and its check.
+
+        Raises:
+            InputError: If there is none.
+        """
+        path, check = self.navigator.path, self.navigator.path_check
+        if path is None or check is None:
+            raise InputError("the mission has no path")
+        return path, check
 
 
 class MissionBatch:
@@ -157,26 +171,31 @@ def _plan(mission: BatchMission) -> _Planned | Episode | HandedOver | PlanningEr
         scenario.seed,
         setting.world,
     )
-    check = navigator.path_check
-    if check is None:
-        return HandedOver("there is no path" if unreachable is not None else "its plan takes too long")
-    return _Planned(mission, navigator, info, check, began_s)
+    planned = _Planned(mission, navigator, info, began_s)
+    if unreachable is not None:
+        is_touching = bool(navigator.costmap.footprint_collides(start.as_tuple())[0])
+        return (
+            HandedOver("contact") if is_touching else _give_up(_Planned(mission, navigator, info, began_s), unreachable)
+        )
+    if navigator.path is None:
+        return HandedOver("a plan that takes long")
+    if limit_s / navigator.dt > _MOST_PERIODS or navigator.path.length > _LONGEST_M:
+        return HandedOver("a long drive")
+    return planned
 
 
 def _drive(kernel: MissionDriver, group: Sequence[_Planned], threads: int) -> list[Episode | HandedOver]:
-    paths = [planned.navigator.path for planned in group]
-    poses = [path.poses for path in paths if path is not None]
-    backward = [np.append(path.backward, False) for path in paths if path is not None]
+    courses = [planned.course for planned in group]
     rows, ends, results = kernel.drive(
         np.array([planned.info.start.as_tuple() for planned in group]),
         np.array([_goal_numbers(planned.info.goals[0]) for planned in group]),
         np.array([planned.info.time_limit_s for planned in group]),
-        np.concatenate(poses),
-        np.concatenate(backward),
-        np.cumsum([len(each) for each in poses]),
-        np.concatenate([planned.check.poses for planned in group]),
-        np.concatenate([planned.check.along for planned in group]),
-        np.cumsum([len(planned.check.poses) for planned in group]),
+        np.concatenate([path.poses for path, _ in courses]),
+        np.concatenate([np.append(path.backward, False) for path, _ in courses]),
+        np.cumsum([len(path.poses) for path, _ in courses]),
+        np.concatenate([check.poses for _, check in courses]),
+        np.concatenate([check.along for _, check in courses]),
+        np.cumsum([len(check.poses) for _, check in courses]),
         threads,
     )
     driven: list[Episode | HandedOver] = []
@@ -192,29 +211,45 @@ def _drive(kernel: MissionDriver, group: Sequence[_Planned], threads: int) -> li
 
 def _conclude(planned: _Planned, rows: FloatArray, standing: int, *, arrived: bool) -> Episode:
     """The episode of a drive, of its rows (x, y, yaw, v, w, and the command v, w)."""
-    info, navigator = planned.info, planned.navigator
+    info = planned.info
     steps = count_steps(info.dt, TIMESTEP)
-    time = np.arange(0, len(rows) * steps, steps) * TIMESTEP
-    log = RunLog.of(_trajectory(time, rows), () if navigator.path is None else (navigator.path,))
+    time = np.arange(0.0, len(rows) * steps, steps) * TIMESTEP
+    log = RunLog.of(_trajectory(time, rows), (planned.course[0],))
     totals = AgentTotals()
-    totals.add(navigator.report())
     if standing:
         totals.standing_reasons["no valid control"] += standing
     state = replace(standing_at(Pose2D(*rows[-1, :3].tolist()))[0], time=float(time[-1]))
-    outcome, message = endings.at_goal(state, None) if arrived else endings.timed_out(info.goals, info.time_limit_s)
+    ending = endings.at_goal(state, None) if arrived else endings.timed_out(info.goals, info.time_limit_s)
+    return _make_episode(planned, log, totals, ending)
+
+
+def _give_up(planned: _Planned, error: PlanningError) -> Episode:
+    """The episode of a mission without a path."""
+    state, estimate = standing_at(planned.info.start)
+    log = RunLog()
+    log.add(state, Twist2D(), estimate, 0, None)
+    return _make_episode(planned, log, AgentTotals(), (Outcome.NO_PATH, str(error)), complete=error.complete)
+
+
+def _make_episode(
+    planned: _Planned, log: RunLog, totals: AgentTotals, ending: Ending, *, complete: bool | None = None
+) -> Episode:
+    totals.add(planned.navigator.report())
+    outcome, message = ending
     return make_episode(
-        info,
+        planned.info,
         log,
         totals,
         outcome,
         message,
-        goals_reached=int(arrived),
+        goals_reached=int(outcome is Outcome.ARRIVED),
         behaviors=(),
         directives=(),
-        world=info.world,
+        world=planned.info.world,
         boxes=(),
         wall_s=clock.perf_counter() - planned.began_s,
         measure=planned.mission.measure,
+        complete=complete,
     )
 
 
