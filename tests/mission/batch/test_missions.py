@@ -65,7 +65,12 @@ def test_commands_are_those_of_the_navigator_in_10_000_control_periods():
     [
         {"control_frequency": 10.0},
         {"controller": {"name": "regulated_pure_pursuit", "options": {"desired_linear_vel": 0.4}}},
-        {"controller": {"name": "regulated_pure_pursuit", "options": {"lookahead_dist": 1.5, "footprint_padding": 0.2}}},
+        {
+            "controller": {
+                "name": "regulated_pure_pursuit",
+                "options": {"lookahead_dist": 1.5, "footprint_padding": 0.2},
+            }
+        },
         {"goal_tolerance": 0.05, "goal_yaw_tolerance": 0.02},
         {"inflation_radius": 0.3, "cost_scaling_factor": 3.0},
         {"smoother": "constrained"},
@@ -177,4 +182,3 @@ def test_a_robot_that_stands_closer_to_a_wall_than_its_padding_drives_off_alike(
 def test_what_needs_python_is_named(settings, named):
     assert not needs_python(scenario())
     assert any(named in need for need in needs_python(scenario(**settings)))
-

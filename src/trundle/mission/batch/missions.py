@@ -129,7 +129,7 @@ class MissionBatch:
 
     def _kernel_for(self, navigator: Navigator) -> MissionDriver:
         """The kernel for a navigator's costmap and settings; it is kept for the next missions."""
-        costmap, numbers = navigator.costmap, _numbers_of(navigator)
+        costmap, numbers = navigator.costmap, kernel_numbers(navigator)
         key = b"".join(array.tobytes() for array in numbers)
         for kept in self._kernels:
             if kept[0] is costmap and kept[1] == key:
@@ -263,7 +263,7 @@ def _goal_numbers(goal: Goal) -> tuple[float, float, float]:
     return goal.pose.x, goal.pose.y, math.nan if goal.yaw_free else goal.pose.yaw
 
 
-def _numbers_of(navigator: Navigator) -> tuple[FloatArray, ...]:
+def kernel_numbers(navigator: Navigator) -> tuple[FloatArray, ...]:
     """What the kernel takes of a costmap's inflation, the robot, and the settings of a navigator.
 
     Raises:
