@@ -22,6 +22,7 @@ SIMULATORS: Registry[SomeSimulator] = Registry(
         "mujoco": "trundle.sim.mujoco.simulator:MujocoSimulator",
         "physx": "trundle.sim.physx.simulator:PhysxSimulator",
         "kinematic": "trundle.sim.kinematic:KinematicSimulator",
+        "batch": "trundle.sim.kinematic:KinematicSimulator",  # a suite's missions are driven by a kernel instead
     },
 )
 
