@@ -2,8 +2,8 @@
 
 python -m benchmarks.mapping.slam FOLDER [--only intel aces] [--drift 0.5 2] [--seeds 0] [--picture DIR]
 
-FOLDER has the CARMEN logs `*-corrected.log.gz`, and `intel.rawlog` with `intel_ODO.txt`. References are poses that a
-particle-filter SLAM corrected: not the truth.
+FOLDER has the CARMEN logs `*-corrected.log.gz`, read as `trundle map from-bag` reads them, and `intel.rawlog` with
+`intel_ODO.txt`. References are poses that a particle-filter SLAM corrected: not the truth.
 """
 
 from __future__ import annotations

@@ -168,6 +168,29 @@ class DriftingTracker(_core.ScanTracker):
         return super().tracks(now + 1e-4)
 
 
+class LossySurfaceMap(_core.SurfaceMap):
+    """Does not take away what is taken from it."""
+
+    def add(self, points: Any, normals: Any, pose: Any, sign: int) -> None:
+        super().add(points, normals, pose, abs(sign))
+
+
+class SkewedSurfaceMap(_core.SurfaceMap):
+    """Matches a little beside the surfaces."""
+
+    def match(self, *arguments: Any) -> Any:
+        poses, *rest = super().match(*arguments)
+        return poses + 1e-3, *rest
+
+
+class ShiftedSurfaceMap(_core.SurfaceMap):
+    """Finds scans a little beside where they fit."""
+
+    def search(self, *arguments: Any) -> Any:
+        pose, share = super().search(*arguments)
+        return pose + 1e-3, share
+
+
 def painted_beside(paint: Function) -> Function:
     def change(*arguments):
         paint(*arguments)
@@ -245,6 +268,10 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "peak of particles": ("localization", fuzz_localization, "peak_particle", scaled(1e-3)),
     "normals": ("mapping", fuzz_mapping, "find_normals", scaled(0.01)),
     "poses of a graph": ("mapping", fuzz_mapping, "solve_graph", part(0, lambda poses: poses + 1e-3)),
+    "surfaces that stay": ("mapping", fuzz_mapping, "SurfaceMap", lambda _: LossySurfaceMap),
+    "matches of surfaces": ("mapping", fuzz_mapping, "SurfaceMap", lambda _: SkewedSurfaceMap),
+    "places on surfaces": ("mapping", fuzz_mapping, "SurfaceMap", lambda _: ShiftedSurfaceMap),
+    "cells of beams": ("mapping", fuzz_mapping, "count_beams", first_cell_changed),
     "cells of a map": ("mapping", fuzz_mapping, "draw_cells", one_more),
     "pictures": ("zbuffer", fuzz_zbuffer, "draw_triangles", part(1, lambda depths: depths * 1.001)),
     "row filters": ("png_filter", fuzz_png_filter, "png_unfilter", last_cell_changed),
