@@ -54,6 +54,13 @@ def test_quirks_of_robots_are_taken_as_they_are(navigate: Navigate, habits: dict
     assert not remark or remark in remote.kinds
 
 
+def test_what_came_before_the_clock_is_not_taken_for_newer(navigate: Navigate) -> None:
+    remote = navigate(habits={"clock": False, "stamps": False})
+    wait_for(lambda: remote.bridge.inputs.odometry is not None)
+    remote.habits.stamps = remote.habits.clock = True
+    check_arrival(remote)
+
+
 def test_nothing_is_commanded_before_the_robot_is_located(navigate: Navigate) -> None:
     remote = navigate(start=None, localizer="amcl")
     wait_for(lambda: remote.bridge.localizer.waits_for_pose and remote.bridge.inputs.odometry is not None)
