@@ -101,11 +101,11 @@ class Simulator(Protocol):
 
     def __enter__(self) -> Self:
         """Return self; `with simulate(…) as sim` closes it at the end."""
-        ...
+        return self
 
     def __exit__(self, *_: object) -> None:
         """Close."""
-        ...
+        self.close()
 
 
 @runtime_checkable

@@ -12,7 +12,7 @@ from trundle.geometry import Pose2D
 from trundle.mission import Pause, SetGoal
 
 Navigate = Callable[..., Remote]
-GOAL = (3.6, 2.6)
+GOAL = (2.7, 2.2)
 
 
 def check_arrival(remote: Remote) -> None:
@@ -94,5 +94,5 @@ def test_a_goal_that_cannot_be_reached_ends_the_drive(navigate: Navigate) -> Non
 def test_it_waits_for_goals_without_one(navigate: Navigate) -> None:
     remote = navigate(goal=None)
     wait_for(lambda: not remote.reasons and remote.bridge.localizer.is_located)
-    remote.put(SetGoal((4.0, 2.0)))
-    wait_for(lambda: remote.robot.pose.distance_to(Pose2D(4.0, 2.0)) < 0.3)
+    remote.put(SetGoal((2.8, 2.0)))
+    wait_for(lambda: remote.robot.pose.distance_to(Pose2D(2.8, 2.0)) < 0.3)
