@@ -11,9 +11,10 @@ from typing import Literal, Protocol, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from trundle._core import polyline_distances
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.geometry import FloatArray, path_length, wrap_angles
-from trundle.geometry.solids import Solid
+from trundle.geometry.solids import Solid, solids_bounds
 from trundle.mission.episode import Metrics
 from trundle.mission.trajectory import Trajectory
 from trundle.path import Path
@@ -26,6 +27,8 @@ MeasuredOn: TypeAlias = Literal["world", "map", "nothing"]
 
 CLEARANCE_CAP = 2.0
 """Clearances are capped at this [m]."""
+
+_STRIDE = 8  # poses of a drive, of which one gives a first estimate of the clearance
 
 _RESOLUTION_M = 0.05
 """Of the world's map where the robot has none."""
@@ -74,15 +77,23 @@ class TrueMaps:
         self._key: tuple[object, ...] | None = None
         self._map: Costmap | None = None
         self._held: tuple[World, Robot] | None = None  # so that no other objects get their ids
+        self._bounds: tuple[World, tuple[FloatArray, FloatArray]] | None = None
 
     def get(self, world: World, robot: Robot, points: FloatArray, *, resolution: float, margin: float) -> Costmap:
         """The map that `map_world` makes."""
-        extent = map_extent(world, points, resolution=resolution, margin=margin)
+        bounds = self.bounds(world)
+        extent = map_extent(world, points, resolution=resolution, margin=margin, bounds=bounds)
         key = (id(world), id(robot), extent)
         if self._map is None or key != self._key:
             self._key, self._map = key, map_world(world, robot, points, resolution=resolution, margin=margin)
             self._held = (world, robot)
         return self._map
+
+    def bounds(self, world: World) -> tuple[FloatArray, FloatArray]:
+        """Bounds (low, high) [m] of each solid of a world, each of shape (N, 3)."""
+        if self._bounds is None or self._bounds[0] is not world:
+            self._bounds = world, solids_bounds(world.solids)
+        return self._bounds[1]
 
 
 class Measure(Protocol):
@@ -127,25 +138,37 @@ def measure_truth(
         true_maps: Where the map of the world is kept for the next run.
     """
     points = np.array([end[:2] for end in ends], dtype=np.float64)
+    maps = TrueMaps() if true_maps is None else true_maps
     if world is not None:
         resolution = _RESOLUTION_M if costmap is None else costmap.resolution
         margin = CLEARANCE_CAP + robot.circumscribed_radius + 2.0 * resolution
         around = np.concatenate([poses[:, :2], points])
-        maps = TrueMaps() if true_maps is None else true_maps
         true_map = maps.get(world, robot, around, resolution=resolution, margin=margin)
     elif costmap is not None:
         true_map = costmap
     else:
         return Truth(0.0 if touched else None, None, "nothing")
-    coarse = true_map.clearance(poses, CLEARANCE_CAP)
+    coarse = _near_clearances(true_map, poses)
     if touched:
         clearance = 0.0
     elif world is not None:
-        clearance = least_clearance(world, robot, poses, coarse, resolution=true_map.resolution, cap=CLEARANCE_CAP)
+        clearance = least_clearance(
+            world, robot, poses, coarse, resolution=true_map.resolution, cap=CLEARANCE_CAP, bounds=maps.bounds(world)
+        )
     else:
         clearance = float(coarse.min())
     shortest = shortest_length(true_map, points, poses[:, :2]) if arrived else None
     return Truth(clearance, shortest, "map" if world is None else "world", int(coarse.argmin()))
+
+
+def _near_clearances(costmap: Costmap, poses: FloatArray) -> FloatArray:
+    """Clearances [m] of poses, shape (N,), exact near the least one, and otherwise at least what is near.
+
+    Near is what `least_clearance` looks at more closely. A few poses tell how far that is at most, which saves most of
+    the search.
+    """
+    least = float(costmap.clearance(poses[::_STRIDE], CLEARANCE_CAP).min())
+    return costmap.clearance(poses, min(CLEARANCE_CAP, least + 2.0 * costmap.resolution))
 
 
 def near_boxes(truth: Truth, boxes: Sequence[DroppedBox], poses: FloatArray, robot: Robot) -> Truth:
@@ -217,7 +240,6 @@ def _free(blocked: npt.NDArray[np.bool_], true_map: Costmap, driven: FloatArray)
 
 
 _LEAST_DISTANCE = 0.01  # [m]: below it, turning per distance is meaningless
-_CHUNK = 1_000_000  # distances at a time
 
 
 def compute_metrics(
@@ -317,15 +339,4 @@ def cross_track_errors(trajectory: Trajectory, paths: Sequence[Path]) -> FloatAr
 
 def distances_to_polyline(points: FloatArray, corners: FloatArray) -> FloatArray:
     """Distance [m] of each of `points` (N, 2) to the nearest place on a polyline with `corners` (M, 2), M ≥ 1."""
-    starts = corners[:-1] if len(corners) > 1 else corners
-    along = np.diff(corners, axis=0) if len(corners) > 1 else np.zeros_like(corners)
-    squared = (along * along).sum(axis=1)
-    nearest = np.empty(len(points))
-    rows = max(1, _CHUNK // len(starts))
-    for first in range(0, len(points), rows):
-        offsets = points[first : first + rows, None, :] - starts[None, :, :]
-        projected = (offsets * along).sum(axis=2)
-        fraction = np.clip(projected / np.where(squared > 0.0, squared, 1.0), 0.0, 1.0)
-        gaps = offsets - fraction[:, :, None] * along
-        nearest[first : first + rows] = np.sqrt((gaps * gaps).sum(axis=2).min(axis=1))
-    return nearest
+    return polyline_distances(np.ascontiguousarray(points), np.ascontiguousarray(corners))

@@ -21,7 +21,7 @@ MIN_DISTANCE = 5.0
 
 _HEADINGS = 72  # between two of them, a corner of a robot of 1 m moves less than the margin
 _MARGIN = 0.05  # [m]
-_BATCH = 32
+_BATCHES = (4, 8, 16, 32)  # cells tried at a time, at first few: a mission mostly needs two
 _MAX_PLACES = 256  # places where a robot can turn, looked for at most
 _MAX_TRIED = 8192  # cells tried at most
 _LEAST_DISTANCE = 0.5  # [m]: closer than this is no mission
@@ -212,8 +212,12 @@ def _places(costmap: Costmap, areas: npt.NDArray[np.int32], rng: np.random.Gener
     cells = np.flatnonzero(areas > 0)
     drawn = rng.choice(cells, size=min(_MAX_TRIED, len(cells)), replace=False)
     headings = np.arange(_HEADINGS) * (2.0 * math.pi / _HEADINGS)
-    for first in range(0, len(drawn), _BATCH):
-        row, col = np.unravel_index(drawn[first : first + _BATCH], areas.shape)
+    sizes = itertools.chain(_BATCHES, itertools.repeat(_BATCHES[-1]))
+    first = 0
+    while first < len(drawn):
+        size = next(sizes)
+        row, col = np.unravel_index(drawn[first : first + size], areas.shape)
+        first += size
         x, y = costmap.cell_to_world(row, col)
         poses = np.column_stack([np.repeat(x, _HEADINGS), np.repeat(y, _HEADINGS), np.tile(headings, len(x))])
         clear = costmap.clearance(poses, cap=2.0 * _MARGIN).reshape(-1, _HEADINGS).min(axis=1) >= _MARGIN
