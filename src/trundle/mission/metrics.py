@@ -11,8 +11,8 @@ from typing import Literal, Protocol, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from trundle._core import polyline_distances
-from trundle.costmap import INSCRIBED, Costmap
+from trundle._core import chebyshev_field, polyline_distances
+from trundle.costmap import INSCRIBED, LETHAL, Costmap
 from trundle.geometry import FloatArray, path_length, wrap_angles
 from trundle.geometry.solids import Solid, solids_bounds
 from trundle.mission.episode import Metrics
@@ -29,6 +29,8 @@ CLEARANCE_CAP = 2.0
 """Clearances are capped at this [m]."""
 
 _STRIDE = 8  # poses of a drive, of which one gives a first estimate of the clearance
+
+_CLOSE_M = 0.3  # a search up to there is quick, and mostly enough
 
 _RESOLUTION_M = 0.05
 """Of the world's map where the robot has none."""
@@ -78,6 +80,8 @@ class TrueMaps:
         self._map: Costmap | None = None
         self._held: tuple[World, Robot] | None = None  # so that no other objects get their ids
         self._bounds: tuple[World, tuple[FloatArray, FloatArray]] | None = None
+        self._search: tuple[Costmap, GridSearch] | None = None
+        self._free: tuple[Costmap, npt.NDArray[np.uint8]] | None = None
 
     def get(self, world: World, robot: Robot, points: FloatArray, *, resolution: float, margin: float) -> Costmap:
         """The map that `map_world` makes."""
@@ -94,6 +98,18 @@ class TrueMaps:
         if self._bounds is None or self._bounds[0] is not world:
             self._bounds = world, solids_bounds(world.solids)
         return self._bounds[1]
+
+    def search(self, true_map: Costmap) -> GridSearch:
+        """What finds shortest paths of the footprint's inscribed disc on a map."""
+        if self._search is None or self._search[0] is not true_map:
+            self._search = true_map, GridSearch(true_map.data >= INSCRIBED)
+        return self._search[1]
+
+    def free(self, true_map: Costmap) -> npt.NDArray[np.uint8]:
+        """The Chebyshev distance [cells] of each cell of a map to the nearest one that a solid reaches into."""
+        if self._free is None or self._free[0] is not true_map:
+            self._free = true_map, chebyshev_field((true_map.data >= LETHAL).view(np.uint8))
+        return self._free[1]
 
 
 class Measure(Protocol):
@@ -148,7 +164,7 @@ def measure_truth(
         true_map = costmap
     else:
         return Truth(0.0 if touched else None, None, "nothing")
-    coarse = _near_clearances(true_map, poses)
+    coarse = _near_clearances(true_map, poses, None if world is None else maps.free(true_map))
     if touched:
         clearance = 0.0
     elif world is not None:
@@ -157,18 +173,30 @@ def measure_truth(
         )
     else:
         clearance = float(coarse.min())
-    shortest = shortest_length(true_map, points, poses[:, :2]) if arrived else None
+    shortest = shortest_length(true_map, points, poses[:, :2], search=maps.search(true_map)) if arrived else None
     return Truth(clearance, shortest, "map" if world is None else "world", int(coarse.argmin()))
 
 
-def _near_clearances(costmap: Costmap, poses: FloatArray) -> FloatArray:
+def _near_clearances(costmap: Costmap, poses: FloatArray, free: npt.NDArray[np.uint8] | None) -> FloatArray:
     """Clearances [m] of poses, shape (N,), exact near the least one, and otherwise at least what is near.
 
-    Near is what `least_clearance` looks at more closely. A few poses tell how far that is at most, which saves most of
-    the search.
+    Near is what `least_clearance` looks at more closely. A few poses tell how far that is at most, and `free`, on a map
+    that has room around all of them, which others are farther off.
     """
-    least = float(costmap.clearance(poses[::_STRIDE], CLEARANCE_CAP).min())
-    return costmap.clearance(poses, min(CLEARANCE_CAP, least + 2.0 * costmap.resolution))
+    least = CLEARANCE_CAP
+    for cap in (_CLOSE_M, CLEARANCE_CAP):
+        least = float(costmap.clearance(poses[::_STRIDE], cap).min())
+        if least < cap:
+            break
+    limit = min(CLEARANCE_CAP, least + 2.0 * costmap.resolution)
+    if free is None:
+        return costmap.clearance(poses, limit)
+    rows, cols = costmap.world_to_cell(poses[:, 0], poses[:, 1])
+    room = (free[rows, cols].astype(np.float64) - 1.0) * costmap.resolution
+    near = np.flatnonzero(room <= limit + costmap.circumscribed_radius)
+    clearances = np.full(len(poses), limit)
+    clearances[near] = costmap.clearance(poses[near], limit)
+    return clearances
 
 
 def near_boxes(truth: Truth, boxes: Sequence[DroppedBox], poses: FloatArray, robot: Robot) -> Truth:
@@ -194,7 +222,9 @@ def near_boxes(truth: Truth, boxes: Sequence[DroppedBox], poses: FloatArray, rob
     return replace(truth, min_clearance_m=least, closest=closest)
 
 
-def shortest_length(true_map: Costmap, points: FloatArray, driven: FloatArray) -> float:
+def shortest_length(
+    true_map: Costmap, points: FloatArray, driven: FloatArray, *, search: GridSearch | None = None
+) -> float:
     """Length [m] of the shortest path of the footprint's inscribed disc through some points in turn.
 
     It is the shortest in any direction past the cells that the disc's centre must keep off; cells that the robot has
@@ -204,10 +234,13 @@ def shortest_length(true_map: Costmap, points: FloatArray, driven: FloatArray) -
         true_map: Where the disc collides.
         points: Start and goals [m], shape (M, 2).
         driven: Where the robot was [m], shape (N, 2).
+        search: Finds paths on that map, where it was made before.
     """
-    blocked = true_map.data >= INSCRIBED
-    _free(blocked, true_map, driven)
-    search = GridSearch(blocked)
+    row, col = _driven_cells(true_map, driven)
+    if search is None or (true_map.data[row, col] >= INSCRIBED).any():
+        blocked = true_map.data >= INSCRIBED
+        blocked[row, col] = False
+        search = GridSearch(blocked)
     tolerance = _END_TOLERANCE_M / true_map.resolution
     rows, cols = true_map.world_to_cell(points[:, 0], points[:, 1])
     cells = np.stack([rows, cols], axis=1).tolist()
@@ -224,8 +257,8 @@ def shortest_length(true_map: Costmap, points: FloatArray, driven: FloatArray) -
     return length
 
 
-def _free(blocked: npt.NDArray[np.bool_], true_map: Costmap, driven: FloatArray) -> None:
-    """Free the cells of a driven line, so that a path among cells may follow it."""
+def _driven_cells(true_map: Costmap, driven: FloatArray) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+    """Rows and columns of the cells of a driven line, by which a path among cells may follow it."""
     steps = np.diff(driven, axis=0)
     parts = np.maximum(np.ceil(4.0 * np.hypot(*steps.T) / true_map.resolution).astype(int), 1)
     number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
@@ -234,9 +267,9 @@ def _free(blocked: npt.NDArray[np.bool_], true_map: Costmap, driven: FloatArray)
     points = np.concatenate([between, driven[-1:]])
     rows, cols = true_map.world_to_cell(points[:, 0], points[:, 1])
     # A diagonal step needs the two cells beside it.
-    for row, col in ((rows, cols), (rows[:-1], cols[1:]), (rows[1:], cols[:-1])):
-        inside = true_map.contains(row, col)
-        blocked[row[inside], col[inside]] = False
+    row, col = np.concatenate([rows, rows[:-1], rows[1:]]), np.concatenate([cols, cols[1:], cols[:-1]])
+    inside = true_map.contains(row, col)
+    return row[inside], col[inside]
 
 
 _LEAST_DISTANCE = 0.01  # [m]: below it, turning per distance is meaningless

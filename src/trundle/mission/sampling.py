@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
@@ -70,7 +71,7 @@ def sample_mission(
     if not (math.isfinite(as_number(min_distance, "min_distance")) and min_distance >= 0.0):
         raise InputError(f"min_distance must be a number of metres of 0 or more, got {min_distance}")
     rng = np.random.default_rng(check_seed(seed))
-    areas, _ = label_components(_wide_enough(costmap).view(np.uint8), diagonal=False)
+    areas = _find_areas(costmap)
     given = start if start is not None else goal
     if given is None:
         ends = _pick_two(costmap, areas, rng, min_distance)
@@ -125,6 +126,21 @@ def _tight_poses(
         clearance = costmap.clearance(poses, cap=2.0 * high)
         for index in np.flatnonzero((clearance >= low) & (clearance <= high)):
             yield Pose2D(*poses[index].tolist()), int(areas[rows[index], cols[index]])
+
+
+_MOST_KEPT = 4_000_000  # cells
+_areas: WeakKeyDictionary[Costmap, npt.NDArray[np.int32]] = WeakKeyDictionary()
+
+
+def _find_areas(costmap: Costmap) -> npt.NDArray[np.int32]:
+    """Number of the area of each cell that is wide enough, 0 elsewhere; kept for the next mission on this costmap."""
+    areas = _areas.get(costmap)
+    if areas is None:
+        areas, _ = label_components(_wide_enough(costmap).view(np.uint8), diagonal=False)
+        if areas.size <= _MOST_KEPT:
+            areas.flags.writeable = False
+            _areas[costmap] = areas
+    return areas
 
 
 def _wide_enough(costmap: Costmap) -> npt.NDArray[np.bool_]:

@@ -115,7 +115,7 @@ def keywords_taken(function: Callable[..., object], names: Iterable[str]) -> fro
 def parameters_of(function: Callable[..., object]) -> list[inspect.Parameter] | None:
     """Return the parameters of a function; None where Python cannot read them."""
     # A suite makes the same classes for each of its missions, and reading their signatures takes as long as that.
-    return _parameters_of_class(function) if type(function) is type else _read_parameters(function)
+    return _parameters_of_class(function) if isinstance(function, type) else _read_parameters(function)
 
 
 def _read_parameters(function: Callable[..., object]) -> list[inspect.Parameter] | None:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from trundle.control.controller import CONTROLLERS
-from trundle.costmap import CostmapSettings
 from trundle.errors import InputError, PlanningError
 from trundle.evaluation.episode.places import KeptPlace, Places
 from trundle.evaluation.public.reference import load_reference
@@ -201,8 +200,7 @@ class EpisodeTask:
         scenario, kept = mission.scenario, mission.kept
         _, navigation, simulation = parts_of(spec)
         note({"stage": "setup", "part": navigation, "row": known})
-        costmap = kept.costmap(scenario.part(CostmapSettings), scenario.assumed)
-        setting = scenario.prepare(kept.place, costmap=costmap)
+        setting = kept.prepare(scenario)
         measure = _Measured(kept)
         if scenario.backend.name == BATCH:
             note({"stage": "drive", "row": known})

@@ -30,6 +30,7 @@ from trundle.path import Path
 from trundle.planning import PathCheck
 from trundle.sim.kinematic import TIMESTEP
 from trundle.sim.ramp import count_steps
+from trundle.worlds import World
 
 _ARRIVED = 0
 _HANDED_OVER = {
@@ -105,6 +106,7 @@ class MissionBatch:
     def __init__(self, threads: int = 1) -> None:
         self._threads = threads
         self._kernels: list[tuple[Costmap, bytes, MissionDriver]] = []
+        self._world: tuple[World, str] | None = None
 
     def drive(self, missions: Sequence[BatchMission]) -> list[Episode | HandedOver | PlanningError]:
         """Plan and drive missions.
@@ -115,7 +117,9 @@ class MissionBatch:
         Raises:
             InputError: If the control period is no multiple of the simulator's substep.
         """
-        ends: list[Episode | HandedOver | PlanningError | _Planned] = [_plan(mission) for mission in missions]
+        ends: list[Episode | HandedOver | PlanningError | _Planned] = [
+            _plan(mission, self._needs_of(mission.setting.world)) for mission in missions
+        ]
         groups: dict[int, tuple[MissionDriver, list[int]]] = {}
         for number, planned in enumerate(ends):
             if isinstance(planned, _Planned):
@@ -126,6 +130,12 @@ class MissionBatch:
             for number, end in zip(numbers, _drive(kernel, group, self._threads), strict=True):
                 ends[number] = end
         return [end for end in ends if not isinstance(end, _Planned)]
+
+    def _needs_of(self, world: World) -> str:
+        """What of a world has to be simulated in Python; it is kept for the next missions there."""
+        if self._world is None or self._world[0] is not world:
+            self._world = world, world_needs_python(world)
+        return self._world[1]
 
     def _kernel_for(self, navigator: Navigator) -> MissionDriver:
         """The kernel for a navigator's costmap and settings; it is kept for the next missions."""
@@ -141,13 +151,13 @@ class MissionBatch:
         return kernel
 
 
-def _plan(mission: BatchMission) -> _Planned | Episode | HandedOver | PlanningError:
+def _plan(mission: BatchMission, needs: str) -> _Planned | Episode | HandedOver | PlanningError:
     """Plan a mission, as a session does before its first step."""
     began_s = clock.perf_counter()
     setting = mission.setting
     scenario, start, goals = setting.scenario, setting.start, setting.goals
-    if reason := world_needs_python(setting.world):
-        return HandedOver(reason)
+    if needs:
+        return HandedOver(needs)
     navigator = setting.navigator
     if type(navigator.controller) is not RegulatedPurePursuit or len(goals) != 1:
         return HandedOver("it does not drive to one goal by regulated_pure_pursuit")
