@@ -11,7 +11,7 @@ import numpy as np
 
 from trundle._core import MissionDriver, chebyshev_field
 from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
-from trundle.costmap import LETHAL, Costmap
+from trundle.costmap import LETHAL
 from trundle.errors import InputError, PlanningError
 from trundle.geometry import FloatArray, Goal, Pose2D, Twist2D
 from trundle.mission.batch.needs import world_needs_python
@@ -105,7 +105,7 @@ class MissionBatch:
 
     def __init__(self, threads: int = 1) -> None:
         self._threads = threads
-        self._kernels: list[tuple[Costmap, bytes, MissionDriver]] = []
+        self._kernels: list[tuple[tuple[object, ...], bytes, MissionDriver]] = []
         self._world: tuple[World, str] | None = None
 
     def drive(self, missions: Sequence[BatchMission]) -> list[Episode | HandedOver | PlanningError]:
@@ -139,15 +139,20 @@ class MissionBatch:
 
     def _kernel_for(self, navigator: Navigator) -> MissionDriver:
         """The kernel for a navigator's costmap and settings; it is kept for the next missions."""
-        costmap, numbers = navigator.costmap, kernel_numbers(navigator)
+        costmap = navigator.costmap
+        parts = (costmap, navigator.controller, navigator.goal_checker, navigator.progress_checker)
+        for kept, _, kernel in self._kernels:
+            if all(one is other for one, other in zip(kept, parts, strict=True)):
+                return kernel
+        numbers = kernel_numbers(navigator)
         key = b"".join(array.tobytes() for array in numbers)
-        for kept in self._kernels:
-            if kept[0] is costmap and kept[1] == key:
-                return kept[2]
+        for kept, its_key, kernel in self._kernels:
+            if kept[0] is costmap and its_key == key:
+                return kernel
         blocked = (costmap.data >= LETHAL).view(np.uint8)
         origin = np.array(costmap.origin.as_tuple())
         kernel = MissionDriver(costmap.data, chebyshev_field(blocked), costmap.resolution, origin, *numbers)
-        self._kernels = [*self._kernels[-_MOST_KERNELS + 1 :], (costmap, key, kernel)]
+        self._kernels = [*self._kernels[-_MOST_KERNELS + 1 :], (parts, key, kernel)]
         return kernel
 
 
