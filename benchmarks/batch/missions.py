@@ -1,4 +1,4 @@
-"""Ten thousand missions on a map by the backend `batch`, and some by `kinematic`: sampling, plans, drives, metrics and rows.
+"""Ten thousand missions on a map by the backend `batch`, and some by `kinematic`: from sampling to rows and a report.
 
     python -m benchmarks.batch.missions MAP.yaml [--missions 10000] [--workers 1] [--kinematic 300]
 
@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 
 from benchmarks.timing import describe_machine, print_table
+
 from trundle.evaluation import Evaluation
 from trundle.evaluation.engine import run_suite
 from trundle.evaluation.report.summary import count_handed_over
