@@ -10,7 +10,7 @@ from trundle.control.controller import CONTROLLERS
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.files.choice import Choice
 from trundle.mission import Scenario
-from trundle.mission.batch import BATCH, MissionBatch
+from trundle.mission.batch import BATCH, MissionBatch, needs_python
 from trundle.mission.fields import Assumed
 from trundle.mission.metrics import TrueMaps
 from trundle.mission.place import Place, make_place, place_key
@@ -86,7 +86,7 @@ class KeptPlace:
         choices = (scenario.planner, scenario.controller, scenario.smoother)
         # A plug-in may keep something from one mission to the next, and is made anew for each.
         is_own = all(choice is None or _is_own(choice) for choice in choices) and scenario.recovery == _RECOVERY
-        if scenario.backend.name != BATCH or not is_own:
+        if scenario.backend.name != BATCH or not is_own or needs_python(scenario):
             return scenario.prepare(self.place, costmap=costmap)
         key = scenario.model_dump_json(exclude=_OF_A_MISSION)
         kept = self._navigator[1] if self._navigator is not None and self._navigator[0] == key else None
