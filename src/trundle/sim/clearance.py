@@ -113,15 +113,17 @@ def least_clearance(
     level = np.flatnonzero((lows[:, 2] < high) & (highs[:, 2] > low) & within.all(axis=1))
     if len(level) == 0:
         return least
-    # Lower bounds from each pose to each solid: pairs farther apart than the current minimum are skipped.
-    gaps = np.maximum(np.maximum(lows[level, None, :2] - near[:, :2], near[:, :2] - highs[level, None, :2]), 0.0)
-    reach = np.hypot(gaps[..., 0], gaps[..., 1]) - robot.circumscribed_radius
+    # Lower bounds from each outline to each solid, by their boxes: pairs that are farther apart are skipped.
+    outlines = robot.planar.at_poses(near)
+    first, last = outlines.min(axis=1), outlines.max(axis=1)
+    gaps = np.maximum(np.maximum(lows[level, None, :2] - last, first - highs[level, None, :2]), 0.0)
+    reach = np.hypot(gaps[..., 0], gaps[..., 1])
     for index in np.argsort(reach.min(axis=1), kind="stable"):
         close = reach[index] < least
         if not close.any():
             break
-        outlines = robot.planar.at_poses(near[close])
-        least = min(least, _solid_clearance(world.solids[flat[int(level[index])]], outlines, low, high, least))
+        solid = world.solids[flat[int(level[index])]]
+        least = min(least, _solid_clearance(solid, outlines[close], low, high, least))
     return least
 
 
