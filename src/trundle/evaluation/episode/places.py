@@ -10,7 +10,8 @@ from trundle.control.controller import CONTROLLERS
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.files.choice import Choice
 from trundle.mission import Scenario
-from trundle.mission.batch import BATCH, MissionBatch, needs_python
+from trundle.mission.batch.missions import MissionBatch
+from trundle.mission.batch.needs import BATCH, needs_python
 from trundle.mission.fields import Assumed
 from trundle.mission.metrics import TrueMaps
 from trundle.mission.place import Place, make_place, place_key

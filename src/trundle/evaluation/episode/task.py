@@ -20,7 +20,8 @@ from trundle.geometry import Goal, Pose2D
 from trundle.localization.localizer import LOCALIZERS
 from trundle.maps import OccupancyGrid
 from trundle.mission import Episode, Outcome, Scenario, sample_mission, sample_tight_ends
-from trundle.mission.batch import BATCH, BatchMission, HandedOver, needs_python
+from trundle.mission.batch.missions import BatchMission, HandedOver
+from trundle.mission.batch.needs import BATCH, needs_python
 from trundle.mission.goal_fields import exact_goals, make_goal
 from trundle.mission.loop import run
 from trundle.mission.metrics import Truth, measure_truth
