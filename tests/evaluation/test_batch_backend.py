@@ -50,6 +50,15 @@ def test_rows_are_those_of_the_kinematic_simulator(ends):
     assert handed.count("") >= len(handed) - 1
 
 
+def test_a_row_is_the_same_whatever_was_driven_before():
+    chosen = suite(backends=["batch"], missions=2, planners=["auto", "hybrid_astar"], inflation_radius=[0.5, 0.9])
+    order = np.random.default_rng(0).permutation(len(chosen)).tolist()
+    task = EpisodeTask(chosen)
+    rows = {index: task(index).unmeasured() for index in order}
+    for index in range(len(chosen)):
+        assert EpisodeTask(chosen)(index).unmeasured() == rows[index]
+
+
 def test_rows_of_missions_that_are_handed_over_are_alike_and_say_why():
     handed = assert_pairs_alike(suite(worlds=[SMALL], planners=[blocked_by_walls], missions=6))
     assert "blocked" in handed

@@ -1,4 +1,4 @@
-"""Whole missions in the kernel, against the navigator with the kinematic simulator, step by step."""
+"""Whole missions in the kernel against the navigator in Python, and what measures them against NumPy."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 
 from fuzz.loop import attempt, rng_of, spoil
-from trundle._core import MissionDriver, chebyshev_field
+from support.distance_oracle import distances_to_polyline, polygon_distances
+from trundle._core import MissionDriver, chebyshev_field, outline_distances, polyline_distances
 from trundle.costmap import Costmap
 from trundle.geometry import Goal, Pose2D
+from trundle.geometry.footprint import convex_hull
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome
 from trundle.mission.batch.missions import kernel_numbers
@@ -41,7 +43,30 @@ def make_path(generator: random.Random) -> Path:
     return Path(np.array(poses), backward=np.array(legs[1:]))
 
 
+def check_distances(generator: random.Random) -> None:
+    """Distances of points and outlines, some of which touch, and of polygons without an area."""
+    rng = rng_of(generator)
+    points = rng.uniform(-3, 3, (generator.choice((0, 1, 40)), 2))
+    corners = np.round(rng.uniform(-3, 3, (generator.choice((1, 2, 9)), 2)), generator.choice((0, 6)))
+    outlines = convex_hull(rng.uniform(-1, 1, (6, 2)))[None] + rng.uniform(-3, 3, (generator.choice((1, 20)), 1, 2))
+    shape = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, generator.choice((0.0, 1.0))), (0.0, generator.choice((0.0, 1.0)))])
+    polygons = shape[None, :: generator.choice((1, -1))] * rng.uniform(0.1, 2) + rng.uniform(-3, 3, (3, 1, 2))
+    polygons = np.ascontiguousarray(polygons)
+    if generator.random() < 0.4:
+        attempt(polyline_distances, spoil(generator, (points, corners)))
+        attempt(outline_distances, spoil(generator, (outlines, polygons)))
+        return
+    expected = distances_to_polyline(points, corners) if len(points) else np.zeros(0)
+    assert np.abs(polyline_distances(points, corners) - expected).max(initial=0.0) < 1e-12
+    assert np.abs(outline_distances(outlines, polygons) - polygon_distances(outlines, polygons)).max() < 1e-12
+
+
 def one_round(generator: random.Random) -> None:
+    """Drive, or measure."""
+    generator.choice((drive, check_distances))(generator)
+
+
+def drive(generator: random.Random) -> None:
     """Drive one path beside a few blocked cells, or give the kernel what it does not expect."""
     rng, robot = rng_of(generator), generator.choice(ROBOTS)
     path = make_path(generator)

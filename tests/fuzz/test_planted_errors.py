@@ -250,6 +250,8 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "free squares": ("rays", fuzz_rays, "chebyshev_field", one_more),
     "rays to outlines": ("rays", fuzz_rays, "cast_outline_rays", scaled(1e-2)),
     "whole missions": ("missions", fuzz_missions, "MissionDriver", lambda _: HastyDriver),
+    "outlines to polygons": ("missions", fuzz_missions, "outline_distances", scaled(1e-6)),
+    "points to a polyline": ("missions", fuzz_missions, "polyline_distances", scaled(1e-6)),
     "motion of many": ("batch", fuzz_batch, "Batch", lambda _: SlowBatch),
     "scans of many": ("batch", fuzz_batch, "Batch", lambda _: ShortSightedBatch),
     "lone hits": ("rays", fuzz_rays, "find_lone_hits", one_more),

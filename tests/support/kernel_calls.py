@@ -221,6 +221,8 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
         *(WAY[:1], WAY[2:], np.array([30.0]), WAY, np.zeros(3, bool), np.array([3])),
         *(WAY, np.array([0.0, 3.0, 6.0]), np.array([3]), 2),
     ),
+    "polyline_distances": lambda: _core.polyline_distances(POSES[:, :2].copy(), WAY[:, :2].copy()),
+    "outline_distances": lambda: _core.outline_distances(OUTLINE[None] + POSES[:, None, :2], OUTLINE[None]),
     "HybridAStar": lambda: _core.HybridAStar(**HYBRID).bytes,
     "HybridAStar.plan": lambda: HYBRID_ASTAR.plan(
         OPEN, 0.1, OUTLINE, np.array([0.5, 0.5, 0.0]), np.array([1.8, 1.8, 2.0]), False, 0.02, 0.05, 500, 10.0, None

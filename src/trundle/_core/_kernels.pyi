@@ -996,3 +996,16 @@ def count_beams(
     sign: int,
 ) -> None: ...
 def draw_cells(counts: npt.NDArray[np.int32], settings: npt.NDArray[np.float64]) -> npt.NDArray[np.int8]: ...
+def polyline_distances(points: npt.NDArray[np.float64], corners: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Distance of each of `points` (N, 2) to the nearest place on a polyline with `corners` (M, 2), M ≥ 1."""
+
+def outline_distances(outlines: npt.NDArray[np.float64], polygons: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Distance of each convex outline, counter-clockwise, to the nearest of some convex polygons; 0 if they overlap.
+
+    Args:
+        outlines: Corners, shape (P, N, 2), N ≥ 3.
+        polygons: Corners in either sense, also repeated or on one line, shape (Q, M, 2), M ≥ 1.
+
+    Returns:
+        Shape (P,).
+    """

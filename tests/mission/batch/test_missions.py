@@ -5,7 +5,8 @@ import pytest
 
 from trundle.maps import OccupancyGrid
 from trundle.mission import Episode, Outcome, Scenario, sample_tight_ends
-from trundle.mission.batch import BatchMission, HandedOver, MissionBatch, needs_python
+from trundle.mission.batch.missions import BatchMission, HandedOver, MissionBatch
+from trundle.mission.batch.needs import needs_python
 from trundle.mission.metrics import measure_truth
 from trundle.path import Path
 from trundle.robots import Robot

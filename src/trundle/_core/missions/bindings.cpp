@@ -1,5 +1,6 @@
-// Names and arguments of these kernels in Python; driver.hpp says what they do.
+// Names and arguments of these kernels in Python; driver.hpp and measures.hpp say what they do.
 #include "missions/driver.hpp"
+#include "missions/measures.hpp"
 
 void bind_missions(nanobind::module_ &m) {
   using namespace trundle;
@@ -11,4 +12,6 @@ void bind_missions(nanobind::module_ &m) {
            arg("padded"), arg("limits"), arg("pursuit"), arg("goal"), arg("progress"))
       .def("drive", &MissionDriver::drive, arg("starts"), arg("goals"), arg("time_limits"), arg("paths"),
            arg("backward"), arg("path_ends"), arg("checks"), arg("along"), arg("check_ends"), arg("threads"));
+  m.def("polyline_distances", &polyline_distances, arg("points"), arg("corners"));
+  m.def("outline_distances", &outline_distances, arg("outlines"), arg("polygons"));
 }

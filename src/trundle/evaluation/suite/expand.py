@@ -21,7 +21,7 @@ from trundle.evaluation.suite.vary import apply
 from trundle.files.choice import Choice
 from trundle.files.yaml_config import Config
 from trundle.mission import Scenario
-from trundle.mission.batch import BATCH, CONTROLLER, needs_python
+from trundle.mission.batch.needs import BATCH, CONTROLLER, needs_python
 
 _MOST_CHECKED = 1000
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from trundle._core import MissionDriver, chebyshev_field
 from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
-from trundle.costmap import LETHAL, Costmap
+from trundle.costmap import LETHAL
 from trundle.errors import InputError, PlanningError
 from trundle.geometry import FloatArray, Goal, Pose2D, Twist2D
 from trundle.mission.batch.needs import world_needs_python
@@ -30,6 +30,7 @@ from trundle.path import Path
 from trundle.planning import PathCheck
 from trundle.sim.kinematic import TIMESTEP
 from trundle.sim.ramp import count_steps
+from trundle.worlds import World
 
 _ARRIVED = 0
 _HANDED_OVER = {
@@ -104,7 +105,8 @@ class MissionBatch:
 
     def __init__(self, threads: int = 1) -> None:
         self._threads = threads
-        self._kernels: list[tuple[Costmap, bytes, MissionDriver]] = []
+        self._kernels: list[tuple[tuple[object, ...], bytes, MissionDriver]] = []
+        self._world: tuple[World, str] | None = None
 
     def drive(self, missions: Sequence[BatchMission]) -> list[Episode | HandedOver | PlanningError]:
         """Plan and drive missions.
@@ -115,7 +117,9 @@ class MissionBatch:
         Raises:
             InputError: If the control period is no multiple of the simulator's substep.
         """
-        ends: list[Episode | HandedOver | PlanningError | _Planned] = [_plan(mission) for mission in missions]
+        ends: list[Episode | HandedOver | PlanningError | _Planned] = [
+            _plan(mission, self._needs_of(mission.setting.world)) for mission in missions
+        ]
         groups: dict[int, tuple[MissionDriver, list[int]]] = {}
         for number, planned in enumerate(ends):
             if isinstance(planned, _Planned):
@@ -127,27 +131,38 @@ class MissionBatch:
                 ends[number] = end
         return [end for end in ends if not isinstance(end, _Planned)]
 
+    def _needs_of(self, world: World) -> str:
+        """What of a world has to be simulated in Python; it is kept for the next missions there."""
+        if self._world is None or self._world[0] is not world:
+            self._world = world, world_needs_python(world)
+        return self._world[1]
+
     def _kernel_for(self, navigator: Navigator) -> MissionDriver:
         """The kernel for a navigator's costmap and settings; it is kept for the next missions."""
-        costmap, numbers = navigator.costmap, kernel_numbers(navigator)
+        costmap = navigator.costmap
+        parts = (costmap, navigator.controller, navigator.goal_checker, navigator.progress_checker)
+        for kept, _, kernel in self._kernels:
+            if all(one is other for one, other in zip(kept, parts, strict=True)):
+                return kernel
+        numbers = kernel_numbers(navigator)
         key = b"".join(array.tobytes() for array in numbers)
-        for kept in self._kernels:
-            if kept[0] is costmap and kept[1] == key:
-                return kept[2]
+        for kept, its_key, kernel in self._kernels:
+            if kept[0] is costmap and its_key == key:
+                return kernel
         blocked = (costmap.data >= LETHAL).view(np.uint8)
         origin = np.array(costmap.origin.as_tuple())
         kernel = MissionDriver(costmap.data, chebyshev_field(blocked), costmap.resolution, origin, *numbers)
-        self._kernels = [*self._kernels[-_MOST_KERNELS + 1 :], (costmap, key, kernel)]
+        self._kernels = [*self._kernels[-_MOST_KERNELS + 1 :], (parts, key, kernel)]
         return kernel
 
 
-def _plan(mission: BatchMission) -> _Planned | Episode | HandedOver | PlanningError:
+def _plan(mission: BatchMission, needs: str) -> _Planned | Episode | HandedOver | PlanningError:
     """Plan a mission, as a session does before its first step."""
     began_s = clock.perf_counter()
     setting = mission.setting
     scenario, start, goals = setting.scenario, setting.start, setting.goals
-    if reason := world_needs_python(setting.world):
-        return HandedOver(reason)
+    if needs:
+        return HandedOver(needs)
     navigator = setting.navigator
     if type(navigator.controller) is not RegulatedPurePursuit or len(goals) != 1:
         return HandedOver("it does not drive to one goal by regulated_pure_pursuit")
