@@ -35,7 +35,7 @@ WORLDS = {
 }
 NEAR_M, WITHIN_S, LATER_S, SAID_AFTER_S = 0.5, 10.0, 30.0, 2.0
 _ALIKE = 0.97
-"""Share of the true place's agreement with the scans that another place has, from which on they cannot be told apart."""
+"""Share of the true place's agreement with the scans from which on another one cannot be told from it."""
 _LEAST_CARRIED_M = 2.0
 
 
@@ -111,7 +111,7 @@ def drive(kind: str, seed: int, changed: bool, seconds: float) -> Found | None:
 
 def has_alike(estimate: Estimate, truth: Pose2D) -> bool:
     """Whether another place agrees with what the lidars see as well as the true one does."""
-    weights = {near: 0.0 for near in (True, False)}
+    weights = dict.fromkeys((True, False), 0.0)
     for one in estimate.hypotheses:
         near = one.pose.distance_to(truth) <= NEAR_M
         weights[near] = max(weights[near], one.weight)
@@ -142,7 +142,8 @@ def main() -> None:
                     print(each, flush=True)
             rows.append(("changed map" if changed else "true map", *summarize(found)))
     header = ("carried away", "runs", "found", f"within {WITHIN_S:g} s", f"within {LATER_S:g} s", "median, longest [s]")
-    print_table((*header, "later, as places look alike", "said of bad time", "runs wrongly localized", "contacts"), rows)
+    header = (*header, "later, as places look alike", "said of bad time", "runs wrongly localized", "contacts")
+    print_table(header, rows)
 
 
 def summarize(found: list[Found]) -> tuple[str, ...]:

@@ -216,7 +216,8 @@ class AmclLocalizer(Localizer):
             tracks.propose(beams, found, is_far=False)
             self._settled = True
             self._next_near = time + _NEAR_EVERY_S
-        wanted = tracks.is_doubtful if tracks.confirmed else main.scans == 0 or tracks.is_carried or tracks.state == "lost"
+        is_open = main.scans == 0 or tracks.is_carried or tracks.state == "lost"
+        wanted = tracks.is_doubtful if tracks.confirmed else is_open
         if not wanted:
             self._map_wait = _MAP_EVERY_S
         elif self.settings.recovery and time >= self._next_map:
