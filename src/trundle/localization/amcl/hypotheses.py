@@ -163,7 +163,7 @@ class Hypotheses:
             self.others.remove(min(self.others, key=lambda one: one.quality))
 
     def decide(self) -> bool:
-        """Drop tracks that are beaten, and let the best one take over where it may; return whether one has."""
+        """Drop tracks that are beaten, and let the best one take over where it may; return whether one has, or is confirmed."""
         self._merge()
         main = self.main
         if main.scans == 0 or not self.is_doubtful:
@@ -190,6 +190,7 @@ class Hypotheses:
             if main.travel >= max(_FAR_TRAVEL_M, self._rivals_until + _CLEAR_M) and main.score >= _FAR_SCORE:
                 self.confirmed, self.is_carried, self.others = True, False, []
                 main.is_far = False
+                return True
         return False
 
     def _is_beaten(self, track: Track) -> bool:
