@@ -163,7 +163,7 @@ class Hypotheses:
             self.others.remove(min(self.others, key=lambda one: one.quality))
 
     def decide(self) -> bool:
-        """Drop tracks that are beaten, and let the best one take over where it may; return whether one has, or is confirmed."""
+        """Drop tracks that are beaten, and let the best one take over; return whether one has, or is confirmed."""
         self._merge()
         main = self.main
         if main.scans == 0 or not self.is_doubtful:
