@@ -25,6 +25,7 @@ _LEAD_GAIN = 0.35
 _START_SCANS, _START_LEAD = 30, 0.3
 _DROP, _CLEAR_LEAD = 0.08, 0.25
 _SLIP_M, _SLIP_LEAD = 0.25, 0.05
+_LEAST_FIT = 0.5  # of the usual one: a place that fits less is not the right one either, the robot may be elsewhere
 _FAR_TRAVEL_M = 0.6  # the robot sees other things by then; turning by 1.2 rad counts as much
 _FAR_LEAD, _FAR_CLEAR = 0.15, 0.3
 """By the second one a place elsewhere is better even if the main track agrees as it has agreed for some time."""
@@ -208,6 +209,7 @@ class Hypotheses:
             moves_far = not track.is_near(self.main.pose, _SLIP_M, _RIVAL_RAD)
             return (
                 track.scans >= _LOCAL_SCANS
+                and track.fit > _LEAST_FIT * self.main.usual
                 and track.lead > (_LOCAL_LEAD if dropped else _CLEAR_LEAD)
                 and (not moves_far or track.score > self.main.score + _SLIP_LEAD)
             )
