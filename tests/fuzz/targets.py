@@ -74,7 +74,7 @@ TARGETS = {
         fuzz_rays.one_round,
         (
             *("cast_grid_rays", "cast_jumping_rays", "chebyshev_field"),
-            *("cast_outline_rays", "find_moved", "find_lone_hits"),
+            *("cast_outline_rays", "find_moved", "find_lone_hits", "points_around", "outline_clearances"),
         ),
         1000,
     ),

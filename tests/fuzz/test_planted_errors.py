@@ -256,6 +256,8 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "scans of many": ("batch", fuzz_batch, "Batch", lambda _: ShortSightedBatch),
     "lone hits": ("rays", fuzz_rays, "find_lone_hits", one_more),
     "what has moved": ("rays", fuzz_rays, "find_moved", part(0, lambda velocities: velocities * 1.001)),
+    "points round a robot": ("rays", fuzz_rays, "points_around", part(0, lambda places: places + 1e-6)),
+    "clearances of an outline": ("rays", fuzz_rays, "outline_clearances", scaled(1e-6)),
     "tracks": ("tracking", fuzz_tracking, "ScanTracker", lambda _: DriftingTracker),
     "marks of a scan": ("layers", fuzz_layers, "mark_scan", first_cell_changed),
     "marks that are old": ("layers", fuzz_layers, "unmark_before", first_cell_changed),

@@ -261,6 +261,11 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
         *(RIM, np.zeros(3), np.linspace(-3.0, 3.0, 60), np.full(60, 9.0)),
         0.25,
     ),
+    "points_around": lambda: _core.points_around(RIM, 0.1 * RIM, np.array((1.0, 0.5, 0.2)), 0.3, 2.0, 1.0),
+    "outline_clearances": lambda: _core.outline_clearances(
+        *(RIM, 0.1 * RIM, POSES, np.linspace(0.0, 1.0, 20), np.array([(0.3, -0.2), (0.3, 0.2), (-0.1, 0.0)])),
+        *(np.array([(1.0, 0.0, 0.3), (-0.4, 0.9, 0.1), (-0.4, -0.9, 0.1)]), 0.1, 3),
+    ),
     "distance_field": lambda: _core.distance_field(BLOCKED, 0.1, 0.05, 0.8),
     "field_at": lambda: _core.field_at(FIELD, 0.1, 0.8, POSES[:, :2].copy()),
     "move_particles": lambda: _core.move_particles(CLOUD, np.array([0.1, 0.2, 0.1]), np.ones(4), np.ones(2), 7),

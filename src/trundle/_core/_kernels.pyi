@@ -808,6 +808,38 @@ def find_moved(
         that have moved in, shape (M, 4).
     """
 
+def points_around(
+    points: npt.NDArray[np.float64],
+    velocities: npt.NDArray[np.float64],
+    pose: npt.NDArray[np.float64],
+    seconds: float,
+    reach: float,
+    horizon: float,
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Points within `reach` [m] of a pose (x, y, yaw) and their velocities, seen from it, both of shape (M, 2).
+
+    Each is continued at its velocity for `seconds`, and counts farther away by what it drives in `horizon` [s]. With
+    velocities of shape (0, 2) all of them stand.
+    """
+
+def outline_clearances(
+    points: npt.NDArray[np.float64],
+    velocities: npt.NDArray[np.float64],
+    poses: npt.NDArray[np.float64],
+    times: npt.NDArray[np.float64],
+    outline: npt.NDArray[np.float64],
+    sides: npt.NDArray[np.float64],
+    padding: float,
+    rank: int,
+) -> npt.NDArray[np.float64]:
+    """The `rank`-th least distance [m] of a point from a convex outline at each pose (x, y, yaw), shape (K,).
+
+    It is negative inside, at a corner a little short, and infinite with fewer points. Points that move, and those in
+    the box round the outlines at all poses, wider by a padding, count. They are where they are at the times [s], shape
+    (K,), or stand with times of shape (0,). Sides are the normal of each edge and how far the outline reaches along it,
+    shape (E, 3).
+    """
+
 def find_lone_hits(
     ranges: npt.NDArray[np.float64],
     angles: npt.NDArray[np.float64],
