@@ -1,4 +1,4 @@
-"""Glass and people in maps: what is drawn of a pane that is seen from in front, of what lies behind it, and of people."""
+"""Glass and people in maps: a pane that is seen from in front, what lies behind it, and people who walk by."""
 
 from __future__ import annotations
 
