@@ -8,6 +8,7 @@ import numpy as np
 
 from trundle.geometry import FloatArray, Pose2D
 from trundle.mapping.pose_graph import PoseGraph
+from trundle.values import check_number
 
 
 def move_pose_graph(graph: PoseGraph, origin: Pose2D) -> PoseGraph:
@@ -16,7 +17,12 @@ def move_pose_graph(graph: PoseGraph, origin: Pose2D) -> PoseGraph:
     Args:
         graph: The graph.
         origin: Pose of its present map frame in the new one: for a drive that began at the origin, where it began.
+
+    Raises:
+        InputError: If the origin is farther away than 1,000 km.
     """
+    for name, value in (("x", origin.x), ("y", origin.y)):
+        check_number(f"{name} of the pose graph's origin", value, -1e6, 1e6, "m")
     return replace(graph, poses=compose_poses(origin, graph.poses))
 
 
