@@ -18,6 +18,7 @@ from fuzz import (
     fuzz_layers,
     fuzz_localization,
     fuzz_mapping,
+    fuzz_missions,
     fuzz_mppi,
     fuzz_png_filter,
     fuzz_rays,
@@ -151,6 +152,15 @@ class ShortSightedBatch(_core.Batch):
         ranges *= 1.0 - 1e-5
 
 
+class HastyDriver(_core.MissionDriver):
+    """Commands a little more than the navigator."""
+
+    def drive(self, *arguments: Any) -> Any:
+        rows, ends, results = super().drive(*arguments)
+        rows[1:, 5] *= 1.0 + 1e-6
+        return rows, ends, results
+
+
 class DriftingTracker(_core.ScanTracker):
     """Predicts too far."""
 
@@ -239,6 +249,9 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "rays that jump": ("rays", fuzz_rays, "cast_jumping_rays", scaled(1e-15)),
     "free squares": ("rays", fuzz_rays, "chebyshev_field", one_more),
     "rays to outlines": ("rays", fuzz_rays, "cast_outline_rays", scaled(1e-2)),
+    "whole missions": ("missions", fuzz_missions, "MissionDriver", lambda _: HastyDriver),
+    "outlines to polygons": ("missions", fuzz_missions, "outline_distances", scaled(1e-6)),
+    "points to a polyline": ("missions", fuzz_missions, "polyline_distances", scaled(1e-6)),
     "motion of many": ("batch", fuzz_batch, "Batch", lambda _: SlowBatch),
     "scans of many": ("batch", fuzz_batch, "Batch", lambda _: ShortSightedBatch),
     "lone hits": ("rays", fuzz_rays, "find_lone_hits", one_more),

@@ -161,7 +161,8 @@ def test_an_exploration_has_no_goal_and_no_other_agent():
 
 
 @pytest.mark.parametrize(("options", "kept"), [({}, False), ({"low_objects": True}, True)])
-def test_what_no_lidar_sees_is_left_out_unless_it_is_asked_for(options, kept):
-    scenario = exploring(Scenario.make(world={"name": "warehouse", "options": options}))
+@pytest.mark.parametrize("name", ["warehouse", "office", "lot"])
+def test_what_no_lidar_sees_is_left_out_unless_it_is_asked_for(name, options, kept):
+    scenario = exploring(Scenario.make(world={"name": name, "options": options}))
     assert scenario.world.options["low_objects"] is kept
     assert (scenario.known_map, scenario.localizer.name, scenario.agent.name) == (False, "slam", "explorer")
