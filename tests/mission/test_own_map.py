@@ -143,6 +143,16 @@ def test_a_maze_is_explored_by_slam():
     assert exploration.open
 
 
+def test_mppi_explores_among_people():
+    people = [{"crowd": "person", "count": 3}]
+    exploration = trundle.explore(
+        "maze", seed=2, backend="kinematic", controller="mppi", movers=people, time_limit_s=5.0
+    )
+    assert exploration.episode.metrics.contacts == ()
+    assert exploration.episode.metrics.distance_m > 1.0
+    assert len(exploration.graph.poses) > 3
+
+
 def test_an_exploration_has_no_goal_and_no_other_agent():
     with pytest.raises(ScenarioError, match="has no goal"):
         trundle.explore("maze", goal=(3.0, 1.0))

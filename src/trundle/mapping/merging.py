@@ -12,6 +12,7 @@ from trundle.mapping.mapper import Mapper
 from trundle.mapping.pose_graph import Lidar, PoseGraph
 from trundle.mapping.pose_graph_check import MOST_LIDARS
 from trundle.robots import Robot
+from trundle.values import check_number
 
 
 def merge_pose_graphs(first: PoseGraph, second: PoseGraph, robot: Robot) -> PoseGraph:
@@ -81,7 +82,12 @@ def move_pose_graph(graph: PoseGraph, origin: Pose2D) -> PoseGraph:
     Args:
         graph: The graph.
         origin: Pose of its present map frame in the new one: for a drive that began at the origin, where it began.
+
+    Raises:
+        InputError: If the origin is farther away than 1,000 km.
     """
+    for name, value in (("x", origin.x), ("y", origin.y)):
+        check_number(f"{name} of the pose graph's origin", value, -1e6, 1e6, "m")
     return replace(graph, poses=compose_poses(origin, graph.poses))
 
 
