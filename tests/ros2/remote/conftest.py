@@ -23,7 +23,8 @@ from trundle.mission import End, Episode, Scenario
 from trundle.mission.steering.directives import Directive
 from trundle.robots import Robot
 from trundle.ros2.names import Names
-from trundle.ros2.remote.bridge import RemoteBridge, RemoteOptions
+from trundle.ros2.remote.bridge import RemoteBridge
+from trundle.ros2.remote.setting import RemoteOptions
 from trundle.ros2.types import Types
 
 START = Pose2D(2.0, 2.0, 0.0)
