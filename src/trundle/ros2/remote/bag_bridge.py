@@ -17,6 +17,7 @@ from trundle.mission.simulation import SessionOptions
 from trundle.observation import Scan
 from trundle.recordings.drive import RecordedDrive
 from trundle.recordings.odometry import OdometryTrack
+from trundle.robots import Lidar, Robot
 from trundle.ros2.inlet import Record
 from trundle.ros2.names import Names
 from trundle.ros2.navigator_role.role import NavigatorOutputs, NavigatorRole
@@ -86,14 +87,13 @@ class BagBridge(NetworkRuns):
         profile = Profile.load(profile) if isinstance(profile, str) else profile
         super().__init__(transport, types, names, record=record, observers=observers, report=report)
         try:
-            setting = prepare(scenario, profile, options, robot=drive.robot)
+            setting = prepare(scenario, profile, options, robot=_with_lidars(drive))
             localizer = make_localizer(setting, options, lambda: True, has_scans=True)
             if localizer.waits_for_pose:
                 localizer.reinitialize_global()
             driver = LiveDriver(speed=speed) if driver is None else driver
             begins = None if scenario.known_map else setting.start
-            known = {sensor.frame or name: name for name, sensor in profile.sensors_of(setting.robot).items()}
-            lidars = {name: known.get(name, name) for name in drive.lidars}
+            lidars = _name_lidars(drive, profile, setting.robot)
             robot = BagRobot(drive, setting.robot, localizer, self._end, truth=truth, begins=begins, lidars=lidars)
             self._opened.enter_context(robot)
             mission = Mission(**{one.name: getattr(setting, one.name) for one in fields(setting)}, sim=robot)
@@ -114,6 +114,23 @@ class BagBridge(NetworkRuns):
     def _end(self, damage: str) -> None:
         why = f"the recording breaks off: {damage}" if damage else ENDED
         self.context.driver.steering.put(End(why), by="--bag")
+
+
+def _with_lidars(drive: RecordedDrive) -> Robot:
+    """Return the robot of a recording; one that nobody knows has at least the lidars that were recorded."""
+    robot = drive.robot
+    if drive.knows_robot:
+        return robot
+    return robot.model_copy(update={"lidars": {name: Lidar(x=0.0, y=0.0, z=0.2) for name in drive.lidars}})
+
+
+def _name_lidars(drive: RecordedDrive, profile: Profile, robot: Robot) -> dict[str, str]:
+    """Return what the robot calls each lidar of a recording, which are named by their frames there."""
+    sensors = profile.sensors_of(robot)
+    if len(sensors) == len(drive.lidars) == 1:
+        return {drive.lidars[0]: next(iter(sensors))}
+    known = {sensor.frame or name: name for name, sensor in sensors.items()}
+    return {name: known.get(name, name) for name in drive.lidars}
 
 
 class _BagRole(NavigatorRole):
