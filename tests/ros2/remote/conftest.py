@@ -131,9 +131,10 @@ def navigate(network: FakeNetwork, room_file: str) -> Iterator[Callable[..., Rem
         options: dict[str, Any] | None = None,
         has_services: bool = False,
         has_map: bool = True,
+        room: OccupancyGrid | None = None,
         **scenario: Any,
     ) -> Remote:
-        theirs = FakeRobot(network, jazzy(), make_room(), Robot.load(str(robot)), START)
+        theirs = FakeRobot(network, jazzy(), room or make_room(), Robot.load(str(robot)), START)
         theirs.habits = Habits(**habits or {})
         if starts_robot:
             theirs.start()

@@ -106,7 +106,14 @@ class RemoteBridge(NetworkRuns):
                 delay_s=None if latency is None else latency.command_delay_s,
             )
             self._opened.callback(self._role.close)
-            for rule in (self._located, self._connected, inputs.silences, robot.odometry_rule, commands.others):
+            for rule in (
+                self._located,
+                self._connected,
+                inputs.silences,
+                inputs.outline.rule,
+                robot.odometry_rule,
+                commands.others,
+            ):
                 guard.add_rule(rule)
             guard.add_rule(self._others_locate if locates else self._tf_silent)
             inputs.open()

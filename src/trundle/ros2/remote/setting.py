@@ -19,6 +19,7 @@ from trundle.mission.scenario import Setting
 from trundle.robots import Robot
 from trundle.ros2.profile import Profile
 from trundle.ros2.remote.localizer import RemoteLocalizer
+from trundle.ros2.remote.map_fit import MapFit
 from trundle.ros2.static_frames import StaticFramesMode
 from trundle.worlds import World
 
@@ -97,4 +98,6 @@ def make_localizer(
     start = options.start
     if start is None and isinstance(inner, SlamLocalizer):
         start = Pose2D(0.0, 0.0)  # its map begins where the robot stands
-    return RemoteLocalizer(inner, start, is_ready, needs_scan=has_scans and scenario.localizer.name != "odometry")
+    sees = has_scans and scenario.localizer.name != "odometry"
+    fit = MapFit(setting.grid) if sees and scenario.known_map else None
+    return RemoteLocalizer(inner, start, is_ready, needs_scan=sees, fit=fit)
