@@ -132,6 +132,7 @@ def navigate(network: FakeNetwork, room_file: str) -> Iterator[Callable[..., Rem
         has_services: bool = False,
         has_map: bool = True,
         room: OccupancyGrid | None = None,
+        more: dict[str, Any] | None = None,
         **scenario: Any,
     ) -> Remote:
         theirs = FakeRobot(network, jazzy(), room or make_room(), Robot.load(str(robot)), START)
@@ -150,7 +151,7 @@ def navigate(network: FakeNetwork, room_file: str) -> Iterator[Callable[..., Rem
             **options or {},
         )
         codec = nav2_codec("jazzy") if has_services else jazzy()
-        bridge = RemoteBridge(given, transport, Types(codec, transport), Names(), how, report=said.append)
+        bridge = RemoteBridge(given, transport, Types(codec, transport), Names(), how, report=said.append, **more or {})
         made.append(Remote(theirs, bridge, said))
         return made[-1]
 

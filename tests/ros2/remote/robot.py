@@ -45,6 +45,7 @@ class Habits:
     listens: bool = True
     edit_scan: Callable[[Any], None] | None = None
     as_cloud: bool = False
+    edit_cloud: Callable[[Any], None] | None = None
     frames: tuple[str, str] = ("odom", "base_link")
     wheels_m: float | None = None
 
@@ -180,7 +181,10 @@ class FakeRobot:
         if self.habits.as_cloud:
             points = scan.mount.inverse().transform_points(scan.points())
             level = np.column_stack([points, np.zeros(len(points))])
-            self.send(f"/{topic.removesuffix('scan')}points", make_cloud(self.codec, level, message.header))
+            cloud = make_cloud(self.codec, level, message.header)
+            if self.habits.edit_cloud is not None:
+                self.habits.edit_cloud(cloud)
+            self.send(f"/{topic.removesuffix('scan')}lidar_points", cloud)
             return
         self.send(f"/{topic}", message)
 

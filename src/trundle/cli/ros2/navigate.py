@@ -37,6 +37,9 @@ app = App(
 _SIMULATED = ("backend", "lidar_errors", "odometry", "start_error", "map_errors", "isaac_options", "agent", "lidar")
 """Options of `trundle run` that say how a robot is simulated."""
 
+_NO_SIMULATION = "restart", "box", "speed"
+"""What a page cannot do with a robot that is somewhere else."""
+
 
 @app.default
 def navigate(
@@ -138,6 +141,7 @@ def navigate(
     for line in () if recorded is None else recorded.remarks.lines:
         output.remark(f"{bag}: {line}", quiet=quiet)
     factor = float("inf") if speed is None else options.parse_speed(speed)
+    lacks = _NO_SIMULATION if recorded is None else _NO_SIMULATION[:2]
     with ends_as_by_ctrl_c(), ExitStack() as opened:
         transport = at.open(settings, names)
         opened.callback(transport.close)
@@ -146,7 +150,7 @@ def navigate(
         if kept is not None:
             opened.enter_context(kept)
         driver, observers = opened.enter_context(
-            running.open_page(scenario, source or "", factor, shows=page, quiet=quiet or json, restarts=False)
+            running.open_page(scenario, source or "", factor, shows=page, quiet=quiet or json, lacks=lacks)
         )
         facts = {"role": "navigate", "profile": profile, "localizer": locates, **told.facts}
         bridge: RemoteBridge | BagBridge
