@@ -129,8 +129,6 @@ def navigate(
         goals=tuple(Goal.of(options.parse_goal("--goal", text)) for text in given.goals or ()),
         static_frames=static_frames,
     )
-    if locates == "tf" and how.start is not None:
-        raise InputError("--start is for a localizer; with --localizer tf the robot is where map → odom puts it")
     if locates == "odometry" and how.start is None:
         raise InputError("--localizer odometry needs --start X,Y,YAW: nothing else says where the robot is")
     if map_file is not None and scenario.known_map:

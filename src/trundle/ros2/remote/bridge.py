@@ -119,7 +119,7 @@ class RemoteBridge(NetworkRuns):
             inputs.open()
             self._role.open()
             StaticFrames(wire, profile, setting.robot, inputs, options.static_frames).open()
-            if locates:
+            if locates or options.start is not None:
                 started = StartPose(self.context, inputs, self.localizer, sources)
                 started.open()
                 self._role.use_start(started)
@@ -135,7 +135,7 @@ class RemoteBridge(NetworkRuns):
     def _localizer(self, setting: Setting, options: RemoteOptions) -> RemoteLocalizer | TfLocalizer:
         inputs = self.inputs
         if options.localizer == TF:
-            return TfLocalizer(lambda: inputs.map_odom)
+            return TfLocalizer(lambda: inputs.map_odom, options.start)
         return make_localizer(setting, options, lambda: inputs.odometry is not None, has_scans=bool(inputs.sensors))
 
     # Rules of the guard ---------------------------------------------------------------------------------------------

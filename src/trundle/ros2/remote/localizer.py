@@ -208,17 +208,23 @@ class TfLocalizer(Localizer):
 
     Args:
         find: Gives map → odom as it is now, or None.
+        start: Where the robot is at first, for those who wait to be told; None where nobody is.
 
     Attributes:
         is_located: Whether there is a map → odom.
     """
 
-    def __init__(self, find: Callable[[], Pose2D | None]) -> None:
-        self._find = find
+    def __init__(self, find: Callable[[], Pose2D | None], start: Pose2D | None = None) -> None:
+        self._find, self._start = find, start
         self._known: Pose2D | None = None
         self.is_located = False
         self.waits_for_pose = self.bridges_jumps = False
         self.why = ""
+
+    @property
+    def shown(self) -> Pose2D | None:
+        """Where the robot is at first, until map → odom says where it is."""
+        return None if self.is_located else self._start
 
     def begin(self) -> None:
         """Do nothing: where the robot is comes from outside."""
