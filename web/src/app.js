@@ -19,6 +19,7 @@ export class App {
     this.clock = new Clock();
     this.layers = Object.fromEntries(LAYERS.map((name) => [name, name !== "clearance"]));
     this.state = "idle";
+    this.lacks = new Set(); // what this server cannot do
     this.paused = false;
     this.factor = null;
     this.placed = {}; // The start and goal chosen before a run.

@@ -23,7 +23,8 @@ from trundle.mission import End, Episode, Scenario
 from trundle.mission.steering.directives import Directive
 from trundle.robots import Robot
 from trundle.ros2.names import Names
-from trundle.ros2.remote.bridge import RemoteBridge, RemoteOptions
+from trundle.ros2.remote.bridge import RemoteBridge
+from trundle.ros2.remote.setting import RemoteOptions
 from trundle.ros2.types import Types
 
 START = Pose2D(2.0, 2.0, 0.0)
@@ -130,9 +131,11 @@ def navigate(network: FakeNetwork, room_file: str) -> Iterator[Callable[..., Rem
         options: dict[str, Any] | None = None,
         has_services: bool = False,
         has_map: bool = True,
+        room: OccupancyGrid | None = None,
+        more: dict[str, Any] | None = None,
         **scenario: Any,
     ) -> Remote:
-        theirs = FakeRobot(network, jazzy(), make_room(), Robot.load(str(robot)), START)
+        theirs = FakeRobot(network, jazzy(), room or make_room(), Robot.load(str(robot)), START)
         theirs.habits = Habits(**habits or {})
         if starts_robot:
             theirs.start()
@@ -148,7 +151,7 @@ def navigate(network: FakeNetwork, room_file: str) -> Iterator[Callable[..., Rem
             **options or {},
         )
         codec = nav2_codec("jazzy") if has_services else jazzy()
-        bridge = RemoteBridge(given, transport, Types(codec, transport), Names(), how, report=said.append)
+        bridge = RemoteBridge(given, transport, Types(codec, transport), Names(), how, report=said.append, **more or {})
         made.append(Remote(theirs, bridge, said))
         return made[-1]
 

@@ -41,6 +41,7 @@ export class Live {
 
   on_hello(message) {
     Object.assign(this, { client: message.client, driver: message.driver, clients: message.clients, choices: message.choices ?? {} });
+    this.app.lacks = new Set(message.lacks ?? []);
     this.state(message.state);
     this.app.emit("hello", message);
     this.app.emit("drivers", this);

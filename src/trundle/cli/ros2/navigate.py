@@ -10,14 +10,16 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 from cyclopts import App, Parameter
 
 from trundle.cli.ros2 import network, running
-from trundle.cli.shared import nav2, options, scenario_options
+from trundle.cli.shared import nav2, options, output, scenario_options
 from trundle.cli.shared.field_options import option_name
 from trundle.cli.shared.termination import ends_as_by_ctrl_c
 from trundle.errors import InputError
 from trundle.geometry import Goal
 
 if TYPE_CHECKING:
+    from trundle.messages.codec import Distro
     from trundle.mission import Episode, Scenario
+    from trundle.recordings.drive import RecordedDrive
 
 app = App(
     name="navigate",
@@ -27,12 +29,16 @@ app = App(
         "  trundle ros2 navigate map.yaml --robot turtlebot3_burger --start 0,0,0\n"
         "  trundle ros2 navigate map.yaml --robot robot.yaml --start 0,0,0 --goal 4,2 --record\n"
         "  trundle ros2 navigate map.yaml --robot nova_carter --localizer tf --browser\n"
-        "  trundle ros2 navigate --localizer slam --robot robot.yaml --save-map map.yaml --browser"
+        "  trundle ros2 navigate --localizer slam --robot robot.yaml --save-map map.yaml --browser\n"
+        "  trundle ros2 navigate map.yaml --bag drive.mcap --start 0,0,0"
     ),
 )
 
 _SIMULATED = ("backend", "lidar_errors", "odometry", "start_error", "map_errors", "isaac_options", "agent", "lidar")
 """Options of `trundle run` that say how a robot is simulated."""
+
+_NO_SIMULATION = "restart", "box", "speed"
+"""What a page cannot do with a robot that is somewhere else."""
 
 
 @app.default
@@ -50,6 +56,24 @@ def navigate(
             "names; or the YAML file of your own profile.",
         ),
     ] = "plain",
+    bag: Annotated[
+        Path | None,
+        Parameter(
+            name="--bag",
+            metavar="FILE",
+            help="Play the scans and the odometry of a recording instead of driving a robot: a rosbag2 of anyone, or a "
+            "CARMEN log. The localizer follows it, and nothing is commanded; it ends with the recording.",
+        ),
+    ] = None,
+    speed: Annotated[
+        str | None,
+        Parameter(
+            name="--speed",
+            allow_leading_hyphen=True,
+            metavar="FACTOR|max",
+            help="With --bag: recorded seconds per second, 0.1 to 50; default: max.",
+        ),
+    ] = None,
     static_frames: network.StaticFrames = "auto",
     at: network.NetworkOptions = network.DEFAULTS,
     namespace: network.Namespace = "",
@@ -73,17 +97,22 @@ def navigate(
 
     It reads the robot's scans, odometry, transforms and clock, and publishes its commands. The robot stands wherever
     these are silent, jump or disagree, and until it is located: by --start, by a pose on /initialpose, or by map → odom
-    (--localizer tf). With --goal it drives there and ends.
+    (--localizer tf). With --goal it drives there and ends. With --localizer slam it needs no map: it makes one as it
+    drives, from where it stands. With --bag it plays a recording in place of a robot.
 
-    Exit code 0: it has arrived, or without --goal it was ended; 1: it has not arrived; 3: a plug-in raised. With --json
-    it prints two lines: what is offered, as soon as it is, and how it ended.
+    Exit code 0: it has arrived, or without --goal it was ended; 1: it has not arrived, or the recording breaks off or
+    the robot is lost at its end; 3: a plug-in raised. With --json it prints two lines: what is offered, as soon as it
+    is, and how it ended.
 
     Args:
-        source: The YAML of a map or of a scenario, a world by name, or a world's file.
+        source: The YAML of a map or of a scenario, a world by name, or a world's file; left out with slam.
     """
     from trundle.ros2.names import Names
     from trundle.ros2.profile import Profile
-    from trundle.ros2.remote.bridge import RemoteBridge, RemoteOptions
+    from trundle.ros2.remote.bag_bridge import BagBridge
+    from trundle.ros2.remote.bag_robot import read_truth
+    from trundle.ros2.remote.bridge import RemoteBridge
+    from trundle.ros2.remote.setting import RemoteOptions
 
     network.check_extra()
     _refuse_simulated(given)
@@ -104,6 +133,13 @@ def navigate(
         raise InputError("--localizer odometry needs --start X,Y,YAW: nothing else says where the robot is")
     if map_file is not None and scenario.known_map:
         raise InputError("--save-map is for a map that is made: give --localizer slam, and no map")
+    recorded = None if bag is None else _open_bag(bag, given, scenario, settings.distro)
+    if recorded is None and speed is not None:
+        raise InputError("--speed is for --bag: a robot drives in its own time")
+    for line in () if recorded is None else recorded.remarks.lines:
+        output.remark(f"{bag}: {line}", quiet=quiet)
+    factor = float("inf") if speed is None else options.parse_speed(speed)
+    lacks = _NO_SIMULATION if recorded is None else _NO_SIMULATION[:2]
     with ends_as_by_ctrl_c(), ExitStack() as opened:
         transport = at.open(settings, names)
         opened.callback(transport.close)
@@ -112,23 +148,54 @@ def navigate(
         if kept is not None:
             opened.enter_context(kept)
         driver, observers = opened.enter_context(
-            running.open_page(scenario, source or "", float("inf"), shows=page, quiet=quiet or json, restarts=False)
+            running.open_page(scenario, source or "", factor, shows=page, quiet=quiet or json, lacks=lacks)
         )
         facts = {"role": "navigate", "profile": profile, "localizer": locates, **told.facts}
-        bridge = RemoteBridge(
-            *(scenario, transport, types, names, how),
-            profile=names_of,
-            record=kept,
-            driver=driver,
-            observers=observers,
-        )
+        bridge: RemoteBridge | BagBridge
+        if recorded is None:
+            bridge = RemoteBridge(
+                *(scenario, transport, types, names, how),
+                profile=names_of,
+                record=kept,
+                driver=driver,
+                observers=observers,
+            )
+        else:
+            facts["bag"] = recorded.path
+            bridge = BagBridge(
+                *(scenario, recorded, transport, types, names, how),
+                profile=names_of,
+                truth=read_truth(recorded.path, settings.distro),
+                record=kept,
+                speed=factor,
+                driver=driver,
+                observers=observers,
+            )
         opened.enter_context(bridge)
-        stops = bridge.guard.counts
+        stops = bridge.guard.counts if isinstance(bridge, RemoteBridge) else None
         episode = running.run(bridge, facts, kept, json=json, quiet=quiet, stops=stops)
-    arrived = None if bridge.drive is None else bridge.drive.arrived
     made = _write_map(episode, map_file)
+    if isinstance(bridge, BagBridge):
+        code = running.report(episode, bridge.wire, kept, json=json, more={**bridge.summary.as_dict(), **made})
+        return code or int(not bridge.summary.is_whole)
+    arrived = None if bridge.drive is None else bridge.drive.arrived
     code = running.report(episode, bridge.wire, kept, json=json, stops=stops, arrived=arrived, more=made)
     return code if arrived is None else int(not arrived)
+
+
+def _open_bag(bag: Path, given: scenario_options.ScenarioOptions, scenario: Scenario, distro: Distro) -> RecordedDrive:
+    """Open the recording of --bag; its robot is the one that is given, else the recording's own.
+
+    Raises:
+        InputError: If it is none, or other options do not fit it.
+    """
+    from trundle.recordings.opening import open_drive
+
+    if given.goals:
+        raise InputError("--goal is for a robot that drives: with --bag a recording is played")
+    if scenario.localizer is None:
+        raise InputError("--localizer tf takes map → odom from others; with --bag give amcl, slam or odometry")
+    return open_drive(bag, robot=scenario.robot if given.robot else None, distro=distro)
 
 
 def _make_scenario(

@@ -71,9 +71,18 @@ def open_recording(
 
 @contextmanager
 def open_page(
-    scenario: Scenario, source: str, speed: float, *, shows: bool, quiet: bool, restarts: bool = True
+    scenario: Scenario, source: str, speed: float, *, shows: bool, quiet: bool, lacks: Sequence[str] = ()
 ) -> Iterator[tuple[Steerer | None, Callable[[Mission, int], Sequence[Observer]] | None]]:
-    """Yield what drives the runs and what shows them in the browser; both are None if no page is wanted."""
+    """Yield what drives the runs and what shows them in the browser; both are None if no page is wanted.
+
+    Args:
+        scenario: What is driven.
+        source: What it was made of.
+        speed: How fast it passes at first.
+        shows: Whether a page is wanted.
+        quiet: Without remarks.
+        lacks: What cannot be done with what is driven: "restart", "box", "speed".
+    """
     if not shows:
         yield None, None
         return
@@ -81,7 +90,8 @@ def open_page(
     from trundle.serve.watch import Watch
 
     with browser.serving(scenario, source=source) as page:
-        page.hub.controls = steerer = Steerer(speed=speed, restarts=restarts)
+        page.hub.controls = steerer = Steerer(speed=speed, restarts="restart" not in lacks)
+        page.hub.lacks = tuple(lacks)
 
         def observers(mission: Mission, number: int) -> Sequence[Observer]:
             watch = Watch(page.hub, number, None, world=lambda: mission.sim.world, steering=steerer.steering)

@@ -4,21 +4,12 @@ from __future__ import annotations
 
 import time as system
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Literal
-
-import numpy as np
+from dataclasses import fields
+from typing import TYPE_CHECKING
 
 from trundle.control import CollisionMonitor, MonitorSettings
-from trundle.errors import InputError
-from trundle.geometry import Goal, Pose2D
-from trundle.localization import create_localizer
-from trundle.mapping.slam_localizer import SlamLocalizer
-from trundle.maps import OccupancyGrid
 from trundle.mission import Mission, Observer, Scenario
-from trundle.mission.place import Place, make_place
 from trundle.mission.scenario import Setting
-from trundle.robots import Robot
 from trundle.ros2.inlet import Record
 from trundle.ros2.names import Names
 from trundle.ros2.profile import Profile
@@ -29,34 +20,13 @@ from trundle.ros2.remote.localizer import RemoteLocalizer, TfLocalizer
 from trundle.ros2.remote.publishing import StartPose, StaticFrames
 from trundle.ros2.remote.robot import RemoteRobot
 from trundle.ros2.remote.role import NOT_LOCATED, GoalDrive, RemoteRole
+from trundle.ros2.remote.setting import TF, RemoteOptions, make_localizer, prepare
 from trundle.ros2.role import BridgeContext, Driver, LiveDriver, SimulationClock
 from trundle.ros2.runs import MakeObservers, NetworkRuns
-from trundle.ros2.static_frames import StaticFramesMode
-from trundle.worlds import World
 
 if TYPE_CHECKING:
     from trundle.ros2.transport.transport import Transport
     from trundle.ros2.types import Types
-
-TF = "tf"
-"""The localizer that takes map → odom from outside."""
-
-
-@dataclass(frozen=True, slots=True)
-class RemoteOptions:
-    """How a robot on the network is driven.
-
-    Attributes:
-        localizer: "tf", or None for the localizer of the scenario.
-        start: Where the robot is at first, map frame; None where that comes on /initialpose.
-        goals: Where it drives, in order, and then the run ends. If empty, it waits for goals.
-        static_frames: Whether base → sensor is published.
-    """
-
-    localizer: Literal["tf"] | None = None
-    start: Pose2D | None = None
-    goals: tuple[Goal, ...] = ()
-    static_frames: StaticFramesMode = "auto"
 
 
 class RemoteBridge(NetworkRuns):
@@ -136,7 +106,14 @@ class RemoteBridge(NetworkRuns):
                 delay_s=None if latency is None else latency.command_delay_s,
             )
             self._opened.callback(self._role.close)
-            for rule in (self._located, self._connected, inputs.silences, robot.odometry_rule, commands.others):
+            for rule in (
+                self._located,
+                self._connected,
+                inputs.silences,
+                inputs.outline.rule,
+                robot.odometry_rule,
+                commands.others,
+            ):
                 guard.add_rule(rule)
             guard.add_rule(self._others_locate if locates else self._tf_silent)
             inputs.open()
@@ -159,19 +136,7 @@ class RemoteBridge(NetworkRuns):
         inputs = self.inputs
         if options.localizer == TF:
             return TfLocalizer(lambda: inputs.map_odom, options.start)
-        scenario = setting.scenario
-        if scenario.localizer is None:
-            raise InputError("a robot on the network needs a localizer: amcl, odometry or tf")
-        inner = create_localizer(scenario.localizer, setting.grid if scenario.known_map else None, setting.robot)
-        start = options.start
-        if start is None and isinstance(inner, SlamLocalizer):
-            start = Pose2D(0.0, 0.0)  # its map begins where the robot stands
-        return RemoteLocalizer(
-            inner,
-            start,
-            lambda: inputs.odometry is not None,
-            needs_scan=bool(inputs.sensors) and scenario.localizer.name != "odometry",
-        )
+        return make_localizer(setting, options, lambda: inputs.odometry is not None, has_scans=bool(inputs.sensors))
 
     # Rules of the guard ---------------------------------------------------------------------------------------------
 
@@ -197,33 +162,6 @@ class RemoteBridge(NetworkRuns):
             return {}
         silent = self.inputs.map_odom_stream.silent_s(now)
         return {"map → odom silent": f"map → odom: nothing new for {silent:.2f} s"} if silent else {}
-
-
-def prepare(scenario: Scenario, profile: Profile, options: RemoteOptions) -> Setting:
-    """Make map, robot and navigator of a scenario for a robot on the network, at its start.
-
-    Raises:
-        InputError: If they cannot be used, or the start is not on the map.
-    """
-    place = make_place(scenario) if scenario.known_map else _no_place(scenario)
-    place = replace(place, robot=profile.fit(place.robot))
-    start = options.start
-    changes: dict[str, object] = {"start": None, "goal": None, "goals": None}
-    if not scenario.known_map:  # nothing has to be picked, and no cell of the map be free
-        changes |= {"start": (0.0, 0.0, 0.0), "goal": (0.0, 0.0)}
-    setting = scenario.model_copy(update={**changes, "lidar": bool(profile.sensors_of(place.robot))}).prepare(place)
-    if not scenario.known_map:
-        return replace(setting, start=Pose2D(0.0, 0.0) if start is None else start)
-    for what, at in (("start", start), *(("goal", goal.pose) for goal in options.goals)):
-        if at is not None and not bool(setting.grid.contains(*setting.grid.world_to_cell(at.x, at.y))):
-            raise InputError(f"the {what} ({at.x:g}, {at.y:g}) lies outside of the map: give a pose on it")
-    return setting if start is None else replace(setting, start=start)
-
-
-def _no_place(scenario: Scenario) -> Place:
-    """Return the place of a robot that knows no map: an empty world."""
-    blank = OccupancyGrid(np.zeros((80, 80), dtype=np.int8), scenario.resolution, Pose2D(-2.0, -2.0))
-    return Place(World("unknown", ()), Robot.load(scenario.robot), blank, 0.0, None, None)
 
 
 def _monitor(setting: Setting) -> CollisionMonitor | None:

@@ -13,6 +13,7 @@ from trundle.mapping import PoseGraph
 from trundle.mapping.slam_localizer import SlamLocalizer
 from trundle.maps import OccupancyGrid
 from trundle.observation import Estimate, Observation, Scan
+from trundle.ros2.remote.map_fit import MapFit
 
 _NOWHERE = Pose2D(0.0, 0.0)
 
@@ -47,6 +48,7 @@ class RemoteLocalizer(Localizer):
         start: Where the robot is at first, map frame; None where that is to be told.
         is_ready: Whether the robot has sent its odometry, without which a pose cannot be kept.
         needs_scan: Whether the robot is located only once a scan was seen.
+        fit: Says whether its scans fit the map where it was told to be; None where that is not asked.
 
     Attributes:
         is_located: Whether the robot knows where it is, so that it may drive.
@@ -55,7 +57,13 @@ class RemoteLocalizer(Localizer):
     """
 
     def __init__(
-        self, inner: Localizer, start: Pose2D | None, is_ready: Callable[[], bool], *, needs_scan: bool
+        self,
+        inner: Localizer,
+        start: Pose2D | None,
+        is_ready: Callable[[], bool],
+        *,
+        needs_scan: bool,
+        fit: MapFit | None = None,
     ) -> None:
         self._inner, self._is_ready, self._needs_scan = inner, is_ready, needs_scan
         self._pending: tuple[Pose2D | None, FloatArray | None] | None = None if start is None else (start, None)
@@ -63,6 +71,7 @@ class RemoteLocalizer(Localizer):
         self._seed = 0
         self._begins = True
         self._last: Estimate | None = None
+        self._fit = fit
         self._mapper = inner if isinstance(inner, SlamLocalizer) else None
         self.is_told = False
         self.is_located = False
@@ -159,9 +168,17 @@ class RemoteLocalizer(Localizer):
         self._look(observation.scans)
         self._last = found = self._inner.update(observation)
         self._shown = found.pose
-        if not self.is_located and found.state == "localized" and (observation.scans or not self._needs_scan):
-            self.is_located = self._mapper is None or (not self._before and self._mapper.mapper.joined)
+        if not self.is_located and (observation.scans or not self._needs_scan):
+            self.is_located = self._check(observation, found)
         return found
+
+    def _check(self, observation: Observation, found: Estimate) -> bool:
+        """Return whether the robot may set off from where its localizer puts it."""
+        if self._fit is not None and observation.scans:
+            self._fit.judge(observation.scans, found.pose)
+            self.why = self._fit.why
+        is_joined = self._mapper is None or (not self._before and self._mapper.mapper.joined)
+        return found.state == "localized" and is_joined and not (self._fit is not None and self._fit.why)
 
     def _look(self, scans: Sequence[Scan]) -> None:
         """Compare the first scans after a jump with the last ones before, for a localizer that makes its map."""
@@ -176,6 +193,8 @@ class RemoteLocalizer(Localizer):
 
     def _tell(self, pose: Pose2D | None, covariance: FloatArray | None) -> None:
         self.is_located, self.why = False, _NO_SCAN
+        if self._fit is not None:
+            self._fit.reset()
         try:
             self._inner.reset(pose, covariance=covariance, seed=self._seed)
         except InputError:

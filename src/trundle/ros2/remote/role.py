@@ -81,6 +81,7 @@ class RemoteRole(NavigatorRole):
     def open(self) -> None:
         """Open topics, services and actions."""
         super().open()
+        self._kit.beliefs.find = self._inputs.find_on_robot
         kept = [one for one in self._outputs if one is not self._pose_output]
         if self._locates:
             kept.insert(0, LocatedOutput(self._pose_output, self._localizer, self._note_map_odom))
