@@ -108,7 +108,7 @@ class _Maker:
             for first, last in itertools.pairwise(ends)
         ]
         stretches = np.searchsorted(jumps, np.arange(len(times)), side="right")
-        masks = {id(laser): self._find_own_hits(laser, order, times, poses) for laser in self._lasers}
+        masks = {id(laser): self._find_own_hits(laser, order, poses) for laser in self._lasers}
         speeds = np.array([track.fastest for track in tracks]).max(axis=0)
         known = self._robot is not None
         mounts = {id(laser): self._find_mount(laser) for laser in self._lasers}
@@ -210,7 +210,7 @@ class _Maker:
         return max(largest - 0.1 if is_common else largest + 1e-3, _LEAST_RANGE_M + 1e-3)
 
     def _find_own_hits(
-        self, laser: _Laser, order: list[tuple[_Laser, int]], times: FloatArray, poses: FloatArray
+        self, laser: _Laser, order: list[tuple[_Laser, int]], poses: FloatArray
     ) -> npt.NDArray[np.bool_]:
         hits = OwnHits()
         rows = [row for row, (owner, _) in enumerate(order) if owner is laser]

@@ -151,8 +151,7 @@ def _make_suite(given: tuple[str, ...], changes: dict[str, Any]) -> Suite:
         raise InputError(f"give one suite, with maps and worlds that it is to drive in besides; got {' '.join(given)}")
     base = Suite.load(suites[0])
     if others := [text for text in given if text != suites[0]]:
-        both = {**_fields(base), "worlds": [*(_fields(world) for world in base.worlds), *others]}
-        base = Suite.make(**both)
+        base = base.with_fields(worlds=[*(_fields(world) for world in base.worlds), *others])
     if "missions" in changes:
         changes["worlds"] = [
             {**_fields(world), "missions": {**_fields(world.missions), **changes["missions"]}}
@@ -163,7 +162,7 @@ def _make_suite(given: tuple[str, ...], changes: dict[str, Any]) -> Suite:
     for part in ("missions", "limits"):
         if part in changes:
             changes[part] = {**_fields(getattr(base, part)), **changes[part]}
-    return Suite.make(**{**_fields(base), **changes})
+    return base.with_fields(**changes)
 
 
 def _fields(model: Config) -> dict[str, Any]:
