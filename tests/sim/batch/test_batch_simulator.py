@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from trundle.errors import InputError, UnknownNameError, WorldWarning
+from trundle.errors import InputError, MissingExtraError, UnknownNameError, WorldWarning
 from trundle.geometry import Pose2D, Pose3D, Twist2D
 from trundle.geometry.solids import Cylinder, Solid
 from trundle.maps import OccupancyGrid
@@ -249,7 +249,6 @@ COARSE = OccupancyGrid(np.zeros((90, 90), np.int8), 0.1)
         ((["office"], CARTER), {"count": 1}, InputError, "must be an OccupancyGrid, got str"),
         ((GRID, "nova_carter"), {"count": 1}, InputError, "Robot.load"),
         ((GRID, CARTER), {"count": 1, "lidar": "fromt"}, UnknownNameError, "Did you mean 'front'"),
-        ((GRID, CARTER), {"count": 1, "device": "cuda"}, InputError, 'use device="cpu"'),
         ((GRID, CARTER), {"count": 1, "device": "tpu"}, UnknownNameError, "unknown device"),
         ((GRID, CARTER), {"count": 1, "timestep": 0.0}, InputError, "timestep"),
         ((GRID, CARTER), {"count": 1, "threads": 0}, InputError, "threads"),
@@ -258,6 +257,12 @@ COARSE = OccupancyGrid(np.zeros((90, 90), np.int8), 0.1)
 def test_bad_arguments_are_named(arguments, options, error, text):
     with pytest.raises(error, match=text):
         BatchSimulator(*arguments, **options)
+
+
+def test_without_warp_a_gpu_is_refused_with_the_install_line(monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
+    with pytest.raises(MissingExtraError, match=r'device="cuda" needs warp-lang.*\[gpu\]'):
+        BatchSimulator(GRID, CARTER, count=1, device="cuda")
 
 
 @pytest.mark.parametrize(
