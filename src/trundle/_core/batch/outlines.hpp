@@ -3,7 +3,7 @@
 // Contact shallower than a nanometre is none, as in the simulators.
 #pragma once
 
-#include "batch/jump_rays.hpp"
+#include "rays/jumping_ray.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +15,9 @@ namespace trundle::batch {
 
 inline constexpr double kTouch = 1e-9;  // [m]
 inline constexpr double kFar = std::numeric_limits<double>::infinity();
+
+// Chebyshev distances in cells to the nearest blocked cell, 0 in it, 255 at most.
+using JumpField = CellBytes;
 
 struct Point {
   double x, y;
