@@ -235,6 +235,19 @@ def test_a_robot_beyond_its_map_is_off_it():
     assert np.isinf(batch.scan()).all()
 
 
+def test_a_ray_along_a_line_of_the_grid_comes_in_from_beyond_the_map():
+    cells = np.zeros((100, 100), dtype=np.int8)
+    cells[40, 60] = cells[42, 98] = 100
+    centred = {"x": 0.0, "y": 0.0, "yaw": 0.0, "beams": 2, "fov": math.tau, "range_max": 100.0, "noise": 0.0}
+    lidar = CARTER.lidars["front"].model_copy(update=centred)
+    robot = CARTER.model_copy(update={"lidars": {"front": lidar}})
+    batch = BatchSimulator(OccupancyGrid(cells, 1.0), robot, count=2, lidar=True)
+    # Its heading is half a turn, rounded: it crosses the line at 41 at once, before it comes in.
+    batch.reset([(110.5, 41.0, -math.pi), (99.5, 41.0, -math.pi)])
+    ahead = batch.scan_exactly()[:, 1]  # of the beams at -π and at 0
+    assert ahead.tolist() == [49.5, 38.5]
+
+
 SMALL = OccupancyGrid(np.zeros((9, 40), np.int8), 0.05)
 COARSE = OccupancyGrid(np.zeros((90, 90), np.int8), 0.1)
 

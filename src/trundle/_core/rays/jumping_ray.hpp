@@ -31,7 +31,21 @@ struct RayAxis {
   // The cell at a distance, between two of them. `Ties`: whether a line at just that distance is crossed.
   template <bool Ties>
   std::ptrdiff_t cell_at(double distance, std::ptrdiff_t from, std::ptrdiff_t last) const {
-    const double guess = std::floor(start + distance * along);
+    // Farther from a line than all that is rounded here, the cell is plain to see; but not of a ray that crossed a line
+    // before it came into the grid.
+    constexpr double kMargin = 1e-5;
+    const double place = start + distance * along;
+    const auto plain = static_cast<std::ptrdiff_t>(place);
+    const double rest = place - static_cast<double>(plain);
+    const bool between = step > 0 ? plain >= from && plain <= last : plain <= from && plain >= last;
+    if (between && rest > kMargin && rest < 1.0 - kMargin) return plain;
+    return cell_near_line<Ties>(place, distance, from, last);
+  }
+
+ private:
+  template <bool Ties>
+  std::ptrdiff_t cell_near_line(double place, double distance, std::ptrdiff_t from, std::ptrdiff_t last) const {
+    const double guess = std::floor(place);
     const std::ptrdiff_t low = std::min(from, last), high = std::max(from, last);
     std::ptrdiff_t cell = guess <= static_cast<double>(low)    ? low
                           : guess >= static_cast<double>(high) ? high

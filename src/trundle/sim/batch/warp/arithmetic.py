@@ -18,7 +18,6 @@ FAR = wp.constant(wp.float64(math.inf))
 TOUCH = wp.constant(wp.float64(1e-9))
 SMALL_TURN = wp.constant(wp.float64(1e-6))
 FINITE = wp.constant(wp.float64(1e9))
-_HUGE = wp.constant(wp.float64(1e300))
 _TWO_OVER_PI = wp.constant(wp.float64(0.63661977236758134308))
 _FIRST = wp.constant(wp.float64(float.fromhex("0x1.921fb544p+0")))
 _SECOND = wp.constant(wp.float64(float.fromhex("0x1.0b4611a6p-34")))
@@ -30,6 +29,7 @@ _S3, _S5, _S7, _S9, _S11, _S13, _S15, _S17 = (
 _C4, _C6, _C8, _C10, _C12, _C14, _C16, _C18 = (
     wp.constant(wp.float64((-1.0) ** (n // 2) / math.factorial(n))) for n in range(4, 19, 2)
 )
+_MINUS_S7, _MINUS_C6, _SHORT = (wp.constant(wp.float64(value)) for value in (1.0 / 5040.0, 1.0 / 720.0, 0.03))
 _SCALE = wp.constant(wp.float64(2.0**-53))
 _SIXTEEN = wp.constant(wp.float32(1.0 / 65536.0))
 
@@ -74,6 +74,12 @@ def sin_cos(given: wp.float64):
             angle = angle - _TURN
         elif angle < -(HALF * _TURN):
             angle = angle + _TURN
+    if wp.abs(angle) < _SHORT:
+        y = angle * angle
+        return wp.vec2d(
+            angle + angle * (y * (_S3 + y * (_S5 - y * _MINUS_S7))),
+            ONE - (HALF * y - y * (y * (_C4 - y * (_MINUS_C6 - y * _C8)))),
+        )
     turns = wp.floor(angle * _TWO_OVER_PI + HALF)
     r = ((angle - turns * _FIRST) - turns * _SECOND) - turns * _THIRD
     z = r * r
@@ -129,119 +135,6 @@ def normal(key: wp.uint64, index: wp.uint64):
             total += wp.int32(bits & wp.uint64(0xFFFF))
             bits = bits >> wp.uint64(16)
     return wp.float64(wp.float32(total - 393210) * _SIXTEEN)
-
-
-@wp.func
-def leaves(cell: wp.int32, start: wp.float64, inverse: wp.float64, ahead: wp.int32):
-    return (wp.float64(cell + ahead) - start) * inverse
-
-
-@wp.func
-def cell_at(
-    ties: wp.bool,
-    distance: wp.float64,
-    origin: wp.int32,
-    last: wp.int32,
-    start: wp.float64,
-    along: wp.float64,
-    inverse: wp.float64,
-    step: wp.int32,
-    ahead: wp.int32,
-):
-    """The cell of one coordinate at a distance, between two; `RayAxis::cell_at`."""
-    guess = wp.floor(start + distance * along)
-    low = wp.min(origin, last)
-    high = wp.max(origin, last)
-    cell = wp.int32(0)
-    if guess <= wp.float64(low):
-        cell = low
-    elif guess >= wp.float64(high):
-        cell = high
-    else:
-        cell = wp.int32(guess)
-    while cell != last:
-        line = leaves(cell, start, inverse, ahead)
-        if not (line < distance or (ties and line == distance)):
-            break
-        cell += step
-    while cell != origin:
-        line = leaves(cell, start, inverse, 1 - ahead)
-        if line < distance or (ties and line == distance):
-            break
-        cell -= step
-    return cell
-
-
-@wp.func
-def cast_ray(
-    cells: wp.array(dtype=wp.uint8),
-    offset: wp.int32,
-    rows: wp.int32,
-    cols: wp.int32,
-    x: wp.float64,
-    y: wp.float64,
-    dx: wp.float64,
-    dy: wp.float64,
-    reach: wp.float64,
-):
-    """Distance in cells to the first blocked cell; `cast_jumping_ray`."""
-    inverse_x, inverse_y = _HUGE, _HUGE
-    if dx != ZERO:
-        inverse_x = ONE / dx
-    if dy != ZERO:
-        inverse_y = ONE / dy
-    step_x, ahead_x = wp.int32(1), wp.int32(1)
-    if dx < ZERO:
-        step_x, ahead_x = wp.int32(-1), wp.int32(0)
-    step_y, ahead_y = wp.int32(1), wp.int32(1)
-    if dy < ZERO:
-        step_y, ahead_y = wp.int32(-1), wp.int32(0)
-    distance = wp.float64(0.0)
-    col, row = wp.int32(0), wp.int32(0)
-    width, height = wp.float64(cols), wp.float64(rows)
-    if x >= ZERO and x < width and y >= ZERO and y < height:
-        col, row = wp.int32(x), wp.int32(y)
-    else:
-        leave = reach
-        if dx == ZERO:
-            if x < ZERO or x > width:
-                return FAR
-        else:
-            first = -x / dx
-            second = (width - x) / dx
-            distance = greater(distance, lesser(first, second))
-            leave = lesser(leave, greater(first, second))
-        if dy == ZERO:
-            if y < ZERO or y > height:
-                return FAR
-        else:
-            first = -y / dy
-            second = (height - y) / dy
-            distance = greater(distance, lesser(first, second))
-            leave = lesser(leave, greater(first, second))
-        if distance > leave:
-            return FAR
-        col = wp.int32(clamped(wp.floor(x + distance * dx), ZERO, width - ONE))
-        row = wp.int32(clamped(wp.floor(y + distance * dy), ZERO, height - ONE))
-    while distance <= reach:
-        free = wp.int32(cells[offset + row * cols + col])
-        if free == 0:
-            return distance
-        last_col = col + step_x * (free - 1)
-        last_row = row + step_y * (free - 1)
-        by_col = leaves(last_col, x, inverse_x, ahead_x)
-        by_row = leaves(last_row, y, inverse_y, ahead_y)
-        if by_col < by_row:
-            row = cell_at(True, by_col, row, last_row, y, dy, inverse_y, step_y, ahead_y)
-            col = last_col + step_x
-            distance = by_col
-        else:
-            col = cell_at(False, by_row, col, last_col, x, dx, inverse_x, step_x, ahead_x)
-            row = last_row + step_y
-            distance = by_row
-        if row < 0 or row >= rows or col < 0 or col >= cols:
-            return FAR
-    return FAR
 
 
 @wp.func

@@ -12,7 +12,6 @@ from trundle.sim.batch.warp.arithmetic import (
     FAR,
     ONE,
     ZERO,
-    cast_ray,
     far,
     greater,
     lesser,
@@ -22,6 +21,7 @@ from trundle.sim.batch.warp.arithmetic import (
     uniform,
 )
 from trundle.sim.batch.warp.model import Model, mover_at, placed_corner, to_cells, turned
+from trundle.sim.batch.warp.rays import cast_guided_ray
 
 wp.set_module_options(EXACT)
 
@@ -132,7 +132,7 @@ def cast_beams(
     reach = mount[3]
     met = stored(
         ranges,
-        cast_ray(
+        cast_guided_ray(
             model.cells,
             model.shapes[number, 0],
             model.shapes[number, 1],

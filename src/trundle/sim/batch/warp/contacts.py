@@ -100,9 +100,10 @@ def first_overlap(model: Model, number: wp.int32, pose: wp.vec3d, edges: wp.arra
             col = wp.int32(clamped(wp.floor(left + touch), ZERO, cols))
             end_col = wp.int32(clamped(wp.ceil(right - touch), ZERO, cols))
             while col < end_col:
-                if model.cells[offset + row * col_count + col] == wp.uint8(0):
+                free = wp.int32(model.cells[offset + row * col_count + col])
+                if free == 0:
                     return wp.vec2i(row, col)
-                col += 1
+                col += free
         row += 1
     return wp.vec2i(-1, -1)
 

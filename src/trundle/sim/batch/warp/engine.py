@@ -102,6 +102,7 @@ class WarpEngine:
         self._fault = self._array(np.array([shared.NO_FAULT]), wp.int64)
         # What the host reads of it without waiting: memory that the device writes to.
         self._fault_here = wp.array([shared.NO_FAULT], dtype=wp.int64, device="cpu", pinned=device.is_cuda)
+        self._fault_read = self._fault_here.numpy()  # a view
         self._graphs: dict[tuple[str, int, bool], Any] = {}
         self._launched: set[tuple[str, int, bool]] = set()
 
@@ -173,11 +174,11 @@ class WarpEngine:
         Raises:
             InputError: If an earlier input was bad.
         """
-        found = int(self._fault_here.numpy()[0])
+        found = self._fault_read[0]
         if found == shared.NO_FAULT:
             return
         wp.synchronize_device(self._device)
-        found = int(self._fault_here.numpy()[0])
+        found = int(self._fault_read[0])
         self._fault.fill_(shared.NO_FAULT)
         self._fault_here.fill_(shared.NO_FAULT)
         robot, kind = divmod(found, 8)
