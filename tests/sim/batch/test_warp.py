@@ -222,7 +222,7 @@ def test_host_arrays_are_checked_as_on_the_processor(device):
 
 @pytest.mark.skipif(not is_missing_a_gpu(), reason="has a GPU")
 def test_a_gpu_that_is_not_there_is_named():
-    with pytest.raises(InputError, match='device="cuda": this machine has no such GPU.*use device="cpu"'):
+    with pytest.raises(InputError, match=r'device="cuda": this machine has no such GPU.*use device="cpu"'):
         make("cuda")
 
 

@@ -1,5 +1,7 @@
 """The batch on a GPU, by NVIDIA Warp; needs the extra `gpu`."""
 
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 import functools

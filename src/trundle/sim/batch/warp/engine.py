@@ -1,5 +1,7 @@
 """`WarpEngine`: the state of a batch on a device of Warp's, and what is launched there."""
 
+# pyright: reportAttributeAccessIssue=false, reportCallIssue=false, reportArgumentType=false
+
 from __future__ import annotations
 
 import math
@@ -35,7 +37,9 @@ _NUMBERS = (
 _FAULTS = {
     shared.COMMAND: "the command of robot {robot} is not finite. No robot has moved since",
     shared.POSE: "the pose of robot {robot} is not finite; nothing was reset",
-    shared.MAP: "robot {robot} is to be on a map that is not there; there are {maps} maps, from 0 on. Nothing was reset",
+    shared.MAP: (
+        "robot {robot} is to be on a map that is not there; there are {maps} maps, from 0 on. Nothing was reset"
+    ),
     shared.RECORDING: (
         "robot {robot} is to be on a recording that is not there; there are {recordings} recordings, from 0 on. "
         "Nothing was reset"
@@ -248,14 +252,11 @@ class WarpEngine:
                 (self._most_movers, self._count),
                 [self._model, active, self.poses, self.places, self.steps, self._seen],
             )
-        self._launch(
-            beams.cast_beams,
-            (self._count, self._beams),
-            [
-                *(self._model, active, self.places, self.steps, self._errors, self._keys),
-                *(self._origins, self._seen, ranges),
-            ],
-        )
+        shape = (self._count, self._beams)
+        given = [self._model, active, self.places, self._origins, ranges]
+        wp.launch(beams.cast_beams, dim=shape, inputs=given, device=self._device, block_dim=beams.BLOCK)
+        state = [self.places, self.steps, self._errors, self._keys]
+        self._launch(beams.finish_beams, shape, [self._model, active, *state, self._seen, ranges])
 
     def _launch(self, kernel: Any, dim: Any, inputs: list[Any]) -> None:
         wp.launch(kernel, dim=dim, inputs=inputs, device=self._device)
