@@ -16,7 +16,6 @@ NAVIGATE = ("ros2", "navigate", "warehouse", "--transport", "dds", "--domain", "
     ("given", "message"),
     [
         (("--localizer", "odometry"), "--localizer odometry needs --start X,Y,YAW"),
-        (("--localizer", "tf", "--start", "0,0,0"), "--start is for a localizer"),
         (("--start", "900,0,0"), "the start (900, 0) lies outside of the map"),
         (("--start", "0,0,0", "--goal", "900,0"), "the goal (900, 0) lies outside of the map"),
         (("--backend", "kinematic"), "--backend is for simulated robots"),

@@ -20,6 +20,7 @@ from fuzz import (
     fuzz_localization,
     fuzz_map_reader,
     fuzz_mapping,
+    fuzz_missions,
     fuzz_mppi,
     fuzz_png_filter,
     fuzz_raster,
@@ -77,6 +78,7 @@ TARGETS = {
         ),
         1000,
     ),
+    "missions": Target(fuzz_missions.one_round, ("MissionDriver",), 40),
     "batch": Target(fuzz_batch.one_round, ("Batch",), 300),
     "localization": Target(
         fuzz_localization.one_round,

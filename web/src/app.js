@@ -3,15 +3,16 @@ import { Run, Clock } from "./run.js";
 
 export const LAYERS = [
   "map", "costmap", "solids", "path", "trail", "scan", "footprint", "clearance", "goals", "movers", "tracks",
-  "rollouts", "contacts", "estimate", "particles",
+  "rollouts", "contacts", "estimate", "particles", "graph",
 ];
-export const OF_LOCALIZER = ["estimate", "particles"];
+export const OF_LOCALIZER = ["estimate", "particles", "graph"];
 
 export class App {
   constructor(mode) {
     this.mode = mode;
     this.scene = null;
     this.grid = null; // The map's picture, decoded.
+    this.mapped = null; // Poses, loops and corrections of a map that the robot makes.
     this.run = new Run();
     this.frame = null;
     this.costmap = null;

@@ -12,6 +12,7 @@ import os
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
@@ -27,7 +28,7 @@ from trundle.mapping.recent_surfaces import RecentSurfaces
 from trundle.mapping.submaps import Submaps
 from trundle.mapping.window import Match, ScanWindow
 from trundle.maps import OccupancyGrid
-from trundle.observation import Estimate, LocalizationState, Observation, Scan
+from trundle.observation import Estimate, Observation, Scan
 from trundle.robots import Robot
 from trundle.values import check_kind
 
@@ -375,10 +376,8 @@ class Mapper:
             if self._last is not None:
                 covariance = covariance + motion_spread(self._last[0].inverse() @ observation.odometry) * 0.25
         T_map_odom = pose @ observation.odometry.inverse()
-        return Estimate(observation.time, pose, covariance, T_map_odom, self._state())
-
-    def _state(self) -> LocalizationState:
-        return "lost" if self._poor >= 10 else "localized"
+        state = "lost" if self._poor >= 10 else "localized"
+        return Estimate(observation.time, pose, covariance, T_map_odom, state)
 
     def grid(self, *, resolution: float = 0.05) -> OccupancyGrid:
         """Return the map as far as it is known; only what is new or was corrected is drawn."""
@@ -389,6 +388,10 @@ class Mapper:
     def graph(self) -> PoseGraph:
         """Return all that it knows."""
         return self._nodes.to_graph()
+
+    def track(self) -> tuple[FloatArray, npt.NDArray[np.int32]]:
+        """Return the poses of the nodes, and the loops among them; see `Nodes.track`."""
+        return self._nodes.track()
 
 
 def _place_of(pose: Pose2D) -> tuple[int, int, int]:

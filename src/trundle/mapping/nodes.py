@@ -11,7 +11,7 @@ import numpy.typing as npt
 from trundle._core import find_normals, pick_beams
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D
-from trundle.mapping.pose_graph import FOLLOWS, Lidar, PoseGraph
+from trundle.mapping.pose_graph import FOLLOWS, LOOP, Lidar, PoseGraph
 from trundle.observation import Scan
 from trundle.robots import Robot
 
@@ -171,6 +171,11 @@ class Nodes:
             )
         )
         return len(self.lidars) - 1
+
+    def track(self) -> tuple[FloatArray, npt.NDArray[np.int32]]:
+        """Return the poses (N, 3), and the pairs of nodes that a loop joins (M, 2)."""
+        loops = [(a, b) for a, b, kind in self.edges if kind == LOOP]
+        return np.array(self.poses, np.float64).reshape(-1, 3), np.array(loops, np.int32).reshape(-1, 2)
 
     def to_graph(self) -> PoseGraph:
         """Return all of it as a `PoseGraph`."""

@@ -23,11 +23,9 @@ from trundle.files.opening import describe_unreadable, open_file
 from trundle.geometry import FloatArray, Pose2D
 from trundle.observation import Scan
 from trundle.recordings.carmen_times import mend_times
-from trundle.recordings.drive import RecordedDrive
+from trundle.recordings.drive import RecordedDrive, Remarks, make_unknown_robot
 from trundle.recordings.odometry import OdometryTrack, find_jumps
 from trundle.recordings.own_hits import OwnHits
-from trundle.recordings.remarks import Remarks
-from trundle.recordings.unknown_robot import make_unknown_robot
 from trundle.robots import Robot
 
 SUFFIXES = (".log", ".clf", ".gz")

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from ros2.fake_transport import FakeNetwork
+from ros2.nav2_texts import nav2_codec
 from ros2.navigator_role.conftest import wait_for
 from ros2.remote.robot import FakeRobot, Habits
 from trundle.geometry import Goal, Pose2D, Twist2D
@@ -120,7 +121,7 @@ def navigate(network: FakeNetwork, room_file: str) -> Iterator[Callable[..., Rem
 
     def navigate(
         *,
-        goal: tuple[float, ...] | None = (3.6, 2.6),
+        goal: tuple[float, ...] | None = (2.7, 2.2),
         start: Pose2D | None = START,
         localizer: str = "odometry",
         robot: str | Path = "turtlebot3_waffle",
@@ -128,6 +129,7 @@ def navigate(network: FakeNetwork, room_file: str) -> Iterator[Callable[..., Rem
         starts_robot: bool = True,
         options: dict[str, Any] | None = None,
         has_services: bool = False,
+        has_map: bool = True,
         **scenario: Any,
     ) -> Remote:
         theirs = FakeRobot(network, jazzy(), make_room(), Robot.load(str(robot)), START)
@@ -137,14 +139,16 @@ def navigate(network: FakeNetwork, room_file: str) -> Iterator[Callable[..., Rem
         transport = network.transport("trundle", has_services=has_services)
         said: list[str] = []
         chosen = None if localizer == "tf" else localizer
-        given = Scenario.make(map=room_file, robot=str(robot), localizer=chosen, **scenario)
+        place = {"map": room_file} if has_map else {"world": {"name": "lot"}, "known_map": False, "lidar": True}
+        given = Scenario.make(**place, robot=str(robot), localizer=chosen, **scenario)
         how = RemoteOptions(
             localizer="tf" if localizer == "tf" else None,
             start=start,
             goals=() if goal is None else (Goal.of(goal),),
             **options or {},
         )
-        bridge = RemoteBridge(given, transport, Types(jazzy(), transport), Names(), how, report=said.append)
+        codec = nav2_codec("jazzy") if has_services else jazzy()
+        bridge = RemoteBridge(given, transport, Types(codec, transport), Names(), how, report=said.append)
         made.append(Remote(theirs, bridge, said))
         return made[-1]
 

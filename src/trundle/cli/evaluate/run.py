@@ -47,7 +47,7 @@ _LISTS = (
     _list("controllers", "Controllers, separated by commas."),
     _list("agents", "Agents that drive instead of planner and controller, separated by commas."),
     _list("localizer", "Localizers, separated by commas; default: the true pose."),
-    _list("backends", "Simulators, separated by commas: mujoco,kinematic."),
+    _list("backends", "Simulators, separated by commas: mujoco,kinematic; batch is kinematic at once."),
 )
 """Fields of `Suite` that an option gives. A field that is added here has its option, and no more is needed."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, cast
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 from cyclopts import App, Parameter
 
@@ -16,6 +16,9 @@ from trundle.cli.shared.termination import ends_as_by_ctrl_c
 from trundle.errors import InputError
 from trundle.geometry import Goal
 
+if TYPE_CHECKING:
+    from trundle.mission import Episode, Scenario
+
 app = App(
     name="navigate",
     version_flags=[],
@@ -23,7 +26,8 @@ app = App(
         "Examples:\n"
         "  trundle ros2 navigate map.yaml --robot turtlebot3_burger --start 0,0,0\n"
         "  trundle ros2 navigate map.yaml --robot robot.yaml --start 0,0,0 --goal 4,2 --record\n"
-        "  trundle ros2 navigate map.yaml --robot nova_carter --localizer tf --browser"
+        "  trundle ros2 navigate map.yaml --robot nova_carter --localizer tf --browser\n"
+        "  trundle ros2 navigate --localizer slam --robot robot.yaml --save-map map.yaml --browser"
     ),
 )
 
@@ -33,7 +37,7 @@ _SIMULATED = ("backend", "lidar_errors", "odometry", "start_error", "map_errors"
 
 @app.default
 def navigate(
-    source: str,
+    source: str | None = None,
     /,
     *,
     given: scenario_options.ScenarioOptions = scenario_options.DEFAULTS,
@@ -46,41 +50,22 @@ def navigate(
             "names; or the YAML file of your own profile.",
         ),
     ] = "plain",
-    static_frames: Annotated[
-        Literal["auto", "always", "never"],
-        Parameter(
-            name="--static-frames",
-            help="Publish where the lidars are on the robot: where nobody else does (auto), always, or never.",
-        ),
-    ] = "auto",
+    static_frames: network.StaticFrames = "auto",
     at: network.NetworkOptions = network.DEFAULTS,
-    namespace: Annotated[str, Parameter(name="--namespace", help="Namespace of all relative names: robot1.")] = "",
-    remap: Annotated[
-        list[str] | None,
-        Parameter(
-            name="--remap",
-            negative="",
-            metavar="FROM:=TO",
-            help="Rename a topic, service or action as ROS does: scan:=front/scan; __node:=NAME renames the node; "
-            "repeatable.",
-        ),
-    ] = None,
-    record: Annotated[
-        bool,
-        Parameter(
-            name="--record",
-            negative="",
-            help=f"Also write {running.FILE}, a rosbag2 of all topics, written and received.",
-        ),
-    ] = False,
-    out: Annotated[
+    namespace: network.Namespace = "",
+    remap: network.Remaps = None,
+    record: running.Record = False,
+    out: running.RecordOut = None,
+    save_map: Annotated[
         Path | None,
-        Parameter(name=["--out", "-o"], help="File or folder of --record; default: a new folder under runs."),
+        Parameter(
+            name="--save-map",
+            metavar="YAML",
+            help="With --localizer slam: write the map there at the end, its image beside it.",
+        ),
     ] = None,
     overwrite: options.OverwriteFile = False,
-    page: Annotated[
-        bool, Parameter(name="--browser", negative="", help="Also show it in the browser, where it can be steered.")
-    ] = False,
+    page: running.Page = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
@@ -104,66 +89,100 @@ def navigate(
     _refuse_simulated(given)
     settings, names = at.read(), Names(namespace=namespace, remaps=remap or ())
     target = running.recording_target(out, record=record, overwrite=overwrite)
+    map_file = _map_target(save_map, overwrite=overwrite)
     names_of = Profile.load(profile)
     told = nav2.Nav2Report()
-    by_tf = given.localizer == "tf"
-    scenario = _with_localizer(given, None if by_tf else given.localizer).make(source, told, robot=names_of.robot)
-    if not by_tf and scenario.localizer is None:
-        scenario = _with_localizer(given, "amcl").make(source, nav2.Nav2Report(), robot=names_of.robot)
+    scenario, locates = _make_scenario(given, source, told, names_of.robot)
     told.tell(quiet=quiet)
     how = RemoteOptions(
-        localizer="tf" if by_tf else None,
+        localizer="tf" if locates == "tf" else None,
         start=options.parse_pose("--start", given.start) if given.start else None,
         goals=tuple(Goal.of(options.parse_goal("--goal", text)) for text in given.goals or ()),
         static_frames=static_frames,
     )
-    if by_tf and how.start is not None:
-        raise InputError("--start is for a localizer; with --localizer tf the robot is where map → odom puts it")
-    if given.localizer == "odometry" and how.start is None:
+    if locates == "odometry" and how.start is None:
         raise InputError("--localizer odometry needs --start X,Y,YAW: nothing else says where the robot is")
+    if map_file is not None and scenario.known_map:
+        raise InputError("--save-map is for a map that is made: give --localizer slam, and no map")
     with ends_as_by_ctrl_c(), ExitStack() as opened:
         transport = at.open(settings, names)
         opened.callback(transport.close)
         types = running.make_types(transport)
-        bag = (
-            opened.enter_context(running.open_recording(target, scenario, types, transport, "navigate"))
-            if record
-            else None
-        )
+        kept = running.open_recording(target, scenario, types, transport, "navigate") if record else None
+        if kept is not None:
+            opened.enter_context(kept)
         driver, observers = opened.enter_context(
-            running.open_page(scenario, source, float("inf"), shows=page, quiet=quiet or json, restarts=False)
+            running.open_page(scenario, source or "", float("inf"), shows=page, quiet=quiet or json, restarts=False)
         )
+        facts = {"role": "navigate", "profile": profile, "localizer": locates, **told.facts}
         bridge = RemoteBridge(
-            scenario,
-            transport,
-            types,
-            names,
-            how,
+            *(scenario, transport, types, names, how),
             profile=names_of,
-            record=bag,
+            record=kept,
             driver=driver,
             observers=observers,
         )
         opened.enter_context(bridge)
-        locates = "tf" if by_tf or scenario.localizer is None else scenario.localizer.name
-        facts = {"role": "navigate", "profile": profile, "localizer": locates, **told.facts}
-        try:
-            running.announce(bridge.wire, facts, bag, json=json, quiet=quiet)
-            episode = bridge.run()
-        except KeyboardInterrupt:  # before the run began, or after it ended
-            episode = None
-        except BaseException:
-            session = bridge.context.session
-            if session is not None:
-                running.report(session.finish(), bridge.wire, bag, json=json, stops=bridge.guard.counts)
-            raise
+        stops = bridge.guard.counts
+        episode = running.run(bridge, facts, kept, json=json, quiet=quiet, stops=stops)
     arrived = None if bridge.drive is None else bridge.drive.arrived
-    code = running.report(episode, bridge.wire, bag, json=json, stops=bridge.guard.counts, arrived=arrived)
+    made = _write_map(episode, map_file)
+    code = running.report(episode, bridge.wire, kept, json=json, stops=stops, arrived=arrived, more=made)
     return code if arrived is None else int(not arrived)
 
 
-def _with_localizer(given: scenario_options.ScenarioOptions, localizer: str | None) -> scenario_options.ScenarioOptions:
-    return replace(cast("Any", given), localizer=localizer)
+def _make_scenario(
+    given: scenario_options.ScenarioOptions, source: str | None, told: nav2.Nav2Report, robot: str | None
+) -> tuple[Scenario, str]:
+    """Make the scenario of the options, and say what locates the robot.
+
+    Raises:
+        InputError: If the options do not fit.
+    """
+    by_tf = given.localizer == "tf"
+    changes: dict[str, object] = {"localizer": None if by_tf else given.localizer}
+    if source is None:
+        if given.localizer in (None, "amcl"):
+            raise InputError(
+                "give the map: trundle ros2 navigate map.yaml …; without one, --localizer slam makes it as it drives"
+            )
+        # The fields of a scenario need a place; nothing of it is made for a robot that knows no map.
+        changes |= {"known_map": True, "lidar": True}
+    elif given.known_map:  # --no-map
+        changes["lidar"] = True
+    scenario = _with(given, changes).make(source or "lot", told, robot=robot)
+    if source is None:
+        scenario = scenario.model_copy(update={"name": Path(scenario.robot).stem})
+    if not by_tf and scenario.localizer is None:
+        scenario = _with(given, {**changes, "localizer": "amcl"}).make(source or "lot", nav2.Nav2Report(), robot=robot)
+    locates = "tf" if by_tf or scenario.localizer is None else scenario.localizer.name
+    if locates == "slam" and scenario.known_map:
+        raise InputError(f"--localizer slam makes a map of its own: leave {source} out, or give --no-map with it")
+    return scenario, locates
+
+
+def _with(given: scenario_options.ScenarioOptions, changes: dict[str, object]) -> scenario_options.ScenarioOptions:
+    return replace(cast("Any", given), **changes)
+
+
+def _map_target(file: Path | None, *, overwrite: bool) -> Path | None:
+    if file is None:
+        return None
+    target = options.output_file(file, "map.yaml", (".yaml", ".yml"))
+    if not overwrite:
+        options.check_map_replaceable(target, "--save-map")
+    return target
+
+
+def _write_map(episode: Episode | None, target: Path | None) -> dict[str, object]:
+    """Write the map that the localizer has made; return what there is to say of it."""
+    own = None if episode is None else episode.own_map
+    if own is None:
+        return {} if target is None else {"map": None}
+    if target is not None:
+        own.grid.save(target)
+    rows, cols = own.grid.shape
+    return {"map": target, "map_size": f"{cols} x {rows} cells of {own.grid.resolution:g} m"}
 
 
 def _refuse_simulated(given: scenario_options.ScenarioOptions) -> None:

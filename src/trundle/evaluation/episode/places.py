@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.mission import Scenario
+from trundle.mission.batch import MissionBatch
 from trundle.mission.fields import Assumed
 from trundle.mission.metrics import TrueMaps
 from trundle.mission.place import Place, make_place, place_key
@@ -22,7 +23,7 @@ MOST_CELLS = 20_000_000
 _MOST_SIMULATORS = 2
 """Simulators that are kept for a place."""
 
-_REPEATABLE = ("kinematic", "mujoco", "physx")
+_REPEATABLE = ("kinematic", "batch", "mujoco", "physx")
 """Backends that `reset` puts back bit for bit, so that one simulator serves many episodes."""
 
 
@@ -33,10 +34,12 @@ class KeptPlace:
     Attributes:
         place: World, robot and map.
         true_maps: Maps of the world that runs are measured on.
+        batch: Drives the missions of the backend "batch".
     """
 
     place: Place
     true_maps: TrueMaps = field(default_factory=TrueMaps)
+    batch: MissionBatch = field(default_factory=MissionBatch)
     _simulators: dict[str, Simulator] = field(default_factory=dict)
     _costmaps: dict[str, Costmap] = field(default_factory=dict)
 

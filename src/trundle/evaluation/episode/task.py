@@ -21,6 +21,7 @@ from trundle.geometry import Goal, Pose2D
 from trundle.localization.localizer import LOCALIZERS
 from trundle.maps import OccupancyGrid
 from trundle.mission import Episode, Outcome, Scenario, sample_mission, sample_tight_ends
+from trundle.mission.batch import BATCH, BatchMission, HandedOver, needs_python
 from trundle.mission.goal_fields import exact_goals, make_goal
 from trundle.mission.loop import run
 from trundle.mission.metrics import Truth, measure_truth
@@ -202,10 +203,17 @@ class EpisodeTask:
         note({"stage": "setup", "part": navigation, "row": known})
         costmap = kept.costmap(scenario.part(CostmapSettings), scenario.assumed)
         setting = scenario.prepare(kept.place, costmap=costmap)
+        measure = _Measured(kept)
+        if scenario.backend.name == BATCH:
+            note({"stage": "drive", "row": known})
+            needs = ", ".join(needs_python(scenario))
+            driven = HandedOver(needs) if needs else kept.batch.drive([BatchMission(setting, measure)])[0]
+            if not isinstance(driven, HandedOver):
+                return driven, measure.truth
+            known["handed_over"] = driven.reason
         note({"stage": "setup", "part": simulation, "row": known})
         sim = kept.simulator(scenario, setting.world)
         note({"stage": "drive", "row": known})
-        measure = _Measured(kept)
         try:
             episode = run(
                 sim,

@@ -66,17 +66,21 @@ class Beliefs:
 
     Attributes:
         now: The latest `Belief`.
+        map: The map that it has: the one that it was given, or the one that its localizer makes; None without one.
     """
 
     def __init__(self, context: BridgeContext) -> None:
         self._context = context
         mission = context.mission
         self.now = Belief(0.0, mission.start, mission.start, mission.navigator.costmap)
+        self.map = mission.grid if mission.scenario.known_map else None
 
     def take(self, step: Step, time: float) -> None:
         """Take what the robot believes at the end of a control period, at this time on the network's clock [s]."""
         pose = step.state.pose if step.estimate is None else step.estimate.pose
         costmap = self.now.costmap if step.costmap is None else step.costmap
+        if step.map is not None:
+            self.map = step.map
         self.now = Belief(time, pose, pose @ self._context.odometry(observed(step)).inverse(), costmap)
 
     def read(self, stamped: Any, what: str) -> Pose2D:

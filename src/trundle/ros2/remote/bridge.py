@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import time as system
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Literal, Self, TypeAlias
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
 
 from trundle.control import CollisionMonitor, MonitorSettings
 from trundle.errors import InputError
 from trundle.geometry import Goal, Pose2D
 from trundle.localization import create_localizer
-from trundle.mission import Episode, Mission, Scenario, Session
-from trundle.mission.place import make_place
+from trundle.mapping.slam_localizer import SlamLocalizer
+from trundle.maps import OccupancyGrid
+from trundle.mission import Mission, Observer, Scenario
+from trundle.mission.place import Place, make_place
 from trundle.mission.scenario import Setting
-from trundle.ros2.bridge import MakeObservers
+from trundle.robots import Robot
 from trundle.ros2.inlet import Record
 from trundle.ros2.names import Names
 from trundle.ros2.profile import Profile
@@ -27,7 +30,9 @@ from trundle.ros2.remote.publishing import StartPose, StaticFrames
 from trundle.ros2.remote.robot import RemoteRobot
 from trundle.ros2.remote.role import NOT_LOCATED, GoalDrive, RemoteRole
 from trundle.ros2.role import BridgeContext, Driver, LiveDriver, SimulationClock
-from trundle.ros2.wire import Wire
+from trundle.ros2.runs import MakeObservers, NetworkRuns
+from trundle.ros2.static_frames import StaticFramesMode
+from trundle.worlds import World
 
 if TYPE_CHECKING:
     from trundle.ros2.transport.transport import Transport
@@ -35,9 +40,6 @@ if TYPE_CHECKING:
 
 TF = "tf"
 """The localizer that takes map → odom from outside."""
-
-PublishStatic: TypeAlias = Literal["auto", "always", "never"]
-"""Whether base → sensor is published: where nobody else does, always, or never."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,10 +56,10 @@ class RemoteOptions:
     localizer: Literal["tf"] | None = None
     start: Pose2D | None = None
     goals: tuple[Goal, ...] = ()
-    static_frames: PublishStatic = "auto"
+    static_frames: StaticFramesMode = "auto"
 
 
-class RemoteBridge:
+class RemoteBridge(NetworkRuns):
     """Drives a robot on the network by trundle's navigator; use it in a `with` block.
 
     Topics, services and actions are open when it is made; nothing is heard before `run`, and nothing is commanded
@@ -100,10 +102,8 @@ class RemoteBridge:
         report: Callable[[str], None] | None = None,
     ) -> None:
         profile = Profile.load(profile) if isinstance(profile, str) else profile
-        self._opened = ExitStack()
-        self._observers, self._run, self._is_open = observers, 0, True
-        self.wire = wire = Wire(transport, types, names, record=record, report=report)
-        self._opened.callback(wire.close)
+        super().__init__(transport, types, names, record=record, observers=observers, report=report)
+        wire = self.wire
         self.guard = guard = Guard(wire.warn)
         try:
             setting = prepare(scenario, profile, options)
@@ -116,10 +116,10 @@ class RemoteBridge:
                 wire, types, profile.topics.cmd_vel, names.frame(frames.base), lambda: inputs.now, sources
             )
             self.commands = commands
-            robot = RemoteRobot(setting.robot, setting.world, inputs, commands, self.localizer)
+            world = setting.world if scenario.known_map else None
+            robot = RemoteRobot(setting.robot, world, inputs, commands, self.localizer)
             self._opened.enter_context(robot)
             mission = Mission(**{one.name: getattr(setting, one.name) for one in fields(setting)}, sim=robot)
-            self.mission = mission
             self.context = BridgeContext(wire, profile, SimulationClock(), mission, driver)
             wire.now = lambda: inputs.now
             monitor = GuardedMonitor(guard, _monitor(setting), system.monotonic)
@@ -142,7 +142,7 @@ class RemoteBridge:
             inputs.open()
             self._role.open()
             StaticFrames(wire, profile, setting.robot, inputs, options.static_frames).open()
-            if locates:
+            if locates or options.start is not None:
                 started = StartPose(self.context, inputs, self.localizer, sources)
                 started.open()
                 self._role.use_start(started)
@@ -152,52 +152,23 @@ class RemoteBridge:
             self.close()
             raise
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def run(self) -> Episode:
-        """Drive until the run is ended by a directive, by arrival at the goals, or by Ctrl-C (KeyboardInterrupt).
-
-        Returns:
-            The episode of the last run.
-        """
-        self.wire.start()
-        try:
-            return self.context.driver.drive(self._begin)
-        finally:
-            self.close()
-
-    def close(self) -> None:
-        """Stop the robot and leave the network; closing twice does nothing."""
-        if self._is_open:
-            self._is_open = False
-            self._opened.close()
-            counted = self.wire.warnings.summary()
-            if counted:
-                self.wire.warnings.note(f"dropped or reported in all: {counted}")
-
-    def _begin(self, seed: int | None) -> Session:
-        self._run += 1
-        others = [] if self._observers is None else list(self._observers(self.mission, self._run))
-        if self.drive is not None:
-            others.append(self.drive)
-        self.context.session = self._role.begin(others, seed)
-        return self.context.session
+    def _own_observers(self) -> Sequence[Observer]:
+        return () if self.drive is None else (self.drive,)
 
     def _localizer(self, setting: Setting, options: RemoteOptions) -> RemoteLocalizer | TfLocalizer:
         inputs = self.inputs
         if options.localizer == TF:
-            return TfLocalizer(lambda: inputs.map_odom)
+            return TfLocalizer(lambda: inputs.map_odom, options.start)
         scenario = setting.scenario
         if scenario.localizer is None:
             raise InputError("a robot on the network needs a localizer: amcl, odometry or tf")
         inner = create_localizer(scenario.localizer, setting.grid if scenario.known_map else None, setting.robot)
+        start = options.start
+        if start is None and isinstance(inner, SlamLocalizer):
+            start = Pose2D(0.0, 0.0)  # its map begins where the robot stands
         return RemoteLocalizer(
             inner,
-            options.start,
+            start,
             lambda: inputs.odometry is not None,
             needs_scan=bool(inputs.sensors) and scenario.localizer.name != "odometry",
         )
@@ -205,7 +176,9 @@ class RemoteBridge:
     # Rules of the guard ---------------------------------------------------------------------------------------------
 
     def _located(self, now: float) -> Reasons:
-        return {} if self.localizer.is_located else {"not located": NOT_LOCATED}
+        if self.localizer.is_located:
+            return {}
+        return {"not located": self.localizer.why or NOT_LOCATED}
 
     def _connected(self, now: float) -> Reasons:
         lost = self.wire.transport.lost
@@ -232,15 +205,25 @@ def prepare(scenario: Scenario, profile: Profile, options: RemoteOptions) -> Set
     Raises:
         InputError: If they cannot be used, or the start is not on the map.
     """
-    place = make_place(scenario)
+    place = make_place(scenario) if scenario.known_map else _no_place(scenario)
     place = replace(place, robot=profile.fit(place.robot))
-    changes = {"start": None, "goal": None, "goals": None, "lidar": bool(profile.sensors_of(place.robot))}
-    setting = scenario.model_copy(update=changes).prepare(place)
     start = options.start
+    changes: dict[str, object] = {"start": None, "goal": None, "goals": None}
+    if not scenario.known_map:  # nothing has to be picked, and no cell of the map be free
+        changes |= {"start": (0.0, 0.0, 0.0), "goal": (0.0, 0.0)}
+    setting = scenario.model_copy(update={**changes, "lidar": bool(profile.sensors_of(place.robot))}).prepare(place)
+    if not scenario.known_map:
+        return replace(setting, start=Pose2D(0.0, 0.0) if start is None else start)
     for what, at in (("start", start), *(("goal", goal.pose) for goal in options.goals)):
         if at is not None and not bool(setting.grid.contains(*setting.grid.world_to_cell(at.x, at.y))):
             raise InputError(f"the {what} ({at.x:g}, {at.y:g}) lies outside of the map: give a pose on it")
     return setting if start is None else replace(setting, start=start)
+
+
+def _no_place(scenario: Scenario) -> Place:
+    """Return the place of a robot that knows no map: an empty world."""
+    blank = OccupancyGrid(np.zeros((80, 80), dtype=np.int8), scenario.resolution, Pose2D(-2.0, -2.0))
+    return Place(World("unknown", ()), Robot.load(scenario.robot), blank, 0.0, None, None)
 
 
 def _monitor(setting: Setting) -> CollisionMonitor | None:

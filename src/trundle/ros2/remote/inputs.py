@@ -165,19 +165,25 @@ class RobotInputs:
     def _take_clock(self, message: Any, source: str) -> None:
         if self._sources.is_ours(source):
             return
+        is_first = not self.clock.is_simulated
         if self.clock.set(readers.read_stamp(message.clock), self._real()):
             self._jumped("clock jumped", f"the time of {self._profile.topics.clock} has jumped")
+        elif is_first:  # what came before has times of another clock
+            self._forget()
 
     def _jumped(self, kind: str, text: str) -> None:
-        """Forget what was before a jump."""
+        """Forget what was before a jump, and let the robot stand: it has to be told where it is."""
+        self.jumps += 1
+        self._forget()
+        self._guard.hold(kind, text, self._real())
+
+    def _forget(self) -> None:
         with self.changed:
-            self.jumps += 1
             self._scans.clear()
             self._laser.clear()
             self.frames.clear_moving()
             self.odometry = self._by_tf = self._apart = None
             self._topic_stamp = -math.inf
-        self._guard.hold(kind, text, self._real())
 
     def _take_static(self, message: Any, source: str) -> None:
         self._take_transforms(message, source, is_static=True)
@@ -331,7 +337,8 @@ class RobotInputs:
     def _time_of(self, stamp: float, what: str) -> float | None:
         """Return the time that a stamp stands for [s]; None where it is of another time, and the message is dropped."""
         wall = self._wall()
-        if stamp == 0.0:
+        begins = self.clock.is_simulated and self.clock.now(wall) < OLD_S  # 0 is a time then
+        if stamp == 0.0 and not begins:
             self._wire.warn(f"{what}: stamp of 0", f"{what}: stamps are 0; messages count as sent when they arrive")
             return self.clock.now(wall)
         self.clock.see(stamp, wall)

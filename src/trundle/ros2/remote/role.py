@@ -110,6 +110,7 @@ class RemoteRole(NavigatorRole):
         context = self._context
         context.clock.offset = self._robot.offset
         context.clock.set(step.state.time)
+        context.origin = self._robot.T_run_odom
         tasks, located = self._kit.tasks, self._localizer.is_located
         if not located and not tasks.refuses:
             tasks.refuses = NOT_LOCATED
