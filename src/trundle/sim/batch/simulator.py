@@ -50,7 +50,9 @@ class BatchSimulator:
         recordings: Movers that robots may be among; all have one period and length.
         timestep: Length of a substep [s].
         unknown: Treat unknown cells as "solid" or "free".
-        device: Where it computes: "cpu".
+        device: Where it computes: "cpu"; or "cuda" or "cuda:1", a GPU of NVIDIA's, with the same bits (extra `gpu`).
+            There its arrays are Warp's, on the GPU, and pass by DLPack, and methods take arrays that lie there: with
+            a row for each robot of the batch. A bad value in one is raised by that call or a later one.
         threads: Number of threads. If None, TRUNDLE_THREADS, or as many as there are processors.
 
     Attributes:
@@ -64,7 +66,8 @@ class BatchSimulator:
 
     Raises:
         InputError: If an argument is out of range, maps have different resolutions, or the robot is larger than a map.
-        UnknownNameError: If the robot has no lidar of a chosen name, or there is no such device.
+        UnknownNameError: If the robot has no lidar of a chosen name, or there is no such kind of device.
+        MissingExtraError: If a GPU is chosen without the extra `gpu`.
     """
 
     def __init__(
@@ -120,6 +123,11 @@ class BatchSimulator:
     def maps(self) -> tuple[OccupancyGrid, ...]:
         """The maps."""
         return self._maps
+
+    @property
+    def timestep(self) -> float:
+        """Length of a substep [s]."""
+        return self._timestep
 
     @property
     def times(self) -> FloatArray:
