@@ -51,6 +51,7 @@ EXTRAS = {
         "evaluations on a cluster, and folders in an object store",
         {"ray": "ray", "pyarrow": "pyarrow", "cloudpickle": "cloudpickle"},
     ),
+    "policy": Extra("policies in ONNX files as agents", {"onnxruntime": "onnxruntime"}),
     "gym": Extra("trundle.gym: environments for learning", {"gymnasium": "gymnasium"}),
     "pandas": Extra("tables of trajectories", {"pandas": "pandas"}),
     "physx": Extra(

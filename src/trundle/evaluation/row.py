@@ -15,6 +15,10 @@ MEASURED = ("planning_ms", "cpu_s", "wall_s")
 """Columns that depend on how fast the machine is; all others are the same whenever an episode is run again."""
 
 
+NAVIGATOR = "navigator"
+"""The agent of rows in which a planner and a controller drive."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
     """One episode of an evaluation. Figures of an episode that did not end by itself (`crashed`, …) are None.
@@ -27,6 +31,7 @@ class Row:
         robot: Name of the robot.
         planner: Label of the planner: its name, with the options that the suite crosses.
         controller: Label of the controller, likewise.
+        agent: Label of the agent, likewise; `navigator` where planner and controller drive.
         backend: Label of the simulator, likewise.
         seed: Seed of the mission.
         settings: Other settings that the suite crosses, as `name=value`, separated by spaces; empty without any.
@@ -82,6 +87,7 @@ class Row:
     robot: str
     planner: str
     controller: str
+    agent: str = NAVIGATOR
     backend: str
     seed: int
     settings: str = ""
@@ -146,6 +152,8 @@ class Row:
     def of(cls, values: Mapping[str, Any]) -> Self:
         """Make a row of what `as_dict` gave; columns that it does not know are left out."""
         known = {name: values[name] for name in cls.columns() if name in values}
+        if not known.get("agent"):  # of an older evaluation, whose agents are told by having no planner
+            known["agent"] = known["controller"] if known["planner"] == "none" else NAVIGATOR
         return cls(**{**known, "trail": tuple(known.get("trail") or ())})
 
     def unmeasured(self) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
+from pathlib import PurePath
 from types import NoneType
 from typing import Any, Self, TypeAlias, cast
 
@@ -11,7 +12,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr
 
 from trundle.errors import InputError
 from trundle.files.yaml_config import Config
-from trundle.registry import PYTHON, is_plugin_file, name_of
+from trundle.registry import PYTHON, is_model_file, is_plugin_file, name_of
 
 Option: TypeAlias = bool | int | float | str | list[bool | int | float | str] | None
 
@@ -50,8 +51,10 @@ class Choice(Config):
 
     @property
     def short_name(self) -> str:
-        """Name for reports; of a plug-in in a file, its name in that file."""
+        """Name for reports; of a plug-in in a file, its name in that file; of a policy, the file without its folder."""
         name = self.name.removeprefix(PYTHON)
+        if is_model_file(name):
+            return PurePath(name).name
         return name.rpartition(":")[2] if is_plugin_file(name) else name
 
     @property

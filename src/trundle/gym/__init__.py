@@ -10,6 +10,7 @@ check_extra("gym", "trundle.gym")
 import gymnasium  # noqa: E402 - after the check
 
 from trundle.gym.env import NavigationEnv  # noqa: E402
+from trundle.gym.policy import policy_metadata  # noqa: E402
 from trundle.gym.settings import REWARD_TERMS, NavigationSettings  # noqa: E402
 from trundle.gym.vector_env import NavigationVectorEnv  # noqa: E402
 
@@ -23,4 +24,4 @@ for _name, (_single, _many) in _ENTRIES.items():
     if _name not in gymnasium.registry:
         gymnasium.register(_name, entry_point=f"trundle.gym.{_single}", vector_entry_point=f"trundle.gym.{_many}")
 
-__all__ = ["REWARD_TERMS", "NavigationEnv", "NavigationSettings", "NavigationVectorEnv"]
+__all__ = ["REWARD_TERMS", "NavigationEnv", "NavigationSettings", "NavigationVectorEnv", "policy_metadata"]

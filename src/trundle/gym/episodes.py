@@ -50,6 +50,9 @@ class Episodes:
         settings: The settings.
         arena: Where they drive.
         count: Number of robots.
+
+    Attributes:
+        command_scale, command_offset: Command (v, w) of a scaled action of 1, less that of 0, and of 0, shape (2,).
     """
 
     def __init__(self, settings: NavigationSettings, arena: Arena, count: int) -> None:
@@ -69,9 +72,9 @@ class Episodes:
         self.speeds = np.array([limits.linear_speed, limits.angular_speed])
         low = np.array([-reverse, -limits.angular_speed])
         # A robot that cannot drive backwards has the whole of an action for driving forwards.
-        self._middle, self._half = (self.speeds + low) / 2.0, (self.speeds - low) / 2.0
+        self.command_offset, self.command_scale = (self.speeds + low) / 2.0, (self.speeds - low) / 2.0
         if settings.scaled_actions and reverse > 0.0:
-            self._middle, self._half = np.zeros(2), self.speeds.copy()
+            self.command_offset, self.command_scale = np.zeros(2), self.speeds.copy()
         self.action_low = -np.ones(2) if settings.scaled_actions else low
         self.action_high = np.ones(2) if settings.scaled_actions else self.speeds.copy()
         self._seeds = np.zeros(count, dtype=np.uint64)
@@ -181,7 +184,7 @@ class Episodes:
         settings, sim = self.settings, self.sim
         active = self._everyone if active is None else active
         given = self.check_actions(actions, active)
-        commands = given * self._half + self._middle if settings.scaled_actions else given
+        commands = given * self.command_scale + self.command_offset if settings.scaled_actions else given
         before = sim.lengths.copy()
         sim.step(commands * self._factors, settings.period_s, robots=None if active is self._everyone else active)
         self.elapsed += active

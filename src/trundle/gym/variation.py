@@ -10,18 +10,14 @@ import numpy as np
 from pydantic import ValidationError
 
 from trundle.errors import InputError, UnknownNameError
+from trundle.evaluation.suite.vary import RANGES as RANGES_OF_SUITES
 from trundle.evaluation.suite.vary import Distribution
 from trundle.geometry import FloatArray
 
-RANGES = {
-    "wheel_radius": (0.5, 2.0),
-    "track": (0.5, 2.0),
-    "lidar_noise": (0.0, 10.0),
-    "lidar_dropout": (0.0, 1.0),
-}
-"""What a kinematic environment varies, and its least and largest value; noise in metres, dropouts as a share."""
-
 _NEUTRAL = {"wheel_radius": 1.0, "track": 1.0, "lidar_noise": 0.0, "lidar_dropout": 0.0}
+
+RANGES = {name: RANGES_OF_SUITES[name] for name in _NEUTRAL}
+"""What a kinematic environment varies, and its least and largest value; noise in metres, dropouts as a share."""
 
 _ELSEWHERE = {
     "friction": "it needs physics: vary it in a suite with the backend mujoco",

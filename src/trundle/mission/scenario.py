@@ -33,6 +33,7 @@ from trundle.mission.steering.queue import Steering
 from trundle.navigation import Agent, Navigator, NavigatorSettings
 from trundle.navigation.agents import create_agent
 from trundle.navigation.behaviors.behavior import shorten_behavior
+from trundle.registry import is_model_file
 from trundle.robots import Robot, is_robot_file
 from trundle.sim import Simulator
 from trundle.values import as_path
@@ -219,12 +220,16 @@ class Scenario(ScenarioFields):
             paths["robot"] = self.robot
         if self.world is not None and self.world.is_file:
             paths["world"] = self.world.name
+        if self.agent is not None and is_model_file(self.agent.name):
+            paths["agent"] = self.agent.name
         return paths
 
     def _with_paths(self, paths: dict[str, str]) -> Self:
         update: dict[str, object] = dict(paths)
         if self.world is not None and "world" in paths:
             update["world"] = self.world.model_copy(update={"name": paths["world"]})
+        if self.agent is not None and "agent" in paths:
+            update["agent"] = self.agent.model_copy(update={"name": paths["agent"]})
         return self.model_copy(update=update)
 
     def _pick_ends(self, costmap: Costmap) -> tuple[Pose2D, tuple[Goal, ...]]:

@@ -22,7 +22,11 @@ from trundle.values import as_number, as_sequence, check_kind
 AGENTS: Registry[Agent] = Registry(
     "agent",
     "trundle.agents",
-    {"explorer": "trundle.navigation.exploration.explorer:Explorer"},
+    {
+        "explorer": "trundle.navigation.exploration.explorer:Explorer",
+        "navigator": "trundle.navigation.navigator:choose_navigator",
+    },
+    model="trundle.navigation.policy:Policy",
     contract=Contract(
         {"reset": "*, seed", "set_goal": "goal", "update": "observation, estimate"},
         ("status",),
@@ -32,10 +36,10 @@ AGENTS: Registry[Agent] = Registry(
 )
 
 AgentLike: TypeAlias = str | Choice | SomeAgent | Callable[..., object]
-"""Whatever drives: a name, `"module:name"`, an agent, a class of agents, or a function (observation, estimate), whose
-further parameter `goal` gets the `Goal`. A class is made with those of `robot`, `map`, `navigator` and the options that
-its parameters name; a scenario gives it the navigator that it would drive with otherwise. See `FunctionAgent`, and
-`AgentAdapter` for an object that does not derive from `Agent`."""
+"""Whatever drives: a name, `"module:name"`, the file of a policy (`policy.onnx`), an agent, a class of agents, or a
+function (observation, estimate), whose further parameter `goal` gets the `Goal`. A class is made with those of `robot`,
+`map`, `navigator` and the options that its parameters name; a scenario gives it the navigator that it would drive with
+otherwise. See `FunctionAgent`, and `AgentAdapter` for an object that does not derive from `Agent`."""
 
 
 def agent_names() -> list[str]:

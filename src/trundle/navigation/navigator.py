@@ -18,6 +18,7 @@ from trundle.files.choice import split_choice
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
+from trundle.navigation.agent import Agent
 from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import Behavior, create_behavior
 from trundle.navigation.command_check import AssistedCommand, CommandCheck, assist_teleop
@@ -387,3 +388,8 @@ class Navigator(NavigatorRequests):
     def _is_reached(self, now: Snapshot) -> bool:
         goal = self._state.ahead[0]
         return self._routes.goal_checker.is_reached(now.pose, now.twist, goal.pose, any_yaw=goal.yaw_free)
+
+
+def choose_navigator(*, robot: Robot, map: OccupancyGrid | None = None, navigator: Agent | None = None) -> Agent:
+    """Return the navigator that drives where no agent is chosen: the agent `navigator`, for comparisons with others."""
+    return Navigator(map, robot) if navigator is None else navigator

@@ -10,6 +10,7 @@ from trundle.registry.contract import is_foreign as is_foreign
 from trundle.registry.contract import keywords_taken as keywords_taken
 from trundle.registry.contract import name_of as name_of
 from trundle.registry.importing import PYTHON as PYTHON
+from trundle.registry.importing import is_model_file as is_model_file
 from trundle.registry.importing import is_plugin_file as is_plugin_file
 from trundle.registry.importing import without_files as without_files
 from trundle.registry.registry import Registry as Registry

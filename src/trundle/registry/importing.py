@@ -26,6 +26,11 @@ def is_plugin_file(name: str) -> bool:
     return place.endswith(".py") and (not attribute or attribute.isidentifier())
 
 
+def is_model_file(name: str) -> bool:
+    """Whether a name is the file of a network, `policy.onnx`, which is computed and not run."""
+    return name.lower().endswith(".onnx")
+
+
 def without_files(value: object) -> object:
     """Return plain values of a file that others may have written, so that no name in them runs a file of Python.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib
 import importlib.metadata
 import inspect
@@ -12,7 +13,7 @@ from typing import Any, Generic, TypeVar, cast
 from trundle.errors import InputError, UnknownNameError
 from trundle.fault import find_fault, place_of
 from trundle.registry.contract import Contract, PluginFunction, by_position, name_of, parameters_of
-from trundle.registry.importing import import_named, is_plugin_file
+from trundle.registry.importing import import_named, is_model_file, is_plugin_file
 from trundle.values import check_kind
 
 _Made = TypeVar("_Made")
@@ -31,6 +32,8 @@ class Registry(Generic[_Made]):
         group: Entry-point group where other packages register theirs ("trundle.planners").
         builtin: The built-in names, each with its `"module:attribute"`.
         contract: What such a plug-in must have; None for kinds that are only made by name.
+        model: The `"module:class"` that is made with `file` where the name is the file of a network; None where such
+            a file is nothing of this kind.
     """
 
     def __init__(
@@ -40,11 +43,13 @@ class Registry(Generic[_Made]):
         builtin: Mapping[str, str],
         *,
         contract: Contract | None = None,
+        model: str | None = None,
     ) -> None:
         self.kind = kind
         self._group = group
         self._builtin = dict(builtin)
         self._contract = contract or Contract({})
+        self._model = model
 
     def names(self) -> list[str]:
         """List every name, built in or from an installed package, sorted."""
@@ -57,6 +62,8 @@ class Registry(Generic[_Made]):
             UnknownNameError: As `load`.
             InputError: As `load`.
         """
+        if self._is_model(name):
+            return
         if ":" in name and self._contract.methods:
             self.load(name)
         elif name not in self._builtin and name not in self.names():
@@ -64,14 +71,16 @@ class Registry(Generic[_Made]):
 
     def module_of(self, name: str) -> str | None:
         """Return the module behind a built-in name or `"module:name"`; None for any other name and for a file."""
-        module = self._builtin.get(name, name if ":" in name else "").partition(":")[0]
+        known = self._model if self._is_model(name) else self._builtin.get(name, name if ":" in name else "")
+        module = (known or "").partition(":")[0]
         return None if is_plugin_file(name) else module or None
 
     def load(self, name: str) -> object:
         """Import what a name stands for: a class, a function or an object.
 
         Args:
-            name: A built-in name, one of an installed package, `"module:name"`, or `"file.py:name"`.
+            name: A built-in name, one of an installed package, `"module:name"`, `"file.py:name"`, or the file of a
+                network, `policy.onnx`, for kinds that have these.
 
         Raises:
             UnknownNameError: If there is no such name; it lists the choices and the nearest one.
@@ -81,8 +90,9 @@ class Registry(Generic[_Made]):
         if not isinstance(given, str):  # asked first, as names() reads the entry points of every installed package
             check_kind(name, str, f"the name of a {self.kind}", f"there are: {', '.join(self.names())}")
         if name in self._builtin:
-            module, _, attribute = self._builtin[name].partition(":")
-            return getattr(importlib.import_module(module), attribute)
+            return _import_builtin(self._builtin[name])
+        if self._model is not None and self._is_model(name):
+            return functools.partial(cast("Callable[..., object]", _import_builtin(self._model)), file=name)
         if ":" in name and self._contract.methods:
             return self._import(name)
         for point in importlib.metadata.entry_points(group=self._group, name=name):
@@ -130,6 +140,9 @@ class Registry(Generic[_Made]):
         if ":" in given and inspect.isfunction(found):  # never one that makes something: see `_import`
             return self._bind(label, found, offered, options)
         return self._resolve(label, found, offered, options)
+
+    def _is_model(self, name: str) -> bool:
+        return self._model is not None and name not in self._builtin and is_model_file(name)
 
     # Parts of resolving ---------------------------------------------------------------------------------------------
 
@@ -284,6 +297,11 @@ class Registry(Generic[_Made]):
         if self._contract.lacks(found) and not works:
             raise self._refuse(f"{self.kind} {name!r}", found)
         return found
+
+
+def _import_builtin(place: str) -> object:
+    module, _, attribute = place.partition(":")
+    return getattr(importlib.import_module(module), attribute)
 
 
 def offered_arguments(robot: object, grid: object) -> dict[str, object]:

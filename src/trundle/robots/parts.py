@@ -8,10 +8,12 @@ from __future__ import annotations
 import math
 from typing import Annotated, Self
 
+import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from trundle.files.config_fields import Angle, read_angle
 from trundle.files.yaml_config import Config
+from trundle.geometry import FloatArray
 
 WheelRadius = Annotated[float, Field(ge=0.001, le=5.0, json_schema_extra={"unit": "m"})]
 WheelWidth = Annotated[float, Field(gt=0.0, le=5.0, json_schema_extra={"unit": "m"})]
@@ -166,3 +168,12 @@ class Lidar(Config):
     rate: ScanRate = 20.0
     noise: RangeNoise = 0.0
     inf_is_valid: bool = True
+
+    @property
+    def angles(self) -> FloatArray:
+        """Directions of the beams in the lidar's own frame [rad], shape (beams,), counter-clockwise.
+
+        They include both ends of the field of view, except on a full turn, whose ends are one direction.
+        """
+        full_turn = self.fov > 2.0 * math.pi - 1e-6
+        return np.linspace(-self.fov / 2.0, self.fov / 2.0, self.beams, endpoint=not full_turn)

@@ -30,8 +30,7 @@ def beam_angles(lidar: Lidar) -> FloatArray:
 
     They include both ends of the field of view, except on a full turn, whose ends are one direction.
     """
-    full_turn = lidar.fov > 2.0 * math.pi - 1e-6
-    return np.linspace(-lidar.fov / 2.0, lidar.fov / 2.0, lidar.beams, endpoint=not full_turn)
+    return lidar.angles
 
 
 class LidarSet:

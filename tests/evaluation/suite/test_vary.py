@@ -80,3 +80,24 @@ def test_the_start_is_moved_in_the_map_frame():
     )
     start = Pose2D(1.0, 2.0, 3.0)
     assert move_start(start, {"friction": 1.0}) is start
+
+
+def test_errors_of_the_lidars_are_drawn_beside_those_that_are_given():
+    scenario = Scenario.make(world="warehouse", lidar=True, lidar_errors={"short_returns": 0.3})
+    drawn = Vary.model_validate({"lidar_noise": {"uniform": [0.01, 0.05]}, "lidar_dropout": 0.02}).draw(5)
+    errors = apply(scenario, drawn).lidar_errors
+    assert 0.01 <= errors.noise <= 0.05
+    assert (errors.dropouts, errors.short_returns) == (0.02, 0.3)
+
+
+def test_errors_of_the_lidars_need_lidars():
+    with pytest.raises(InputError, match=r"lidar_noise can only be varied with simulated lidars: give lidar: true"):
+        apply(Scenario.make(world="warehouse"), {"lidar_noise": 0.01})
+    with pytest.raises(InputError, match="together they may be 1 at most"):
+        apply(Scenario.make(world="warehouse", lidar=True, lidar_errors={"short_returns": 0.9}), {"lidar_dropout": 0.5})
+
+
+def test_environments_and_suites_vary_the_lidars_within_the_same_bounds():
+    for name in ("lidar_noise", "lidar_dropout"):
+        with pytest.raises(ValueError, match=f"{name}|out of range"):
+            Vary.model_validate({name: -0.1})

@@ -257,6 +257,7 @@ def facts_of(spec: EpisodeSpec) -> dict[str, Any]:
         "robot": spec.robot,
         "planner": spec.planner,
         "controller": spec.controller,
+        "agent": spec.agent,
         "backend": spec.backend,
         "seed": spec.seed,
         "settings": spec.settings,

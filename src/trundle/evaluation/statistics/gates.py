@@ -94,8 +94,8 @@ class Gate:
         labels: dict[str, str] = {}
         for part in filter(None, map(str.strip, (found["labels"] or "").split(","))):
             label, equals, value = (piece.strip() for piece in part.partition("="))
-            if label not in LABELS:
-                raise UnknownNameError("label in a requirement", label, LABELS)
+            if label not in (*LABELS, "agent"):
+                raise UnknownNameError("label in a requirement", label, (*LABELS, "agent"))
             if not equals:
                 raise InputError(f"requirement {text!r}: write {label}=NAME in the brackets")
             labels[label] = value

@@ -101,7 +101,7 @@ def pair_within(table: Table) -> list[Pairing]:
 
 
 def pair_between(first: Table, second: Table, *, by_ends: bool = False) -> list[Pairing]:
-    """Pair the settings of two evaluations: those with the same labels, or else those that differ in one respect.
+    """Pair the settings of two evaluations: of the same labels, or else the same agent, or that differ in one respect.
 
     Args:
         first: Rows of the first.
@@ -114,6 +114,7 @@ def pair_between(first: Table, second: Table, *, by_ends: bool = False) -> list[
     """
     ones, others = _usable_groups(first), _usable_groups(second)
     matches = _match(ones, others, VARIANT)
+    matches = matches or _match_agents(first, ones, second, others)
     if not matches:
         kept = [name for name in VARIANT if _values(ones, name) == _values(others, name)]
         matches = _match(ones, others, kept)
@@ -152,6 +153,23 @@ def _match(ones: Sequence[Group], others: Sequence[Group], columns: Sequence[str
                 )
             seen.add(name)
     return found
+
+
+def _match_agents(
+    first: Table, ones: Sequence[Group], second: Table, others: Sequence[Group]
+) -> list[tuple[Group, Group]]:
+    """Return the pairs of one agent, with and without the names of its planner and controller; none if not clear."""
+
+    def by_agent(table: Table, groups: Sequence[Group]) -> dict[tuple[str, str, str], Group]:
+        agents = table.named["agent"]
+        found = {
+            (agents.of(int(group.rows[0])), group.labels["backend"], group.labels["settings"]): group
+            for group in groups
+        }
+        return found if len(found) == len(groups) else {}
+
+    mine, theirs = by_agent(first, ones), by_agent(second, others)
+    return [(group, theirs[key]) for key, group in mine.items() if key in theirs]
 
 
 def _list(groups: Sequence[Group]) -> str:

@@ -93,6 +93,7 @@ def _check_requirement(gate: Gate, expansion: Expansion) -> None:
         "robot": expansion.robots,
         "planner": expansion.planners,
         "controller": expansion.controllers,
+        "agent": expansion.agents,
         "backend": expansion.backends,
     }
     for label, name in gate.labels.items():

@@ -13,6 +13,7 @@ from typing import Any, cast
 
 from trundle.costmap.costmap_settings import check_unknown_cost
 from trundle.errors import InputError
+from trundle.evaluation.row import NAVIGATOR
 from trundle.evaluation.suite.fields import SuiteFields
 from trundle.evaluation.suite.identity import EpisodeSpec, digest, robot_content, short, world_content, world_of_seed
 from trundle.evaluation.suite.parts import ListedMission, Missions, SuiteWorld
@@ -22,6 +23,7 @@ from trundle.files.choice import Choice
 from trundle.files.yaml_config import Config
 from trundle.mission import Scenario
 from trundle.mission.batch.needs import BATCH, CONTROLLER, needs_python
+from trundle.registry import is_model_file
 
 _MOST_CHECKED = 1000
 
@@ -107,6 +109,12 @@ class Expansion:
         }
         return {name: size for name, size in sizes.items() if size != 1}
 
+    @property
+    def agents(self) -> list[str]:
+        """Labels of what drives, as rows have them under `agent`."""
+        own = self.controllers[self._first_agent :]
+        return own if len(own) == len(self._drivers) else [NAVIGATOR, *own]
+
     def missions(self) -> Iterator[tuple[SuiteWorld, Missions]]:
         """Yield each world with its missions, which each robot drives, in the order of the episodes."""
         return zip(self._suite.worlds, self._missions, strict=True)
@@ -156,6 +164,7 @@ class Expansion:
             controller=self.controllers[
                 driver.controller if driver.agent is None else self._first_agent + driver.agent
             ],
+            agent=NAVIGATOR if driver.agent is None else self.controllers[self._first_agent + driver.agent],
             backend=self.backends[case.backend],
             settings=self._describe(case),
             seed=seed,
@@ -349,6 +358,8 @@ def _label_of(choice: PluginChoice | None) -> str:
 def _choice_names(choice: PluginChoice) -> tuple[str, str]:
     if choice.label is not None:
         return choice.label, choice.label
+    if is_model_file(choice.name):
+        return choice.short_name, f"{choice.name}{_options(choice.options)}"
     name = choice.name.rpartition(":")[2]
     return name, f"{choice.short_name}{_options(choice.options)}"
 

@@ -112,6 +112,7 @@ class EpisodeSpec:
         robot: Label of the robot.
         planner: Label of the planner.
         controller: Label of the controller; or of the agent, whose planner is `none`.
+        agent: Label of the agent; `navigator` where planner and controller drive.
         backend: Label of the simulator.
         settings: What else the suite crosses, as `name=value`, separated by spaces.
         seed: Seed of the mission.
@@ -129,6 +130,7 @@ class EpisodeSpec:
     robot: str
     planner: str
     controller: str
+    agent: str
     backend: str
     settings: str
     seed: int

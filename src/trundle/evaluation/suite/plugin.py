@@ -18,7 +18,7 @@ from trundle.files.choice import Choice, takes_plugin
 from trundle.navigation.agents import AGENTS
 from trundle.planning.planner import PLANNERS
 from trundle.planning.smoother import SMOOTHERS
-from trundle.registry import Registry, is_plugin_file
+from trundle.registry import Registry, is_model_file, is_plugin_file
 from trundle.sim.simulator import SIMULATORS
 
 
@@ -43,16 +43,18 @@ def identity_of(choice: Choice) -> dict[str, Any]:
     """Return what decides how a choice acts, as plain values; of a Python object, a hash of its code and state."""
     options = {name: choice.options[name] for name in sorted(choice.options)}
     if not choice.is_python:
-        code = {"code": _file_digest(choice.name)} if is_plugin_file(choice.name) else {}
+        if is_model_file(choice.name):  # the same policy, wherever its file lies
+            return {"name": choice.short_name, "options": options, "code": _file_digest(choice.name)}
+        code = {"code": _file_digest(choice.name.rpartition(":")[0])} if is_plugin_file(choice.name) else {}
         return {"name": choice.name, "options": options, **code}
     code = None if choice.given is None else _code_digest(choice.given)
     return {"name": choice.name, "code": code, **({"options": options} if options else {})}
 
 
 def _file_digest(name: str) -> str:
-    """Hash of a file of Python, so that what a changed one did is not taken for what it does."""
+    """Hash of a file, so that what a changed one did is not taken for what it does."""
     try:
-        return hashlib.sha256(Path(name.rpartition(":")[0]).read_bytes()).hexdigest()
+        return hashlib.sha256(Path(name).read_bytes()).hexdigest()
     except OSError:
         return ""
 

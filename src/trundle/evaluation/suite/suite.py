@@ -22,6 +22,7 @@ from trundle.files.kinds import MAP, SUITE, find_kind
 from trundle.files.opening import exists
 from trundle.files.writing import path_beside, write_text
 from trundle.files.yaml_config import build, load_config
+from trundle.registry import is_model_file
 from trundle.robots import is_robot_file
 from trundle.values import as_path
 
@@ -171,7 +172,13 @@ class Suite(SuiteFields):
             for world in self.worlds
         ]
         robots = tuple(moved(robot) if is_robot_file(robot) else robot for robot in self.robots)
-        return self.model_copy(update={"worlds": tuple(worlds), "robots": robots})
+        update: dict[str, object] = {"worlds": tuple(worlds), "robots": robots}
+        if any(is_model_file(agent.name) for agent in self.agents):
+            update["agents"] = tuple(
+                agent.model_copy(update={"name": moved(agent.name)}) if is_model_file(agent.name) else agent
+                for agent in self.agents
+            )
+        return self.model_copy(update=update)
 
     def _plain(self) -> dict[str, Any]:
         dumped = self.model_dump(mode="json", exclude_defaults=True)

@@ -11,10 +11,11 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from trundle.control.latency import Latency
 from trundle.errors import InputError
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Config, build
 from trundle.geometry import Pose2D, wrap_angle
 from trundle.mission import Scenario
 from trundle.sim.actuation import Actuation
+from trundle.sim.lidar_errors import LidarErrors
 from trundle.sim.odometry_errors import OdometryErrors
 
 
@@ -74,7 +75,7 @@ class StartPose(Config):
     yaw: Varied = 0.0
 
 
-_RANGES = {
+RANGES = {
     "friction": (0.05, 5.0),
     "mass": (0.1, 10.0),
     "wheel_radius": (0.5, 2.0),
@@ -83,8 +84,10 @@ _RANGES = {
     "odometry_scale": (0.0, 0.5),
     "odometry_heading": (0.0, 1.0),
     "odometry_slip": (0.0, 0.2),
+    "lidar_noise": (0.0, 10.0),
+    "lidar_dropout": (0.0, 1.0),
 }
-"""The ranges that can be simulated; see `Actuation`, `OdometryErrors` and `MujocoSimulator`."""
+"""The ranges that can be simulated; see `Actuation`, `OdometryErrors`, `LidarErrors` and `MujocoSimulator`."""
 
 
 class Vary(Config):
@@ -102,6 +105,8 @@ class Vary(Config):
         odometry_scale: Bias of the odometry's distance, as a share of it, 0 to 0.5; its direction is drawn too.
         odometry_heading: Bias of the odometry's heading per metre driven [rad/m], 0 to 1; its direction is drawn too.
         odometry_slip: Random error of each wheel's counted travel [m/√m], 0 to 0.2.
+        lidar_noise: Standard deviation of a range [m], 0 to 10, besides the lidars' own; needs lidars.
+        lidar_dropout: Share of the beams that have no return, 0 to 1; needs lidars.
         start_pose: How far the robot stands from the start of its mission.
     """
 
@@ -113,14 +118,16 @@ class Vary(Config):
     odometry_scale: Varied | None = None
     odometry_heading: Varied | None = None
     odometry_slip: Varied | None = None
+    lidar_noise: Varied | None = None
+    lidar_dropout: Varied | None = None
     start_pose: StartPose | None = None
 
-    @field_validator(*_RANGES)
+    @field_validator(*RANGES)
     @classmethod
     def _check_range(cls, value: Varied | None, info: ValidationInfo) -> Varied | None:
         if value is None:
             return None
-        least, most = _RANGES[str(info.field_name)]
+        least, most = RANGES[str(info.field_name)]
         low, high = value.support if isinstance(value, Distribution) else (value, value)
         if low < least or high > most:
             reach = f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
@@ -160,7 +167,9 @@ _ACTUATION = {"wheel_radius": "wheel_radius", "track": "track_width"}
 
 _LATENCY = {"latency_s": "command_delay_s"}
 
-_Errors = TypeVar("_Errors", Latency, OdometryErrors)
+_LIDAR = {"lidar_noise": "noise", "lidar_dropout": "dropouts"}
+
+_Errors = TypeVar("_Errors", Latency, OdometryErrors, LidarErrors)
 
 _ODOMETRY = {f"odometry_{field}": field for field in OdometryErrors.model_fields}
 
@@ -169,13 +178,17 @@ def apply(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:
     """Put drawn values into a scenario; those of the start pose are for `move_start`.
 
     Raises:
-        InputError: If the scenario's backend cannot simulate one of them.
+        InputError: If the scenario's backend cannot simulate one of them, or has no lidars for errors of lidars.
     """
     options = {name: drawn[name] for name in _OPTIONS if name in drawn}
     actuation = {field: drawn[name] for name, field in _ACTUATION.items() if name in drawn}
     odometry = {field: drawn[name] for name, field in _ODOMETRY.items() if name in drawn}
     latency = {field: drawn[name] for name, field in _LATENCY.items() if name in drawn}
+    lidar = {field: drawn[name] for name, field in _LIDAR.items() if name in drawn}
     backend = scenario.backend
+    if lidar and not scenario.lidar and "lidar" not in backend.options:
+        names = ", ".join(name for name in _LIDAR if name in drawn)
+        raise InputError(f"vary: {names} can only be varied with simulated lidars: give lidar: true")
     if options:
         if backend.name != "mujoco":
             raise InputError(
@@ -187,6 +200,7 @@ def apply(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:
         "actuation": Actuation(**actuation) if actuation else scenario.actuation,
         "latency": _replace(Latency, scenario.latency, latency),
         "odometry": _replace(OdometryErrors, scenario.odometry, odometry),
+        "lidar_errors": _replace(LidarErrors, scenario.lidar_errors, lidar),
     }
     return scenario.model_copy(update=update)
 
@@ -195,7 +209,7 @@ def _replace(kind: type[_Errors], given: _Errors | None, drawn: Mapping[str, flo
     """Put drawn values in place of those that were given."""
     if not drawn:
         return given
-    return kind(**{**({} if given is None else given.model_dump()), **drawn})
+    return build({**({} if given is None else given.model_dump()), **drawn}, kind)
 
 
 def move_start(start: Pose2D, drawn: Mapping[str, float]) -> Pose2D:

@@ -1,0 +1,72 @@
+"""`RslRlVecEnv`: many robots as a `VecEnv` of RSL-RL, with observations in a TensorDict."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import torch
+from rsl_rl.env import VecEnv
+from tensordict import TensorDict
+
+from trundle.gym.vector_env import NavigationVectorEnv
+
+
+class RslRlVecEnv(VecEnv):
+    """Robots as RSL-RL's `VecEnv`: `OnPolicyRunner(RslRlVecEnv(1024, world="maze"), config, device="cuda")`.
+
+    The group `actor` is what a robot observes, the group `critic` the same and the length of the shortest path and its
+    direction. An action of the network is cut off at the bounds. Arrays pass by DLPack: those of the environment's own
+    device are not copied.
+
+    Args:
+        num_envs: Number of robots.
+        learner_device: Where the tensors are to be.
+        options: As for `NavigationVectorEnv`, with actions scaled; `autoreset_mode` and `critic` are set here.
+    """
+
+    def __init__(self, num_envs: int = 1, *, learner_device: str = "cpu", **options: Any) -> None:
+        self.inner = NavigationVectorEnv(
+            num_envs, **{**options, "autoreset_mode": "same_step", "critic": True, "scaled_actions": True}
+        )
+        self.num_envs, self.num_actions = num_envs, 2
+        self.device = learner_device
+        self.max_episode_length = self.inner.episodes.settings.max_steps
+        self.episode_length_buf = torch.zeros(num_envs, dtype=torch.long, device=learner_device)
+        self.cfg = dict(options)
+        self._observed, _ = self.inner.reset(seed=0)
+
+    def get_observations(self) -> TensorDict:
+        """Return what is observed now, in the groups `actor` and `critic`, each of shape (num_envs, size)."""
+        parts = {name: self._tensor(values) for name, values in self._observed.items()}
+        actor = torch.cat([values.flatten(1).float() for name, values in parts.items() if name != "critic"], dim=1)
+        groups = {"actor": actor, "critic": torch.cat([actor, parts["critic"].float()], dim=1)}
+        return TensorDict(groups, batch_size=[self.num_envs], device=self.device)
+
+    def step(self, actions: torch.Tensor) -> tuple[TensorDict, torch.Tensor, torch.Tensor, dict[str, Any]]:
+        """Drive one period.
+
+        Returns:
+            Observations, rewards and ends, and `time_outs` and `log`: figures of the episodes that have ended.
+        """
+        given = actions.detach().clamp(-1.0, 1.0).cpu().numpy()
+        self._observed, rewards, terminated, truncated, info = self.inner.step(given)
+        done = terminated | truncated
+        ends = self._tensor(done)
+        self.episode_length_buf = torch.where(ends, 0, self.episode_length_buf + 1)
+        extras: dict[str, Any] = {"time_outs": self._tensor(truncated), "log": {}}
+        if done.any():
+            final = info["final_info"]
+            names = ("is_success", "contact", "spl", "path_length", "time_s")
+            extras["log"] = {f"/{name}": float(np.mean(final[name][done])) for name in names}
+        return self.get_observations(), self._tensor(rewards).float(), ends, extras
+
+    def close(self) -> None:
+        """Close the environment."""
+        self.inner.close()
+
+    def _tensor(self, values: Any) -> torch.Tensor:
+        own = np.ascontiguousarray(values) if isinstance(values, np.ndarray) else values
+        if isinstance(own, np.ndarray) and not own.flags.writeable:
+            own = own.copy()
+        return torch.from_dlpack(own).to(self.device)
