@@ -1,5 +1,6 @@
 # make demo   set up, then drive a robot across the built-in warehouse
-# make test   set up, then run the tests
+# make test   set up, then run the tests: of those marked slow, today's part
+# make test-slow  set up, then run all tests marked slow
 # make quick  set up, then run the tests of tests/quick/files.txt: about a minute
 # make test-wheels  build wheels, install each into an empty environment of every Python here, and run the demo
 # make test-ray  install Ray, then run the tests of evaluations on a cluster, where there is no network but loopback
@@ -38,10 +39,16 @@ COMPILE := $(BIN)/python -m compileall -q src/trundle
 # A test that hangs fails after so many seconds, and says where; none takes a fifth of it.
 HANGS := --timeout 600
 
+# Tests with a target of their own.
+ELSEWHERE := not wheel and not ray and not ros2 and not isaac
+
+# Of the slow tests, one in so many, another one each day: tests/conftest.py.
+PARTS := 6
+
 KERNELS := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*/*.cpp)
 SOURCES := $(KERNELS) $(wildcard src/trundle/_core/*/*.hpp) CMakeLists.txt
 
-.PHONY: demo quick test test-wheels test-ray test-physx test-ros2 ros2-env test-isaac fuzz check size docs web build setup dev clean
+.PHONY: demo quick test test-slow test-wheels test-ray test-physx test-ros2 ros2-env test-isaac fuzz check size docs web build setup dev clean
 
 demo: setup
 	$(BIN)/trundle demo
@@ -51,7 +58,10 @@ quick: dev
 	$(BIN)/python -m pytest $(HANGS) -n 2 --dist loadfile @tests/quick/files.txt
 
 test: dev
-	$(BIN)/python -m pytest $(HANGS) -n 2 --dist loadfile -m "not wheel and not ray and not ros2 and not isaac"
+	$(BIN)/python -m pytest $(HANGS) -n 2 --dist loadfile -m "$(ELSEWHERE)" --slow today/$(PARTS)
+
+test-slow: dev
+	$(BIN)/python -m pytest $(HANGS) -n 2 --dist worksteal -m "slow and $(ELSEWHERE)"
 
 # Builds wheels without the compiled files of this folder: minutes.
 test-wheels: dev

@@ -30,10 +30,6 @@ HERE = Path(__file__).resolve().parent
 TESTS = HERE.parent / "tests" / "ros2"
 BUILDER = HERE / "ros2_interfaces.py"
 
-TRY = """import ensurepip, json, pathlib, ssl, sys, sysconfig, venv
-header = pathlib.Path(sysconfig.get_path("include"), "Python.h").is_file()
-print(json.dumps([sys.version_info[:2] == (3, 12), header]))"""
-
 CHECK = """import rclpy, nav2_msgs.action, nav2_msgs.srv, simulation_interfaces.srv, tf2_msgs.msg, map_msgs.msg
 from rclpy.node import Node
 rclpy.init()
@@ -170,28 +166,13 @@ def check_tools() -> str:
     for variable, usual in (("CC", "cc"), ("CXX", "c++")):
         if shutil.which(os.environ.get(variable, usual)) is None:
             raise UnavailableError(f"there is no compiler {os.environ.get(variable, usual)}.")
-    return find_python()
+    # Here, for the tests ask with --describe at every start, and this loads all simulators.
+    from trundle.testing.isaac import environment
 
-
-def find_python() -> str:
-    """A Python 3.12 from PATH or pyenv, tried by running it: a shim may be there for a version that is not."""
-    found = [Path(entry, "python3.12") for entry in os.get_exec_path()]
-    pyenv = Path(os.environ.get("PYENV_ROOT") or Path.home() / ".pyenv")
-    found += sorted((pyenv / "versions").glob("3.12*/bin/python3.12"), reverse=True)
-    reason = "there is no Python 3.12, neither on PATH nor in pyenv."
-    for python in dict.fromkeys(path for path in found if os.access(path, os.X_OK)):
-        try:
-            done = subprocess.run([python, "-c", TRY], capture_output=True, text=True, timeout=60, check=False)
-        except (OSError, subprocess.TimeoutExpired):
-            continue
-        if done.returncode != 0:
-            reason = f"{python} does not start or lacks venv or ssl."
-            continue
-        right, header = json.loads(done.stdout)
-        if right and header:
-            return str(python)
-        reason = f"{python} has no headers (Python.h)." if right else f"{python} is not Python 3.12."
-    raise UnavailableError(reason)
+    try:
+        return environment.find_python()
+    except environment.UnavailableError as error:
+        raise UnavailableError(f"{error}.") from error
 
 
 def install(python: str, prefix: Path, requirements: Path, output: TextIO) -> None:

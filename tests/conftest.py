@@ -1,15 +1,25 @@
-"""How property tests draw their examples: the same ones on every run, or random ones with `--explore`.
+"""How property tests draw their examples, and which of the slow tests run.
+
+Property tests draw the same examples on every run, or random ones with `--explore`:
 
 python -m pytest --explore --explore-seconds 60                        every property test for a minute
 python -m pytest --explore --explore-examples 20000 tests/costmap      until so many examples were tried
 
 A finding prints the arguments; pin it with `@example(…)` beside the test's `@given`.
+
+Tests marked `slow` all run, or one in N of them, another one each day:
+
+python -m pytest --slow today/6       what `make test` does
+python -m pytest --slow 3/6           what it did on a day that printed "part 3 of 6"
+python -m pytest -m slow              all of them, which `make test-slow` does
 """
 
 from __future__ import annotations
 
+import datetime
 import functools
 import os
+import re
 import signal
 import sys
 import time
@@ -30,6 +40,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption("--explore", action="store_true", help="run only property tests, on random examples")
     group.addoption("--explore-seconds", type=float, metavar="S", help="time for each test; no limit by default")
     group.addoption("--explore-examples", type=int, default=20_000, metavar="N", help="for each test; default 20000")
+    tests = parser.getgroup("slow tests")
+    tests.addoption("--slow", metavar="K/N", help="run part K of N of the tests marked slow; K may be today")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -41,14 +53,41 @@ def pytest_configure(config: pytest.Config) -> None:
     sys.dont_write_bytecode = False
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     settings.load_profile("explore" if config.getoption("explore") else "repeatable")
+    if (part := config.getoption("slow")) is not None:
+        # The worker processes get the number: they have to agree, also when midnight passes.
+        config.option.slow = _numbered(part)
+
+
+def _numbered(part: str) -> str:
+    """A part as K/N, with the number of today's: the parts follow each other day by day."""
+    if (given := re.fullmatch(r"(today|\d+)/([1-9]\d*)", part)) is None:
+        raise pytest.UsageError(f"--slow {part}: give K/N, as in 3/6, or today/6")
+    which, count = given[1], int(given[2])
+    number = datetime.date.today().toordinal() % count + 1 if which == "today" else int(which)
+    if not 1 <= number <= count:
+        raise pytest.UsageError(f"--slow {part}: K is from 1 to {count}")
+    return f"{number}/{count}"
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    if not config.getoption("explore"):
-        return
-    others = [item for item in items if not _is_property(item)]
-    items[:] = [item for item in items if _is_property(item)]
-    config.hook.pytest_deselected(items=others)
+    others: list[pytest.Item] = []
+    if config.getoption("explore"):
+        others = [item for item in items if not _is_property(item)]
+    elif (part := config.getoption("slow")) is not None:
+        number, count = map(int, part.split("/"))
+        # Neighbours in this list are cases of one test: each part has some of them.
+        slow = [item for item in items if item.get_closest_marker("slow") is not None]
+        others = [item for place, item in enumerate(slow) if place % count != number - 1]
+    left_out = set(others)
+    items[:] = [item for item in items if item not in left_out]
+    if others:
+        config.hook.pytest_deselected(items=others)
+
+
+def pytest_report_header(config: pytest.Config) -> str | None:
+    if (part := config.getoption("slow")) is None:
+        return None
+    return f"slow tests: part {part.replace('/', ' of ')} (--slow {part}); make test-slow runs all"
 
 
 def _is_property(item: pytest.Item) -> bool:

@@ -69,6 +69,7 @@ def hall(request, tmp_path):
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", ["mujoco", "kinematic"])
 def test_a_robot_drives_on_a_slab(hall, backend):
     scenario = Scenario.make(world=str(hall), start=(-2.5, 0.0, 0.0), goal=(2.0, 0.5), backend=backend)
@@ -78,6 +79,7 @@ def test_a_robot_drives_on_a_slab(hall, backend):
     assert episode.outcome == "arrived"
 
 
+@pytest.mark.slow
 def test_the_map_is_measured_from_the_floor(hall):
     setting = Scenario.make(world=str(hall), start=(-2.5, 0.0), goal=(2.0, 0.5)).prepare()
     # Over the floor the rail ends at 0.15 m: within Nova Carter's band from 0.10 m. The slab is under all of it.
@@ -87,6 +89,7 @@ def test_the_map_is_measured_from_the_floor(hall):
     assert setting.grid.data[row, col] == 0
 
 
+@pytest.mark.slow
 def test_a_world_is_loaded_with_its_floor_at_zero(hall):
     world = trundle.World.load(hall, floor_z=TOP)
     assert max(solid.bounds()[1][2] for solid in world.solids if "slab" in solid.name) == pytest.approx(0.0, abs=1e-6)

@@ -101,6 +101,7 @@ def test_the_plane_is_the_ground_and_no_solid(write, height):
     assert len(world.solids) == len(BOXES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("height", HEIGHTS)
 def test_a_robot_drives_on_the_plane(write, height):
     scenario = Scenario.make(world=str(write(height)), start=(-2.5, 0.0, 0.0), goal=(1.0, 0.5), backend="kinematic")

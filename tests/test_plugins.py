@@ -209,6 +209,7 @@ def test_its_check_takes_it(kind, given):
 SUITE_FIELD = {"planner": "planners", "controller": "controllers", "agent": "agents", "localizer": "localizer"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", list(NAMES))
 def test_an_evaluation_takes_all_ways_side_by_side(kind, tmp_path):
     cls, function, instance, *_ = ways()[kind]

@@ -102,10 +102,12 @@ def robot() -> Robot:
     return Robot.load("turtlebot3_waffle")
 
 
+@pytest.mark.slow
 def test_it_is_where_it_should_be(world):
     np.testing.assert_allclose(world.bounds, ((0, 0, 0), (5.5, 3, 1)), atol=1e-6)
 
 
+@pytest.mark.slow
 def test_it_goes_into_mujoco(world, robot):
     with simulate(world, robot) as sim:
         # The robot stands where the hull of the bay would be, and drives on to the bay's back wall.
@@ -130,10 +132,12 @@ def draw(world: World, robot: Robot):
     return render(world, robot, Pose2D(1.5, 1.5, 0.0), size=(96, 54), camera="top").pixels.astype(int)
 
 
+@pytest.mark.slow
 def test_it_is_drawn(world, robot, bare_floor):
     assert (np.abs(draw(world, robot) - bare_floor).max(axis=-1) > 20).mean() > 0.02
 
 
+@pytest.mark.slow
 def test_it_is_mapped(world):
     grid = OccupancyGrid.from_world(
         world, resolution=0.1, z_range=(0.1, 0.5), bounds=((-1, -1), (6, 4)), seeds=[(-0.5, 1.5)]

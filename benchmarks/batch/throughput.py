@@ -41,17 +41,34 @@ def rate(work, count: int, threads: int) -> float:
     return best
 
 
-def core(threads: int, *, clear: bool) -> None:
+def make_robot() -> Robot:
     robot = Robot.load("nova_carter")
     front = robot.lidars["front"].model_copy(update={"beams": 180, "range_max": 12.0, "noise": 0.0})
-    robot = robot.model_copy(update={"lidars": {"front": front}})
-    grid = OccupancyGrid.from_world(World.generate("office", seed=3), z_range=robot.z_range)
+    return robot.model_copy(update={"lidars": {"front": front}})
+
+
+def make_grid(robot: Robot, cells: float) -> OccupancyGrid:
+    """A square of offices side by side with so many million cells."""
+    office = OccupancyGrid.from_world(World.generate("office", seed=3), z_range=robot.z_range)
+    edge = round((cells * 1e6) ** 0.5)
+    tiles = [-(-edge // size) for size in office.shape]
+    return OccupancyGrid(np.ascontiguousarray(np.tile(office.data, tiles)[:edge, :edge]), office.resolution)
+
+
+def draw(grid: OccupancyGrid, robot: Robot, count: int, *, clear: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Poses and commands."""
     costmap = Costmap.from_grid(grid, robot)
     cells = np.argwhere(costmap.data == 0) if clear else np.argwhere(costmap.data < 128)
     rng = np.random.default_rng(0)
-    x, y = costmap.cell_to_world(*cells[rng.choice(len(cells), ROBOTS)].T)
-    poses = np.column_stack([x, y, rng.uniform(-3.0, 3.0, ROBOTS)])
-    commands = np.column_stack([rng.uniform(0.2, 0.6, ROBOTS), rng.uniform(-1.0, 1.0, ROBOTS)])
+    x, y = costmap.cell_to_world(*cells[rng.choice(len(cells), count)].T)
+    poses = np.column_stack([x, y, rng.uniform(-3.0, 3.0, count)])
+    return poses, np.column_stack([rng.uniform(0.2, 0.6, count), rng.uniform(-1.0, 1.0, count)])
+
+
+def core(threads: int, *, clear: bool) -> None:
+    robot = make_robot()
+    grid = make_grid(robot, 0.25)
+    poses, commands = draw(grid, robot, ROBOTS, clear=clear)
     sim = BatchSimulator(grid, robot, count=ROBOTS, lidar=True, threads=threads)
 
     def drive() -> None:
@@ -70,6 +87,38 @@ def core(threads: int, *, clear: bool) -> None:
 
     sim.reset(poses)
     print(f"    with 180 beams to 12 m {rate(both, 5, threads) / 1e3:.1f} k/s")
+
+
+def gpu(device: str, count: int, cells: float) -> None:
+    """Steps of 50 ms with commands that lie on the device; seconds of the clock until it is done."""
+    import warp as wp
+
+    robot = make_robot()
+    grid = make_grid(robot, cells)
+    poses, commands = draw(grid, robot, count, clear=False)
+    sim = BatchSimulator(grid, robot, count=count, lidar=True, device=device)
+    there = wp.array(commands, device=sim.poses.device)
+
+    def measure(steps: int, *, scans: bool, drives: bool = True) -> float:
+        best = 0.0
+        for _ in range(4):
+            sim.reset(poses)
+            sim.synchronize()
+            started = time.perf_counter()
+            for _ in range(steps):
+                if drives:
+                    sim.step(there, PERIOD)
+                if scans:
+                    sim.scan()
+            sim.synchronize()
+            best = max(best, steps * count / (time.perf_counter() - started))
+        return best
+
+    print(
+        f"{count:,} robots, {cells:g} M cells: drive and contact {measure(100, scans=False) / 1e6:.1f} M/s, 180 beams "
+        f"{measure(100, scans=True, drives=False) / 1e6:.1f} M/s, both {measure(100, scans=True) / 1e6:.1f} M/s",
+        flush=True,
+    )
 
 
 def environments(threads: int) -> None:
@@ -91,7 +140,16 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--no-gym", action="store_true", help="without the environments, which need the extra gym")
+    parser.add_argument("--device", default="cpu", help="cuda: the rows of a GPU alone")
     chosen = parser.parse_args()
+    if chosen.device != "cpu":
+        import warp as wp
+
+        for cells in (0.25, 9.8):
+            for count in (4096, 65536):
+                gpu(chosen.device, count, cells)
+        print(wp.get_device(chosen.device).name)
+        raise SystemExit
     print(f"{processor()}, {chosen.threads} thread{'s' * (chosen.threads > 1)}")
     for clear in (True, False):
         core(chosen.threads, clear=clear)

@@ -1,4 +1,4 @@
-"""Small readers for the benchmark: CARMEN logs with corrected poses, and Intel's MRPT log with raw odometry."""
+"""Logs of the benchmark: CARMEN logs with corrected poses, and Intel's MRPT log with raw odometry."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+
+from trundle import Scan
+from trundle.recordings import open_drive
 
 
 @dataclass(frozen=True)
@@ -34,27 +37,24 @@ class Log:
     reference: npt.NDArray[np.float64]
 
 
-def read_carmen(path: Path) -> tuple[list[npt.NDArray[np.float64]], npt.NDArray[np.float64]]:
-    """Return the ranges and poses of the FLASER lines."""
-    ranges, poses = [], []
-    with gzip.open(path, "rt", errors="replace") as lines:
-        for line in lines:
-            if not line.startswith("FLASER "):
-                continue
-            words = line.split()
-            count = int(words[1])
-            ranges.append(np.array(words[2 : 2 + count], dtype=np.float64))
-            poses.append([float(word) for word in words[2 + count : 5 + count]])
-    return ranges, np.array(poses)
-
-
 def read_corrected(path: Path, seed: int, share: float, per_metre: float) -> Log:
     """Return a log with odometry that drifts by a share of the way and by radians per metre."""
-    ranges, poses = read_carmen(path)
-    count = len(ranges[0])
-    angles = -0.5 * math.pi + np.arange(count) * (math.pi / count if count in (180, 360) else math.pi / (count - 1))
+    scans, poses = _read(path)
     odometry = drifting(poses, seed, share, per_metre)
-    return Log(path.name.split("-corrected")[0], ranges, angles, 40.0, odometry, poses)
+    one = scans[0]
+    return Log(
+        path.name.split("-corrected")[0], [scan.ranges for scan in scans], one.angles, one.range_max, odometry, poses
+    )
+
+
+def _read(path: Path) -> tuple[list[Scan], npt.NDArray[np.float64]]:
+    """Return the scans of a log, and the robot's pose at each of them, shape (N, 3)."""
+    drive = open_drive(path)
+    scans, poses = [], []
+    for stretch, scan in drive.scans_in_order():
+        scans.append(scan)
+        poses.append(drive.tracks[stretch].at(scan.time)[0].as_tuple())
+    return scans, np.array(poses)
 
 
 def drifting(poses: npt.NDArray[np.float64], seed: int, share: float, per_metre: float) -> npt.NDArray[np.float64]:
@@ -87,6 +87,11 @@ def added(steps: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     return np.array(out)
 
 
+def _key(ranges: npt.NDArray[np.float64], far: float) -> bytes:
+    with np.errstate(invalid="ignore"):
+        return np.round(np.where((ranges >= 0.02) & (ranges < far), ranges, 0.0), 2).tobytes()
+
+
 def read_intel(folder: Path) -> Log:
     """Return Intel's raw log, with the reference at scans that match those of the corrected log exactly."""
     data = gzip.decompress((folder / "intel.rawlog").read_bytes())
@@ -99,13 +104,13 @@ def read_intel(folder: Path) -> Log:
         ranges.append(np.frombuffer(data, "<f4", count, at + 4).astype(np.float64))
         at += 4 + 4 * count
     odometry = added(np.loadtxt(folder / "intel_ODO.txt"))  # the motion after each scan
-    corrected, poses = read_carmen(folder / "intel-corrected.log.gz")
-    known = {np.round(one, 2).tobytes(): i for i, one in enumerate(corrected)}
+    scans, poses = _read(folder / "intel-corrected.log.gz")
+    # The reader leaves out beams that met nothing: they do not count where scans are compared.
+    far = scans[0].range_max
+    known = {_key(scan.ranges, far): pose for scan, pose in zip(scans, poses, strict=True)}
     reference = np.full((len(ranges), 3), np.nan)
     for i, one in enumerate(ranges):
-        match = known.get(np.round(one, 2).tobytes())
-        if match is not None:
-            reference[i] = poses[match]
+        reference[i] = known.get(_key(one, far), np.nan)
     count = min(len(ranges), len(odometry))
     angles = -0.5 * math.pi + np.arange(180) * math.pi / 180.0
     return Log("intel", ranges[:count], angles, 30.0, odometry[:count], reference[:count])

@@ -2,8 +2,8 @@
 
 python -m benchmarks.mapping.slam FOLDER [--only intel aces] [--drift 0.5 2] [--seeds 0] [--picture DIR]
 
-FOLDER has the CARMEN logs `*-corrected.log.gz`, and `intel.rawlog` with `intel_ODO.txt`. References are poses that a
-particle-filter SLAM corrected: not the truth.
+FOLDER has the CARMEN logs `*-corrected.log.gz`, read as `trundle map from-bag` reads them, and `intel.rawlog` with
+`intel_ODO.txt`. References are poses that a particle-filter SLAM corrected: not the truth.
 """
 
 from __future__ import annotations
@@ -36,12 +36,18 @@ class Result:
     mapper: Mapper
 
 
+def align(path: np.ndarray, reference: np.ndarray) -> Pose2D:
+    """Return the rigid motion that brings positions as close to the reference as it can."""
+    (x, y), (u, v) = path[:, :2].mean(axis=0), reference[:, :2].mean(axis=0)
+    a, b = path[:, :2] - (x, y), reference[:, :2] - (u, v)
+    yaw = math.atan2(float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()), float((a * b).sum()))
+    return Pose2D(u, v, yaw) @ Pose2D(-x, -y)
+
+
 def aligned_error(path: np.ndarray, reference: np.ndarray) -> float:
     """Root mean square distance of positions after the best rigid alignment [m]."""
-    a, b = path[:, :2] - path[:, :2].mean(axis=0), reference[:, :2] - reference[:, :2].mean(axis=0)
-    u, _, vt = np.linalg.svd(a.T @ b)
-    turn = u @ np.diag((1.0, np.sign(np.linalg.det(u @ vt)))) @ vt
-    return float(np.sqrt(np.square(a @ turn - b).sum(axis=1).mean()))
+    moved = align(path, reference).transform_points(path[:, :2])
+    return float(np.sqrt(np.square(moved - reference[:, :2]).sum(axis=1).mean()))
 
 
 def run(log: Log, robot: Robot) -> Result:

@@ -27,9 +27,9 @@ MOST_LAG_S = 0.25
 """As `Pace` has it."""
 
 
-def memory_mb() -> float:
-    """Resident memory of this process [MB]."""
-    lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
+def memory_mb(process: int | str = "self") -> float:
+    """Resident memory of a process, by its number or of this one [MB]."""
+    lines = Path(f"/proc/{process}/status").read_text(encoding="ascii").splitlines()
     return next(int(line.split()[1]) for line in lines if line.startswith("VmRSS")) / 1024.0
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import random
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -37,7 +38,7 @@ def ros(distro: str) -> tuple[str, Mapping[str, str]]:
 
 def own_domain() -> int:
     """A domain that no test uses; it is put into the environment."""
-    domain = random.randint(215, 232)
+    domain = random.randint(215, 230)
     os.environ["ROS_DOMAIN_ID"] = str(domain)
     return domain
 
@@ -80,10 +81,10 @@ def peer(distro: str, *arguments: object) -> Iterator[Peer]:
 
 
 @contextmanager
-def served(transport: str, distro: str, *arguments: str) -> Iterator[tuple[subprocess.Popen[str], dict[str, Any]]]:
-    """`trundle ros2 serve warehouse` with these arguments, and the line with which it says what it offers."""
-    command = [sys.executable, "-m", "trundle", "ros2", "serve", "warehouse", *arguments, "--json", "--quiet"]
-    command += ["--profile", "turtlebot3", "--transport", transport, "--distro", distro]
+def started(transport: str, distro: str, *arguments: str) -> Iterator[tuple[subprocess.Popen[str], dict[str, Any]]]:
+    """`trundle ros2` with these arguments, and the line with which it says what it offers."""
+    command = [sys.executable, "-m", "trundle", "ros2", *arguments, "--json", "--quiet"]
+    command += ["--transport", transport, "--distro", distro]
     environment = dict(os.environ)
     if transport == "rclpy":
         python, variables = ros(distro)
@@ -93,10 +94,25 @@ def served(transport: str, distro: str, *arguments: str) -> Iterator[tuple[subpr
         try:
             line = process.stdout.readline() if process.stdout else ""
             if not line.rstrip().endswith("}"):
-                raise SystemExit("trundle ros2 serve has ended")
+                raise SystemExit(f"trundle ros2 {arguments[0]} has ended")
             yield process, json.loads(line)
         finally:
             process.kill()
+
+
+@contextmanager
+def served(transport: str, distro: str, *arguments: str) -> Iterator[tuple[subprocess.Popen[str], dict[str, Any]]]:
+    """`trundle ros2 serve warehouse` with these arguments, and the line with which it says what it offers."""
+    with started(transport, distro, "serve", "warehouse", *arguments, "--profile", "turtlebot3") as running:
+        yield running
+
+
+def ended(process: subprocess.Popen[str], timeout_s: float) -> dict[str, Any]:
+    """How a started program says that it ended; it is interrupted first if it still runs."""
+    if process.poll() is None:
+        process.send_signal(signal.SIGINT)
+    out, _ = process.communicate(timeout=timeout_s)
+    return json.loads(out.splitlines()[-1])
 
 
 def load() -> str:

@@ -26,7 +26,7 @@ from trundle.evaluation.row import Row
 from trundle.evaluation.statistics import wilson
 from trundle.geometry import Pose2D
 from trundle.mission import Scenario
-from trundle.navigation.plan_ends import nearest_free_pose
+from trundle.navigation.route_planner import nearest_free_pose
 
 TRULY_M = 0.5
 

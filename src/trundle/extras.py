@@ -37,6 +37,7 @@ _BAGS = {"rosbags": "rosbags", "mcap": "mcap", "zstandard": "zstandard"}
 
 # The same distributions as in pyproject.toml, which a test compares.
 EXTRAS = {
+    "gpu": Extra("the batch simulator on NVIDIA GPUs", {"warp-lang": "warp"}),
     "video": Extra("videos of runs as MP4 instead of GIF", {"av": "av"}),
     "record": Extra("--record, trundle record: runs as rosbag2, and bags as runs", _BAGS),
     "ros2": Extra("trundle ros2", {**_BAGS, "cyclonedds": "cyclonedds"}),

@@ -218,5 +218,6 @@ def test_arguments_that_cannot_be_used_are_refused(change):
         mark_scan(**(arguments | change))
 
 
+@pytest.mark.slow
 def test_random_scans_mark_and_clear_what_the_plain_version_does():
     assert play(one_round, seed=random.randrange(10**6), count=60) == 60

@@ -151,6 +151,7 @@ def word_shapes():
             yield lambda t, u, v, s=s, q=q: [(t, s), (q, -s), (u, 0.0), (q, s), (v, -s)]
 
 
+@pytest.mark.slow
 def test_no_word_solved_numerically_is_shorter():
     rng = np.random.default_rng(4)
     for goal in rng.uniform((-4, -4, -3.1), (4, 4, 3.1), (6, 3)):

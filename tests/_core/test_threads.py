@@ -43,6 +43,7 @@ def ends():
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(CALLS_OF))
 def test_a_kernel_may_be_called_from_several_threads(ends, name):
     assert ends[name] == "same"

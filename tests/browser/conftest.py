@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Any
@@ -177,7 +177,7 @@ class Played:
     def send(self, kind: str, **fields: Any) -> None:
         self.sockets[-1].send(json.dumps({"type": kind, **fields}))
 
-    def begin(self, *, driver: int | None = 1, state: str = "idle") -> None:
+    def begin(self, *, driver: int | None = 1, state: str = "idle", lacks: Sequence[str] = ()) -> None:
         choices = {
             "worlds": ["hall", "office"],
             "robots": ["nova_carter", "jackal"],
@@ -193,6 +193,7 @@ class Played:
             choices=choices,
             state=state,
             source="hall",
+            lacks=list(lacks),
         )
         self.send("scene", scene=self.recorded.scene)
 

@@ -119,6 +119,19 @@ def test_a_pose_is_set_and_searched_only_where_there_is_a_localizer(driving: Any
     assert played.wait_for("goal", 0) == []
 
 
+def test_what_a_server_cannot_do_is_not_offered(driving: Any, played: Any) -> None:
+    names = ("#restart", "#next", "#box", "#speed")
+    driving.wait_for_selector("#pause:not([disabled])")
+    assert all(driving.locator(name).is_visible() for name in names)
+    played.begin(state="running", lacks=["restart", "box", "speed"])
+    played.run()
+    driving.wait_for_selector("#box", state="hidden")
+    assert not any(driving.locator(name).is_visible() for name in names)
+    assert all(driving.locator(name).is_visible() for name in ("#pause", "#goal", "#end"))
+    driving.keyboard.press("b")
+    assert driving.locator("#box").get_attribute("aria-pressed") == "false"
+
+
 def test_what_the_localizer_says_is_shown_with_the_error_of_its_estimate(driving: Any, played: Any) -> None:
     locate(played)
     said = driving.locator("#status .located", has_text="ambiguous: 3 places")

@@ -79,6 +79,7 @@ def test_bad_input_leaves_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_was_driven(tmp_path: Path) -> None:
     process = subprocess.Popen(
         [sys.executable, "-m", "trundle", "drive", "nova_carter", "--command=0.4,0,3600", "--out=out"],

@@ -200,6 +200,7 @@ def test_the_engine_starts_without_its_window_and_leaves_the_environment(before:
     assert done.stdout.split(" ", 2) == ["True", "False", f"{before}\n"]
 
 
+@pytest.mark.slow
 def test_a_run_loads_no_library_that_it_does_not_need(tmp_path: Path) -> None:
     program = (
         "import sys\n"

@@ -14,6 +14,7 @@ def suite(room_map, tmp_path):
     return tmp_path / "suite.yaml"
 
 
+@pytest.mark.slow
 def test_maps_and_worlds_need_no_file(trundle, room_map):
     done = trundle(
         "evaluate", room_map, "--planners", "auto,astar", "--backends", "kinematic", "--seeds", "0:2", "-o", "a"
@@ -34,6 +35,7 @@ def test_seeds_on_the_command_line_are_those_of_worlds_with_missions_of_their_ow
     assert sorted((row["world"], row["seed"]) for row in rows) == [("room", 3), ("room", 4), ("tight", 3), ("tight", 4)]
 
 
+@pytest.mark.slow
 def test_a_suite_drives_in_maps_that_are_given_besides(trundle, suite, room_map, tmp_path):
     (tmp_path / "maze.yaml").write_text("worlds: {name: cylinders, seed: 3}\nbackends: kinematic\nmissions: 9\n")
     assert trundle("evaluate", "maze.yaml", room_map, "--seeds", "2", "-o", "a", "--quiet").code == 0
@@ -49,6 +51,7 @@ def test_a_suite_drives_in_maps_that_are_given_besides(trundle, suite, room_map,
     assert "office" in done.err
 
 
+@pytest.mark.slow
 def test_the_errors_of_a_localizer_are_columns_and_can_be_required(trundle, room_map, tmp_path):
     (tmp_path / "start.yaml").write_text(
         f"worlds: [{room_map}]\nbackends: kinematic\nmissions: 2\nlocalizer: odometry\n"
@@ -95,6 +98,7 @@ def test_a_finished_evaluation_is_not_run_again(trundle, suite):
     assert json.loads(lines[-1])["episodes"] == 4
 
 
+@pytest.mark.slow
 def test_an_episode_is_run_again_with_its_pictures(trundle, suite, tmp_path):
     trundle("evaluate", suite, "-o", "a", "--quiet")
     row = trundle("evaluate", "show", "a", "--json").json[1]
@@ -105,6 +109,7 @@ def test_an_episode_is_run_again_with_its_pictures(trundle, suite, tmp_path):
     assert (tmp_path / "again" / "overlay.png").exists()
 
 
+@pytest.mark.slow
 def test_failed_episodes_are_listed_with_the_command_that_repeats_them(trundle, room_map, tmp_path):
     (tmp_path / "suite.yaml").write_text(
         f"worlds: [{room_map}]\nbackends: kinematic\n"
@@ -156,6 +161,7 @@ def unmeasured(row):
     return {name: value for name, value in row.items() if name not in MEASURED}
 
 
+@pytest.mark.slow
 def test_what_was_damaged_is_named_and_runs_again(trundle, suite, tmp_path):
     trundle("evaluate", suite, "-o", "a", "--quiet")
     rows = trundle("evaluate", "show", "a", "--json").json
@@ -174,6 +180,7 @@ def test_what_was_damaged_is_named_and_runs_again(trundle, suite, tmp_path):
     assert [unmeasured(row) for row in shown] == [unmeasured(row) for row in rows]
 
 
+@pytest.mark.slow
 def test_a_map_that_is_gone_when_an_evaluation_is_continued_is_named_and_no_row_is_lost(trundle, suite, room_map):
     trundle("evaluate", suite, "-o", "a", "--quiet")
     image = room_map.with_suffix(".png")
@@ -187,6 +194,7 @@ def test_a_map_that_is_gone_when_an_evaluation_is_continued_is_named_and_no_row_
     assert json.loads(trundle("evaluate", suite, "-o", "a", "--json").out.splitlines()[0])["resumed"] == 4
 
 
+@pytest.mark.slow
 def test_the_other_kind_of_folder_is_answered_with_the_right_verb(trundle, suite, room_map):
     trundle("evaluate", suite, "-o", "a", "--quiet")
     ends = ["--start", "2.5,0", "--goal", "5,1"]

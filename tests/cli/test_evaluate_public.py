@@ -27,6 +27,7 @@ def dynabarn(tmp_path, monkeypatch):
     return tmp_path / "worlds.json"
 
 
+@pytest.mark.slow
 def test_barn_prints_its_score_and_writes_the_column(trundle, barn):
     done = trundle("evaluate", "barn", "--worlds", str(barn), "--seeds", "2", "-o", "runs/b", *QUICK)
     assert done.code == 0
@@ -39,6 +40,7 @@ def test_barn_prints_its_score_and_writes_the_column(trundle, barn):
     assert all(row["shortest_time_s"] < row["time_s"] for row in rows)
 
 
+@pytest.mark.slow
 def test_the_same_command_continues_and_judges_the_score(trundle, barn):
     command = ("evaluate", "barn", "--worlds", str(barn), "--seeds", "1", "-o", "runs/b", *QUICK)
     assert trundle(*command, "--require", "barn_score>=0.125").code == 0
@@ -49,6 +51,7 @@ def test_the_same_command_continues_and_judges_the_score(trundle, barn):
     assert last["mean_time_s"] > last["mean_shortest_time_s"]
 
 
+@pytest.mark.slow
 def test_every_failure_has_the_command_that_runs_it_again(trundle, barn):
     write_barn(barn, 9, [(x, 6.0) for x in np.arange(-2.5, -1.9, 0.15)] + [(-2.25, 3.0)])  # one on the start
     done = trundle("evaluate", "barn", "--worlds", str(barn), "--only", "9", "--seeds", "1", "-o", "runs/b", *QUICK)
@@ -64,6 +67,7 @@ def test_speeds_are_crossed():
     assert [robot["name"] for robot in robots] == ["jackal_1mps", "jackal_2.5mps"]
 
 
+@pytest.mark.slow
 def test_dynabarn_prints_the_success_of_each_level(trundle, dynabarn):
     command = ("evaluate", "dynabarn", "--worlds", str(dynabarn), "--phases", "1", "-o", "runs/d")
     done = trundle(*command, *QUICK)
@@ -118,6 +122,7 @@ def test_the_folder_of_a_run_is_not_written_into(trundle, barn, tmp_path):
     assert [path.name for path in (tmp_path / "r").iterdir()] == ["episode.json"]
 
 
+@pytest.mark.slow
 def test_both_spellings_of_what_is_crossed_are_taken(trundle, barn, room_map):
     given = ("--controllers", "regulated_pure_pursuit", "--planners", "auto", "--backends", "kinematic", "--seed", "1")
     done = trundle("evaluate", "barn", "--worlds", str(barn), "--only", "7", *given, "-o", "runs/b", "--quiet")

@@ -34,6 +34,7 @@ def test_a_map_becomes_a_world_file(trundle: Trundle, room_map: Path, tmp_path: 
     assert len(World.load(tmp_path / "out" / "room.sdf").solids) == len(World.from_map(room_map).solids)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::trundle.errors.RobotWarning")
 def test_models_are_robots_or_worlds_as_the_format_asks(trundle: Trundle, tmp_path: Path) -> None:
     assert trundle("export", "jackal", "--to", "urdf").code == 0

@@ -42,6 +42,7 @@ def without(tmp_path: Path):
     return run
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("hidden", "extra", "command"),
     [
@@ -72,6 +73,7 @@ def test_a_missing_extra_is_one_line(without, tmp_path, monkeypatch, hidden, ext
     assert install_line(extra) in done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("hidden", "extra", "code"),
     [

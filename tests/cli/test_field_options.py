@@ -50,6 +50,7 @@ def parse(field: str, *arguments: str, **more: Any) -> Any:
     return app(list(arguments), exit_on_error=False, print_error=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("field", "arguments", "value"),
     [

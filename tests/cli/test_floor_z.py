@@ -40,6 +40,7 @@ def test_a_map_is_built_over_the_floor(trundle, write):
     assert trundle("map", "build", hall, "--free", "0,0", "--json").json["floor_z_m"] == pytest.approx(0.5)
 
 
+@pytest.mark.slow
 def test_a_map_is_checked_against_the_world_over_its_floor(trundle, write):
     hall = write(HALL)
     assert trundle("map", "build", hall).code == 0
@@ -50,6 +51,7 @@ def test_a_map_is_checked_against_the_world_over_its_floor(trundle, write):
     assert "--world" in trundle("map", "check", "map.yaml", "--floor-z", 0.5).err
 
 
+@pytest.mark.slow
 def test_a_robot_drives_runs_and_is_seen_on_the_floor(trundle, write):
     hall = write(HALL)
     driven = trundle("drive", "nova_carter", "--world", hall, "--command", "0.4,0,1", "--start", "-2,0", "--json")
@@ -108,6 +110,7 @@ def write_on_plane(write, tmp_path):
     return make
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("height", [-0.5, 0.3])
 def test_a_plane_is_the_floor_of_every_verb(trundle, write_on_plane, height):
     world = write_on_plane(height)
@@ -126,6 +129,7 @@ def test_a_plane_is_the_floor_of_every_verb(trundle, write_on_plane, height):
     assert Path(f"{world.stem}.png").read_bytes() == Path("plane_0.0.png").read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("form", "file"), [("sdf", "w.sdf"), ("mjcf", "w.xml"), ("usd", "w.usda")])
 @pytest.mark.parametrize("height", [-0.5, 0.3])
 def test_an_exported_world_has_the_plane_where_it_was(trundle, write_on_plane, form, file, height):

@@ -105,6 +105,7 @@ def test_run_drives_on_the_environments_map_and_leaves_a_scenario_that_repeats_i
     assert second.stage_path == first.stage_path
 
 
+@pytest.mark.slow
 def test_the_same_scenario_runs_in_the_kinematic_simulator_and_in_isaac_sim(trundle, fake, room_map, tmp_path):
     scenario = tmp_path / "scenario.yaml"
     scenario.write_text(f"map: {room_map}\nstart: [0, 0, 0]\ngoal: [5, 2, 0]\n")
@@ -122,6 +123,7 @@ def test_the_command_that_the_guides_start_with_drives(trundle, fake):
     assert done.json["outcome"] == "arrived"
 
 
+@pytest.mark.slow
 def test_a_world_of_usd_is_opened_as_it_is(trundle, fake, assets):
     file = assets / "Isaac/Environments/Simple_Warehouse/warehouse.usd"
     done = trundle(
@@ -131,6 +133,7 @@ def test_a_world_of_usd_is_opened_as_it_is(trundle, fake, assets):
     assert fake.stage_path == str(file)
 
 
+@pytest.mark.slow
 def test_an_environment_is_a_world_where_its_file_is_at_hand(trundle, fake, assets, tmp_path):
     scenes = tmp_path / "assets" / "Isaac" / "Environments" / "Simple_Warehouse"
     shutil.copytree(assets, tmp_path / "assets")
@@ -217,6 +220,7 @@ def test_without_isaac_sim_the_message_says_how_to_start(trundle, room_map, monk
     assert "python.sh -m trundle" in done.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("generation", [5, 6])
 @pytest.mark.parametrize("kind", ["map", "usd"])
 def test_a_run_needs_neither_mujoco_nor_viser_nor_usd_core(assets, tmp_path, generation, kind):

@@ -26,6 +26,7 @@ def test_a_good_map_is_done(trundle: Trundle, tmp_path: Path) -> None:
     assert done.out == "map.yaml: nothing found\n"
 
 
+@pytest.mark.slow
 def test_an_error_is_exit_code_1_and_is_put_right(trundle: Trundle, flipped: Path, tmp_path: Path) -> None:
     done = trundle("map", "check", flipped, *WORLD, "--fix", "right.yaml", "-o", "report.png", "--json")
     assert done.code == 1, done.err
@@ -159,6 +160,7 @@ def test_fifteen_lines_are_enough_for_every_kind(trundle: Trundle, rough: Path) 
     assert lines[1].startswith("error: disconnected")
 
 
+@pytest.mark.slow
 def test_a_map_that_agrees_nowhere_is_no_success(trundle: Trundle, tmp_path: Path) -> None:
     map_of(warehouse()).save(tmp_path / "map.yaml")
     done = trundle("map", "check", "map.yaml", "--world", "maze", "--seed", 5)

@@ -151,6 +151,7 @@ def test_bad_input_leaves_nothing(
     assert [path.name for path in tmp_path.iterdir()] == ["maps"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("door_m", [0.0, 0.4])
 def test_where_there_is_no_path_the_exit_code_is_not_bad_input(trundle: Trundle, tmp_path: Path, door_m: float) -> None:
     room(door_m=door_m).save(tmp_path / "door.yaml")
@@ -259,6 +260,7 @@ def test_a_comparison_without_any_path_says_why_and_leaves_no_picture(trundle: T
     assert not (tmp_path / "all.png").exists()
 
 
+@pytest.mark.slow
 def test_masks_turn_the_path_aside_and_are_drawn(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
     ends = ("--start", "0,0.5,0", "--goal", "6,0.5,0", "--robot", "turtlebot3_burger", "--json")
     zone = OccupancyGrid(np.full((10, 10), 100, dtype=np.int8), 0.1, Pose2D(2.5, 0.0))

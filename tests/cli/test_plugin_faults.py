@@ -128,6 +128,7 @@ def only_run() -> Episode:
     return Episode.load(folder)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("error", ["value", "input", "unknown", "os", "odd", "base", "exit", "broken", "surrogate"])
 def test_a_planner_that_raises_anything(trundle: Trundle, room_map: Path, mine: Path, error: str) -> None:
     options = ("--planner", "my_plugins:Planner", "--planner-option", f"error={error}", "--no-video")
@@ -231,6 +232,7 @@ def test_a_page_shows_the_error_and_can_restart(trundle: Trundle, room_map: Path
     assert len(list(Path("runs").iterdir())) == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("option", "shown"), [("at=1", "end"), ("where=init", "error")])
 def test_a_server_stays_up_after_a_plugin_has_raised(tmp_path: Path, mine: Path, option: str, shown: str) -> None:
     command = [sys.executable, "-m", "trundle", "serve", "office", "--backend", "kinematic", "--port", "0", "--no-open"]

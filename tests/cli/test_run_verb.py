@@ -309,6 +309,7 @@ def test_an_output_folder_that_is_read_only(trundle: Trundle, room_map: Path, tm
     assert list(locked.iterdir()) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_a_run_that_is_stopped(room_map: Path, tmp_path: Path, number: signal.Signals) -> None:
     """Ctrl-C gives an aborted run with its files; a kill leaves no half file."""
@@ -354,6 +355,7 @@ def test_no_map_needs_lidars(trundle):
     assert "needs lidars: give lidar: true" in done.err
 
 
+@pytest.mark.slow
 def test_settings_of_sensing_are_given_as_pairs(trundle, tmp_path):
     pairs = ("--latency", "scan_age_s=0.1", "--latency", "command_delay_s=0.05", "--odometry", "heading=1deg")
     pairs += (
@@ -381,6 +383,7 @@ def test_settings_of_sensing_are_given_as_pairs(trundle, tmp_path):
     assert again.layers == scenario.layers
 
 
+@pytest.mark.slow
 def test_what_a_localizer_has_to_bear_is_given_as_pairs_and_repeated_by_the_scenario_that_is_written(trundle):
     pairs = ("--odometry", "scale=0.05", "--odometry", "slips=6", "--lidar-errors", "noise=0.02")
     pairs += ("--lidar-errors", "dropouts=0.1", "--map-errors", "missing=0.25", "--map-errors", "ghosts=3")

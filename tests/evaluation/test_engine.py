@@ -40,6 +40,7 @@ def test_rows_are_the_same_for_any_number_of_workers(room_map, tmp_path):
     assert {row["outcome"] for row in rows} == {"arrived"}
 
 
+@pytest.mark.slow
 def test_a_planner_that_crashes_hangs_leaks_or_raises_costs_only_its_own_episodes(room_map, tmp_path):
     limits = {"wall_s": 4.0, "memory_mb": 600.0}
     settings = {"worlds": [room_map], "backends": "kinematic", "limits": limits, "missions": listed(STARTS)}
@@ -59,6 +60,7 @@ def test_a_planner_that_crashes_hangs_leaks_or_raises_costs_only_its_own_episode
             assert row.time_s == by_mission[row.mission].time_s
 
 
+@pytest.mark.slow
 def test_an_evaluation_that_was_interrupted_is_continued(room_map, tmp_path):
     suite = Suite.make(worlds=[room_map], backends="kinematic", seeds=8)
 
@@ -76,6 +78,7 @@ def test_an_evaluation_that_was_interrupted_is_continued(room_map, tmp_path):
     assert unmeasured(tmp_path / "stopped") == unmeasured(tmp_path / "whole")
 
 
+@pytest.mark.slow
 def test_a_changed_suite_keeps_the_rows_that_still_hold(room_map, tmp_path):
     settings = {"name": "same", "worlds": [room_map], "backends": "kinematic"}
     run_suite(Suite.make(**settings, planners=["auto", "astar"], seeds=2), tmp_path / "out", workers=1)
@@ -95,6 +98,7 @@ run_suite(Suite.load(sys.argv[1]), sys.argv[2], workers=2)
 """
 
 
+@pytest.mark.slow
 def test_rows_after_killed_drivers_are_those_of_an_uninterrupted_run(room_map, tmp_path):
     suite = Suite.make(worlds=[room_map], backends="kinematic", planners=["auto", "astar"], seeds=10)
     suite.save(tmp_path / "suite.yaml")
@@ -181,6 +185,7 @@ def test_an_episode_is_repeated_by_its_scenario(room_map, tmp_path):
     assert episode.metrics.distance_m == row.distance_m
 
 
+@pytest.mark.slow
 def test_an_unfinished_evaluation_is_a_balanced_sample_that_says_what_is_missing(room_map, tmp_path):
     worlds = [room_map, {"name": room_map, "label": "again", "options": {"height": 0.5}}]
     suite = Suite.make(worlds=worlds, backends="kinematic", planners=["auto", "astar"], seeds=6)
@@ -207,6 +212,7 @@ def test_an_unfinished_evaluation_is_a_balanced_sample_that_says_what_is_missing
     assert Evaluation(tmp_path / "out").results.stopped is None
 
 
+@pytest.mark.slow
 def test_a_time_budget_ends_it_with_a_report_and_is_continued(room_map, tmp_path):
     missions = listed([0.8, HANG, 0.9, 1.1])
     suite = {"worlds": [room_map], "backends": "kinematic", "missions": missions, "planners": FaultyPlanner}

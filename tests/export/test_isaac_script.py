@@ -53,6 +53,7 @@ def run_script(path, fake, monkeypatch, *arguments):
     return np.array(poses)
 
 
+@pytest.mark.slow
 def test_it_drives_the_plan_to_the_goal_without_touching_anything(fake, monkeypatch, tmp_path, capsys):
     setting = Scenario.make(world="office", seed=2).prepare()
     robot, costmap, goal = setting.robot, setting.navigator.costmap, setting.goals[-1]
@@ -70,6 +71,7 @@ def test_it_drives_the_plan_to_the_goal_without_touching_anything(fake, monkeypa
     assert fake.app_closes == 1
 
 
+@pytest.mark.slow
 def test_it_drives_in_an_environment_of_isaac_sim(fake, monkeypatch, tmp_path, assets):
     world = World.load(assets / "Isaac/Environments/Simple_Warehouse/warehouse.usd")
     scene = plan(Robot.load("nova_carter"), world, (-2.5, -1.0, 0.0), (2.0, 1.5), (-2.5, 1.5, 3.14))
@@ -81,6 +83,7 @@ def test_it_drives_in_an_environment_of_isaac_sim(fake, monkeypatch, tmp_path, a
     assert abs(poses[-1][2]) == pytest.approx(3.14, abs=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("unit", "multiplier", "limits"),
     [("percent", 1.0, (0.2, 0.4)), ("absolute", 0.01, (0.25, 0.5))],
@@ -170,6 +173,7 @@ def test_with_a_window_it_stays_open_at_the_goal_until_it_is_closed(fake, monkey
     assert fake.app_closes == 1
 
 
+@pytest.mark.slow
 def test_it_ends_when_the_window_is_closed_on_the_way(fake, monkeypatch, tmp_path, capsys):
     world = World.load(fake.assets / "Isaac/Environments/Simple_Warehouse/warehouse.usd")
     scene = plan(Robot.load("nova_carter"), world, (-2.5, -1.0, 0.0), (2.0, 1.5))

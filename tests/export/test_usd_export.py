@@ -72,6 +72,7 @@ def test_a_world_comes_back_as_it_was(tmp_path, world, suffix):
     assert back.solids[1].shape.length == pytest.approx(2.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_second_round_changes_nothing(tmp_path, world):
     export_world(world, tmp_path / "once.usda")
     export_world(World.load(tmp_path / "once.usda"), tmp_path / "twice.usda")
@@ -227,6 +228,7 @@ def _wxyz(quaternion):
     return (quaternion.GetReal(), *quaternion.GetImaginary())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ROBOTS)
 def test_joints_have_the_robots_names_and_places(tmp_path, name):
     robot = Robot.load(name)

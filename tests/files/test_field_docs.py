@@ -32,6 +32,7 @@ def test_every_field_is_described(model):
     assert [name for name, text in describe_fields(model).items() if not text and name != "type"] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_a_commented_scenario_is_the_same_and_valid(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
@@ -70,6 +71,7 @@ def test_a_plain_robot_stands_and_drives():
         assert simulator.robot.name == "p"
 
 
+@pytest.mark.slow
 def test_schemas_refuse_what_the_models_refuse():
     schema = json_schema(Scenario, "x")
     for wrong in ({"world": "a", "sped": 1}, {"world": "a", "resolution": 0}, {"world": "a", "unknown": "wall"}):

@@ -97,8 +97,25 @@ def check_surfaces(generator: random.Random) -> None:
     assert not known.table(0.1)[0].any()
 
 
+def check_corner(generator: random.Random) -> None:
+    """A scan of a corner finds back to where the corner was seen from."""
+    rng = rng_of(generator)
+    along = np.arange(0.0, 4.0, 0.05)
+    points = np.concatenate([np.column_stack(pair) for pair in ((along, 0.0 * along), (0.0 * along, along))])
+    normals = np.repeat(((0.0, 1.0), (1.0, 0.0)), len(along), axis=0)
+    pose = rng.uniform(-2.0, 2.0, 3)
+    known = SurfaceMap(0.1)
+    known.add(points, normals, pose, 1)
+    start = pose + rng.uniform(-1.0, 1.0, 3) * (0.05, 0.05, 0.02)
+    settings = np.array((0.2, 0.08, 0.03, 60.0, 10.0))
+    poses, _, fits = known.match(points, normals, start[None], start, np.eye(3), settings)
+    assert np.allclose(poses[0], pose, atol=5e-4)
+    assert fits[0, 0] > 0.99
+
+
 def one_round(generator: random.Random) -> None:
     check_normals(generator)
     check_graph(generator)
     check_drawing(generator)
     check_surfaces(generator)
+    check_corner(generator)

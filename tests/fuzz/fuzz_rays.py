@@ -10,6 +10,8 @@ import numpy as np
 from fuzz.loop import attempt, rng_of, spoil
 from support.lone_hits_oracle import find_lone_hits as find_lone_hits_slowly
 from support.moved_points_oracle import find_moved as find_moved_slowly
+from support.near_points_oracle import outline_clearances as outline_clearances_slowly
+from support.near_points_oracle import points_around as points_around_slowly
 from trundle._core import (
     cast_grid_rays,
     cast_jumping_rays,
@@ -17,6 +19,8 @@ from trundle._core import (
     chebyshev_field,
     find_lone_hits,
     find_moved,
+    outline_clearances,
+    points_around,
 )
 from trundle.geometry import FloatArray
 
@@ -182,5 +186,27 @@ def check_lone(generator: random.Random) -> None:
     assert find_lone_hits(*arguments).tolist() == find_lone_hits_slowly(*arguments)
 
 
+def check_near(generator: random.Random) -> None:
+    """Points that stand and move, at poses of a box; those on the rim of what counts are left out."""
+    rng = rng_of(generator)
+    points = rng.uniform(-3.0, 3.0, (generator.choice((0, 1, 3, 300)), 2))
+    velocities = np.where(rng.random((len(points), 1)) < 0.3, rng.uniform(-1.0, 1.0, points.shape), 0.0)
+    around = (points, generator.choice((velocities, velocities[:0])), rng.uniform(-2.0, 2.0, 3), 0.3, 1.5, 1.0)
+    poses = rng.uniform(-1.0, 1.0, (generator.choice((1, 9)), 3))
+    times = np.linspace(0.0, 1.0, len(poses)) if generator.random() < 0.5 else np.zeros(0)
+    ahead, behind, aside = rng.uniform(0.1, 0.6, 3).tolist()
+    outline = np.array([(ahead, -aside), (ahead, aside), (-behind, aside), (-behind, -aside)])
+    sides = np.array([(1.0, 0.0, ahead), (0.0, 1.0, aside), (-1.0, 0.0, behind), (0.0, -1.0, aside)])
+    clear = (points, velocities, poses, times, outline, sides, generator.choice((0.0, 0.3)), generator.choice((1, 3)))
+    if generator.random() < 0.3:
+        attempt(points_around, spoil(generator, around))
+        attempt(outline_clearances, spoil(generator, clear))
+        return
+    for found, expected in zip(points_around(*around), points_around_slowly(*around), strict=True):
+        assert np.shape(found) == np.shape(expected)
+        assert np.allclose(found, expected, rtol=0.0, atol=1e-9)
+    assert np.allclose(outline_clearances(*clear), outline_clearances_slowly(*clear), rtol=0.0, atol=1e-9)
+
+
 def one_round(generator: random.Random) -> None:
-    generator.choice((check_cells, check_jumps, check_outlines, check_moved, check_lone))(generator)
+    generator.choice((check_cells, check_jumps, check_outlines, check_moved, check_lone, check_near))(generator)

@@ -20,6 +20,7 @@ from fuzz import (
     fuzz_localization,
     fuzz_map_reader,
     fuzz_mapping,
+    fuzz_missions,
     fuzz_mppi,
     fuzz_png_filter,
     fuzz_raster,
@@ -73,10 +74,11 @@ TARGETS = {
         fuzz_rays.one_round,
         (
             *("cast_grid_rays", "cast_jumping_rays", "chebyshev_field"),
-            *("cast_outline_rays", "find_moved", "find_lone_hits"),
+            *("cast_outline_rays", "find_moved", "find_lone_hits", "points_around", "outline_clearances"),
         ),
         1000,
     ),
+    "missions": Target(fuzz_missions.one_round, ("MissionDriver", "outline_distances", "polyline_distances"), 60),
     "batch": Target(fuzz_batch.one_round, ("Batch",), 300),
     "localization": Target(
         fuzz_localization.one_round,

@@ -9,6 +9,7 @@ from fuzz.targets import TARGETS
 from trundle import _core
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TARGETS)
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_no_round_has_a_finding(name):

@@ -18,6 +18,7 @@ from trundle.guard import Child
 from trundle.sim.mujoco.joints import list_joints
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", LOADERS)
 def test_mutated_files_are_read_or_refused(form):
     ends, findings = play(form, range(12), 0, time.monotonic() + 300.0)
@@ -122,6 +123,7 @@ def test_a_file_that_takes_too_much_time_or_memory_is_a_finding(monkeypatch):
     assert len(play("scenario", range(2), 0, time.monotonic() + 60.0)[1]) == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["barn", "directives", "dynabarn", "evaluation", "mcap", "nav2", "run", "suite"])
 def test_the_command_line_reads_the_files_that_are_mutated(form, tmp_path):
     for source in loader_seeds.SEEDS[form](tmp_path):

@@ -18,6 +18,7 @@ from fuzz import (
     fuzz_layers,
     fuzz_localization,
     fuzz_mapping,
+    fuzz_missions,
     fuzz_mppi,
     fuzz_png_filter,
     fuzz_rays,
@@ -151,11 +152,43 @@ class ShortSightedBatch(_core.Batch):
         ranges *= 1.0 - 1e-5
 
 
+class HastyDriver(_core.MissionDriver):
+    """Commands a little more than the navigator."""
+
+    def drive(self, *arguments: Any) -> Any:
+        rows, ends, results = super().drive(*arguments)
+        rows[1:, 5] *= 1.0 + 1e-6
+        return rows, ends, results
+
+
 class DriftingTracker(_core.ScanTracker):
     """Predicts too far."""
 
     def tracks(self, now: float) -> Any:
         return super().tracks(now + 1e-4)
+
+
+class LossySurfaceMap(_core.SurfaceMap):
+    """Does not take away what is taken from it."""
+
+    def add(self, points: Any, normals: Any, pose: Any, sign: int) -> None:
+        super().add(points, normals, pose, abs(sign))
+
+
+class SkewedSurfaceMap(_core.SurfaceMap):
+    """Matches a little beside the surfaces."""
+
+    def match(self, *arguments: Any) -> Any:
+        poses, *rest = super().match(*arguments)
+        return poses + 1e-3, *rest
+
+
+class ShiftedSurfaceMap(_core.SurfaceMap):
+    """Finds scans a little beside where they fit."""
+
+    def search(self, *arguments: Any) -> Any:
+        pose, share = super().search(*arguments)
+        return pose + 1e-3, share
 
 
 def painted_beside(paint: Function) -> Function:
@@ -216,10 +249,15 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "rays that jump": ("rays", fuzz_rays, "cast_jumping_rays", scaled(1e-15)),
     "free squares": ("rays", fuzz_rays, "chebyshev_field", one_more),
     "rays to outlines": ("rays", fuzz_rays, "cast_outline_rays", scaled(1e-2)),
+    "whole missions": ("missions", fuzz_missions, "MissionDriver", lambda _: HastyDriver),
+    "outlines to polygons": ("missions", fuzz_missions, "outline_distances", scaled(1e-6)),
+    "points to a polyline": ("missions", fuzz_missions, "polyline_distances", scaled(1e-6)),
     "motion of many": ("batch", fuzz_batch, "Batch", lambda _: SlowBatch),
     "scans of many": ("batch", fuzz_batch, "Batch", lambda _: ShortSightedBatch),
     "lone hits": ("rays", fuzz_rays, "find_lone_hits", one_more),
     "what has moved": ("rays", fuzz_rays, "find_moved", part(0, lambda velocities: velocities * 1.001)),
+    "points round a robot": ("rays", fuzz_rays, "points_around", part(0, lambda places: places + 1e-6)),
+    "clearances of an outline": ("rays", fuzz_rays, "outline_clearances", scaled(1e-6)),
     "tracks": ("tracking", fuzz_tracking, "ScanTracker", lambda _: DriftingTracker),
     "marks of a scan": ("layers", fuzz_layers, "mark_scan", first_cell_changed),
     "marks that are old": ("layers", fuzz_layers, "unmark_before", first_cell_changed),
@@ -234,6 +272,10 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "peak of particles": ("localization", fuzz_localization, "peak_particle", scaled(1e-3)),
     "normals": ("mapping", fuzz_mapping, "find_normals", scaled(0.01)),
     "poses of a graph": ("mapping", fuzz_mapping, "solve_graph", part(0, lambda poses: poses + 1e-3)),
+    "surfaces that stay": ("mapping", fuzz_mapping, "SurfaceMap", lambda _: LossySurfaceMap),
+    "matches of surfaces": ("mapping", fuzz_mapping, "SurfaceMap", lambda _: SkewedSurfaceMap),
+    "places on surfaces": ("mapping", fuzz_mapping, "SurfaceMap", lambda _: ShiftedSurfaceMap),
+    "cells of beams": ("mapping", fuzz_mapping, "count_beams", first_cell_changed),
     "cells of a map": ("mapping", fuzz_mapping, "draw_cells", one_more),
     "pictures": ("zbuffer", fuzz_zbuffer, "draw_triangles", part(1, lambda depths: depths * 1.001)),
     "row filters": ("png_filter", fuzz_png_filter, "png_unfilter", last_cell_changed),

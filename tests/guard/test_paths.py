@@ -46,6 +46,7 @@ WRITERS = {
 CASES = [(name, suffix) for name, (_, suffixes) in READERS.items() for suffix in suffixes]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stem", STEMS)
 @pytest.mark.parametrize(("name", "suffix"), CASES)
 def test_readers_refuse_them(name, suffix, stem):
@@ -105,6 +106,7 @@ COMMANDS = [
 ]
 
 
+@pytest.mark.slow
 def test_every_verb_refuses_them(tmp_path):
     """In one process, which takes a second to start."""
     script = (

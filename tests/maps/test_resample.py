@@ -38,6 +38,7 @@ yaws = st.one_of(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(seed=st.integers(0, 1000), yaw=yaws, resolution=st.sampled_from([None, 0.05, 0.07, 0.17, 0.3, 1.1]))
 def test_a_cell_has_the_most_careful_value_of_all_that_it_overlaps(seed, yaw, resolution):

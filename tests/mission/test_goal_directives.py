@@ -196,6 +196,7 @@ def test_a_path_that_is_elsewhere_is_refused(session, steering, watch):
     assert "no pose of the path is within 1.5 m of the robot" in str(watch.refused[0])
 
 
+@pytest.mark.slow
 def test_a_path_waits_for_what_stands_on_it(world, room, carter, start, steering, watch):
     with simulate(world, carter, backend="kinematic", lidar=True) as sim:
         session = Session(sim, Navigator(room, carter), start, None, steering=steering)

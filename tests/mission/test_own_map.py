@@ -71,10 +71,19 @@ def test_the_localizer_finishes_its_map_once_at_the_end():
     assert localizer.finished == 1
 
 
+def test_slam_says_with_the_map_where_it_comes_from():
+    _, _, steps, episode = listen("slam")
+    track = steps[-1].map_track
+    assert len(track.poses) > 2
+    assert track.poses[:, 0] == pytest.approx(np.sort(track.poses[:, 0]))
+    assert (track.loops.shape[1], track.corrections) == (2, ())
+    assert len(episode.own_map.track.poses) >= len(track.poses)
+
+
 def test_other_localizers_make_none():
     _, times, steps, episode = listen("odometry")
     assert times == []
-    assert steps[-1].map is None
+    assert (steps[-1].map, steps[-1].map_track) == (None, None)
     assert episode.own_map is None
 
 
@@ -134,6 +143,16 @@ def test_a_maze_is_explored_by_slam():
     assert exploration.open
 
 
+def test_mppi_explores_among_people():
+    people = [{"crowd": "person", "count": 3}]
+    exploration = trundle.explore(
+        "maze", seed=2, backend="kinematic", controller="mppi", movers=people, time_limit_s=5.0
+    )
+    assert exploration.episode.metrics.contacts == ()
+    assert exploration.episode.metrics.distance_m > 1.0
+    assert len(exploration.graph.poses) > 3
+
+
 def test_an_exploration_has_no_goal_and_no_other_agent():
     with pytest.raises(ScenarioError, match="has no goal"):
         trundle.explore("maze", goal=(3.0, 1.0))
@@ -142,7 +161,8 @@ def test_an_exploration_has_no_goal_and_no_other_agent():
 
 
 @pytest.mark.parametrize(("options", "kept"), [({}, False), ({"low_objects": True}, True)])
-def test_what_no_lidar_sees_is_left_out_unless_it_is_asked_for(options, kept):
-    scenario = exploring(Scenario.make(world={"name": "warehouse", "options": options}))
+@pytest.mark.parametrize("name", ["warehouse", "office", "lot"])
+def test_what_no_lidar_sees_is_left_out_unless_it_is_asked_for(name, options, kept):
+    scenario = exploring(Scenario.make(world={"name": name, "options": options}))
     assert scenario.world.options["low_objects"] is kept
     assert (scenario.known_map, scenario.localizer.name, scenario.agent.name) == (False, "slam", "explorer")

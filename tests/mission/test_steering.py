@@ -199,6 +199,7 @@ def test_goals_and_driving_by_hand_extend_the_default_time_limit(make_sim, navig
 # Boxes ----------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_dropped_box_is_in_the_scans_and_not_in_the_way_of_the_state(room, world, carter, start, steering):
     for backend in BACKENDS:
         with simulate(world, carter, backend=backend, lidar=True) as sim:
@@ -256,6 +257,7 @@ def steer_all(session, steering):
     return session.run()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_a_steered_run_is_repeated_bit_for_bit_from_its_folder(backend, room, steering, tmp_path, wall):
     room.save(tmp_path / "room.yaml")

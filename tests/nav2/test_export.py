@@ -211,6 +211,7 @@ def place(map_file):
     return make_place(Scenario.make(map=str(map_file)))
 
 
+@pytest.mark.slow
 @given(settings=SETTINGS, distro=st.sampled_from(DISTROS))
 def test_what_both_sides_have_comes_back(settings, distro, map_file, place: Place):
     first = scenario_of(settings, map_file, "nova_carter")

@@ -64,7 +64,7 @@ def test_what_was_read_is_no_longer_listed(write):
         ("ros__parameters: {a: 1}\n", "under the name of a node"),
         ("a:\n  ros__parameters: [1]\n", "must be a mapping"),
         ("a: &x\n  ros__parameters: {a: 1}\nb: *x\n", "anchors and aliases"),
-        ("a:\n  ros__parameters: {a: 1, a: 2}\n", "given twice"),
+        ("a:\n  ros__parameters: {[a]: 1}\n", "a key must be a plain name"),
         ("a:\n  ros__parameters: " + "{b: " * 60 + "1" + "}" * 60 + "\n", "nested more than"),
         ("a:\n  ros__parameters: {a: '" + "x" * 300_000 + "'}\n", "larger than"),
         ("a:\n  ros__parameters: {a: [1, 2}\n", "not valid YAML"),
@@ -77,6 +77,27 @@ def test_what_was_read_is_no_longer_listed(write):
 def test_files_that_cannot_be_used_are_refused(write, text, message):
     with pytest.raises(InputError, match=message):
         ParameterFile(write(text)).node("a")
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "lines", "counts"),
+    [
+        ("a:\n  ros__parameters:\n    x: 1.5\n    x: 2.5\n", 2.5, (3, 4), 4),
+        ("a:\n  ros__parameters:\n    p: {x: 1}\n    p.x: 2\n", 2, (3, 4), 4),
+        ("a:\n  ros__parameters: {x: 1}\na:\n  ros__parameters: {x: 2, y: 3}\n", 2, (2, 4), 4),
+        ("a:\n  ros__parameters:\n    x: 1\n    x: 0.5\n", 1, (3, 4), 3),  # the integer is looked for first
+        ("a:\n  ros__parameters:\n    x: 'no'\n    x: true\n", True, (3, 4), 4),
+        ("a:\n  ros__parameters:\n    x: [1, 2]\n    x: 3\n    x: [4]\n", 3, (4, 5), 4),
+    ],
+)
+def test_what_is_given_twice_counts_as_in_ros(write, text, value, lines, counts):
+    file = ParameterFile(write(text))
+    name = "p.x" if "p.x" in text else "x"
+    found = file.node("a").find(name)
+    assert (found.value, type(found.value), found.line) == (value, type(value), counts)
+    last = file.repeated[-1]
+    assert (last.node, last.first, last.second, last.counts) == ("a", *lines, found)
+    assert file.nodes() == ["a"]
 
 
 @pytest.mark.parametrize("value", [".nan", ".inf", "abc", "true", "[1]", "''", "null"])

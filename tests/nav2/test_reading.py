@@ -460,3 +460,11 @@ def test_without_a_lidar_the_robot_knows_its_true_pose_and_amcls_parameters_are_
     made, found = localizer(write, "max_particles: 2000", "amcl:\n  ros__parameters:\n")
     assert made is None
     assert "without a lidar or a map" in texts_of(found, "max_particles")[0]
+
+
+def test_a_key_that_is_given_twice_counts_as_in_ros_with_a_remark(write):
+    text = "planner_server:\n  ros__parameters:\n    GridBased.tolerance: 0.5\n    GridBased.tolerance: 0.25\n"
+    found = read_nav2_params(write(text))
+    (remark,) = [one for one in found.remarks if "given twice" in one.text]
+    assert (remark.node, remark.name, remark.value, remark.line) == ("planner_server", "GridBased.tolerance", 0.25, 4)
+    assert remark.text == "it is given twice, in lines 3 and 4: line 4 counts, as in ROS"

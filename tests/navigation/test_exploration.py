@@ -75,6 +75,17 @@ def test_what_lies_behind_a_wall_cannot_be_looked_at():
     assert find_frontiers(costmap_of(cells), Pose2D(1.5, 3.0)) == []
 
 
+def test_a_long_frontier_is_looked_at_from_its_ends_where_its_middle_is_behind_a_wall():
+    cells = np.zeros((240, 200), np.int8)  # 12 x 10 m, the right half unknown
+    cells[[0, -1], :] = cells[:, [0, -1]] = 100
+    cells[:, 100:] = -1
+    cells[30:210, 97] = 100  # between wall and border the robot does not fit
+    (found,) = find_frontiers(costmap_of(cells), Pose2D(1.5, 6.0))
+    assert found.length == pytest.approx(11.9, abs=0.1)
+    assert abs(found.y - 6.0) > 3.0
+    assert math.dist(found.view, (found.x, found.y)) < 3.0
+
+
 def test_a_robot_beside_the_map_finds_none():
     assert find_frontiers(costmap_of(half_room()), Pose2D(50.0, 3.0)) == []
 

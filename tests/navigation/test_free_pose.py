@@ -5,7 +5,7 @@ from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError
 from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
-from trundle.navigation.plan_ends import free_ends, nearest_free_pose
+from trundle.navigation.route_planner import free_ends, nearest_free_pose
 from trundle.robots import Robot
 
 CARTER = Robot.load("nova_carter")

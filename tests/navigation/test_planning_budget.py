@@ -55,6 +55,7 @@ def settings(**given):
     return NavigatorSettings(planning_deadline_s=None, **given)
 
 
+@pytest.mark.slow
 def test_a_drive_in_a_closed_place_ends_when_its_expansions_are_used_up():
     planner = Planner(100_000)
     limits = settings(patience_s=60.0, replan_expansions=300_000, replan_rate=None)
@@ -69,6 +70,7 @@ def test_a_drive_in_a_closed_place_ends_when_its_expansions_are_used_up():
     assert "the last one: no path from" in str(navigator.error)
 
 
+@pytest.mark.slow
 def test_large_plans_wait_until_the_ones_before_are_paid_for():
     planner = Planner(100_000)
     limits = settings(patience_s=30.0, replan_expansions=None, replan_rate=10_000)
@@ -124,6 +126,7 @@ def test_a_search_that_failed_is_not_made_again_while_nothing_has_changed():
     assert navigator.status is NavigationStatus.NO_PATH
 
 
+@pytest.mark.slow
 def test_noise_of_the_lidar_is_no_reason_to_search_again():
     planner = Planner(1)
     navigator = Navigator(grid_of(room()), ROBOT, planner=planner, recovery=(), settings=settings(patience_s=40.0))
@@ -205,6 +208,7 @@ class SlowClock:
         return self.now
 
 
+@pytest.mark.slow
 def test_a_run_that_uses_its_expansions_up_is_the_same_on_a_slow_machine(monkeypatch):
     runs = []
     for clock in (None, SlowClock()):

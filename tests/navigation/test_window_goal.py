@@ -4,7 +4,7 @@ from trundle.costmap import INSCRIBED, Costmap
 from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.mission import Scenario
-from trundle.navigation.plan_ends import goal_in_window
+from trundle.navigation.route_planner import goal_in_window
 from trundle.robots import Robot
 
 CARTER = Robot.load("nova_carter")

@@ -12,6 +12,7 @@ from support.doubtful import COVARIANCE, DoubtfulLocalizer
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.mission.metrics import cross_track_errors
 from trundle.mission.observers import SteeringReport
+from trundle.mission.own_map import Correction, MapTrack
 from trundle.navigation import NavigationStatus
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.observation import Scan
@@ -250,6 +251,20 @@ def test_events_say_what_happens(drive):
         ("goal", "goal 1 reached"),
     ]
     assert [event["t"] for event in events.found[1:]] == [steps.steps[n].state.time for n in (0, 1, 3, 4, 5, 6, 8)]
+
+
+def test_a_correction_of_the_map_is_named_once(drive):
+    steps = Steps()
+    drive(steps)
+    events = Events()
+    one, other = Correction(0.1, 0.02, 3.0, 1.0, 2.0), Correction(0.42, 0.0523598, 5.0, 3.14, 4.2)
+    for index, known in enumerate(((), (one,), (one,), (other, one), (other, one))):
+        track = MapTrack(np.zeros((2, 3)), np.zeros((0, 2), np.int32), known)
+        events.add(replace(steps.steps[index], path=None, map_track=track))
+    assert [event["text"] for event in events.found] == [
+        "the estimate was corrected by 0.10 m and 1.1° at (1.0, 2.0)",
+        "the estimate was corrected by 0.42 m and 3.0° at (3.1, 4.2)",
+    ]
 
 
 def test_the_monitor_is_reported_once_a_second(drive):

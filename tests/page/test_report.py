@@ -91,6 +91,7 @@ def copied(folder, tmp_path):
     return shutil.copytree(folder, tmp_path / "copy")
 
 
+@pytest.mark.slow
 def test_the_report_of_a_sensed_run_has_all_and_is_small(folder):
     file = folder / "report.html"
     boot, run = boot_of(file), run_of(file)
@@ -142,6 +143,7 @@ def test_costmaps_come_back_from_their_differences(folder, carter, hall):
     assert [one["t"] for one in encode_costmaps([(0.0, first), (2.0, second), (4.0, first)], 100)] == [0.0]
 
 
+@pytest.mark.slow
 def test_a_long_run_stays_within_bounds(monkeypatch, drive):
     monkeypatch.setattr("trundle.page.run_data.MOST_ROWS", 40)
     monkeypatch.setattr("trundle.page.run_data._MOST_FRAME_BYTES", 30_000)
@@ -176,6 +178,7 @@ def test_the_same_data_give_the_same_report(copied):
     assert (copied / "report.html").read_bytes() == first
 
 
+@pytest.mark.slow
 def test_a_report_made_again_keeps_what_was_seen(folder, copied):
     before = run_of(copied / "report.html")
     assert report_folder(copied) == copied / "report.html"
@@ -186,6 +189,7 @@ def test_a_report_made_again_keeps_what_was_seen(folder, copied):
     assert run_of(other) == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "damage", [None, "", "<html>", '<script type="application/json" id="boot">{"verdict":3}</script>']
 )

@@ -183,6 +183,19 @@ def test_a_costmap_is_a_picture_of_its_costs(carter, hall):
     np.testing.assert_array_equal(pixels(costmap_png(costmap)), costmap.data[::-1])
 
 
+def test_unknown_cells_of_a_costmap_are_unknown_even_where_the_robot_may_drive(carter):
+    from trundle.costmap import Costmap
+
+    cells = np.full((40, 40), -1, dtype=np.int8)
+    cells[:, :20] = 0
+    cells[20, 30] = 100
+    costmap = Costmap.from_grid(OccupancyGrid(cells, 0.05), carter, unknown="costly")
+    shown = pixels(costmap_png(costmap))[::-1]
+    assert shown[20, 30] == 254
+    assert shown[39, 39] == 255
+    np.testing.assert_array_equal(shown[:, :20], costmap.data[:, :20])
+
+
 def test_walls_of_a_map_are_sent_with_tops_and_unknown_cells_as_a_plate(carter):
     data = np.zeros((40, 60), dtype=np.int8)
     data[0], data[20:24, 20:24], data[:, 50:] = 100, 100, -1

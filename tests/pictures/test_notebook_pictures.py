@@ -89,6 +89,7 @@ def test_grids_of_any_shape_have_a_picture(shape):
     picture(OccupancyGrid(np.full(shape, -1, dtype=np.int8), 1e-3, Pose2D(1e6, -1e6, 1.0)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("yaw", [0.0, 0.7])
 def test_no_wall_is_lost_in_a_large_map(yaw):
     data = np.zeros((8192, 8192), dtype=np.int8)
@@ -151,6 +152,7 @@ def test_a_world_is_shown_from_above():
     assert not ((pixels[..., 0] > 150) & (pixels[..., 2] > 150) & (pixels[..., 1] < 50)).any()
 
 
+@pytest.mark.slow
 def test_worlds_of_every_shape_have_a_picture():
     picture(World("empty", ()))
     picture(World("seed", (), seeds=((1.0, 2.0),)))

@@ -70,6 +70,7 @@ def clutter(seed: int) -> tuple[Costmap, Pose2D, Pose2D]:
     return costmap, Pose2D(*poses[0]), Pose2D(*poses[farthest[len(poses) // 3]])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100, 112))
 def test_ends_of_a_path_are_never_enclosed(seed):
     costmap, start, goal = clutter(seed)
@@ -81,6 +82,7 @@ def test_ends_of_a_path_are_never_enclosed(seed):
     assert enclosed(costmap, path.goal, path.start) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("planner", ["auto", "hybrid_astar"])
 def test_a_path_with_2_mm_of_room_is_not_called_missing(planner):
     costmap, start, goal = clutter(130)
@@ -95,12 +97,14 @@ def office() -> Costmap:
     return Costmap.from_grid(grid, robot)
 
 
+@pytest.mark.slow
 def test_the_default_planner_goes_on_where_the_closer_look_with_turns_stops_early():
     costmap, start, goal = office(), Pose2D(-6.4031, -0.2111, 1.3298), Pose2D(-3.761, 5.914, -1.703)
     # The search without turns has fewer motions to try, and gets there.
     assert create_planner("auto").plan(costmap, start, goal).goal == goal
 
 
+@pytest.mark.slow
 def test_a_robot_that_only_drives_forward_has_no_path_only_once_all_was_tried():
     alley = costmap_of(room(16, 12, (9, 0, 16, 5.6), (9, 6.4, 16, 12)))
     nose_in = Pose2D(15.0, 6.0, 0.0)

@@ -234,6 +234,7 @@ def test_a_field_is_stopped_by_its_deadline_and_by_hand() -> None:
         cost_field(costs, (0, 0), deadline_s=1e6, cancel=cancel)
 
 
+@pytest.mark.slow
 def test_a_running_field_is_cancelled_from_another_thread() -> None:
     costs = np.random.default_rng(0).integers(1, 200, (6000, 6000)).astype(np.uint8)
     cancel = Cancellation()

@@ -28,6 +28,7 @@ def cells_of(mask):
     return [tuple(cell) for cell in np.argwhere(mask).tolist()]
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), method=st.sampled_from(["jps", "astar"]))
 def test_a_partial_path_ends_at_the_reachable_cell_nearest_to_the_goal(seed, method):

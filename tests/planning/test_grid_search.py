@@ -38,6 +38,7 @@ def check_queries(blocked, connectivity, seed, count=25):
             assert np.array_equal(back.waypoints, path.waypoints[::-1])
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(
     rows=st.sampled_from(SIZES) | st.integers(1, 40),
@@ -57,6 +58,7 @@ def test_path_costs_are_dijkstras_on_odd_sizes(shape):
             check_queries(make_map(*shape, kind, seed), 8, seed, count=10)
 
 
+@pytest.mark.slow
 def test_path_costs_from_and_to_every_corner_and_border_cell():
     blocked = make_map(9, 70, "boxes", 3)
     border = [(r, c) for r in range(9) for c in range(70) if (r in (0, 8) or c in (0, 69)) and not blocked[r, c]]

@@ -126,6 +126,7 @@ def test_paths_among_random_blocks_are_free_and_drivable(seed, density, kind, ya
     assert_drivable(costmap, path, *ends, radius=radius, in_place=kind.get("in_place", False))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("column", [51, 52, 58, 62])
 def test_a_turn_that_begins_beside_something_touches_nothing_between_poses(column):
     # The left side is 0.1 mm from a cell, so that there is no padding that would cover what is between two poses. The
@@ -156,6 +157,7 @@ def test_it_drives_through_a_corridor_too_narrow_for_the_circumscribed_circle(op
     assert (costmap.clearance(densely(path)) < 0.2).any()
 
 
+@pytest.mark.slow
 def test_it_backs_out_of_a_dead_end_where_nothing_can_turn():
     costmap = costmap_of(room(8, 5, (4, 0, 8, 2.0), (4, 2.7, 8, 5)))
     start, goal = Pose2D(7.0, 2.35, 0.0), Pose2D(1.5, 2.5, 0.0)

@@ -45,6 +45,7 @@ def test_so_is_one_where_any_yaw_would_do():
         HybridAStarPlanner(max_expansions=FEW).plan(niche(0.4), Pose2D(2, 2), Goal(10.2, 6.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS, ids=str)
 def test_a_start_in_such_a_chamber_is_soon_tried_in_full(kind):
     with pytest.raises(NoPathError, match=r"none of \d+ poses|away from the start"):
@@ -55,6 +56,7 @@ ALLEY = costmap_of(room(*LARGE, (9, 0, 16, 5.6), (9, 6.4, 16, 12)))
 """0.8 m wide and 7 m deep, where nothing can turn."""
 
 
+@pytest.mark.slow
 def test_a_robot_that_cannot_back_up_neither_arrives_nose_out_nor_leaves_nose_in():
     planner = HybridAStarPlanner(motion_model="dubins", max_expansions=FEW)
     nose_out, nose_in, outside = Pose2D(15.0, 6.0, np.pi), Pose2D(15.0, 6.0, 0.0), Pose2D(2, 2, 1.0)

@@ -36,6 +36,12 @@ def test_the_programs_are_typed_strictly_and_a_wrong_type_is_found(tmp_path: Pat
         shutil.copy(PROGRAMS / f"{name}.py", tmp_path)
     plan = (PROGRAMS / "plan.py").read_text()
     (tmp_path / "wrong.py").write_text(plan.replace("trundle.Goal.of(goal))", "(1.0, 2.0))"))
+    (tmp_path / "misspelt.py").write_text(
+        "import trundle\n\n"
+        'trundle.Suite.make(worlds="warehouse", goal_tolerance=[0.1, 0.3], latency={"command_s": 0.1})\n'
+        'trundle.Suite(worlds="warehouse", goal_tolerence=0.1)\n'
+        'trundle.Suite.make(worlds="warehouse", seeds="0:3", inflation_radius="wide")\n'
+    )
     (tmp_path / "pyrightconfig.json").write_text('{"typeCheckingMode": "strict"}')
     done = subprocess.run(
         [sys.executable, "-m", "pyright", "--pythonpath", sys.executable],
@@ -45,5 +51,8 @@ def test_the_programs_are_typed_strictly_and_a_wrong_type_is_found(tmp_path: Pat
         check=False,
     )
     errors = [line for line in done.stdout.splitlines() if " error: " in line]
-    assert len(errors) == 1, done.stdout + done.stderr
-    assert "wrong.py" in errors[0]
+    assert sorted(line.partition(".py:")[0].rpartition("/")[2] for line in errors) == ["misspelt"] * 2 + ["wrong"], (
+        errors
+    )
+    assert any('"goal_tolerence"' in line for line in errors)
+    assert any('"inflation_radius"' in line for line in errors)

@@ -122,6 +122,7 @@ def test_a_run_can_do_without_a_report(tmp_path, scenario):
     assert "report.html" not in names(tmp_path)
 
 
+@pytest.mark.slow
 def test_ctrl_c_during_the_video_leaves_the_video_out(tmp_path, scenario):
     def interrupted(run, episode):
         raise KeyboardInterrupt
@@ -132,6 +133,7 @@ def test_ctrl_c_during_the_video_leaves_the_video_out(tmp_path, scenario):
     assert names(tmp_path) == FILES - {"video.mp4"}
 
 
+@pytest.mark.slow
 def test_the_outcome_is_written_before_pictures_and_again_at_the_end(tmp_path, scenario):
     seen = []
 
@@ -160,6 +162,7 @@ def test_the_outcome_is_written_before_pictures_and_again_at_the_end(tmp_path, s
     }
 
 
+@pytest.mark.slow
 def test_an_earlier_run_is_replaced_only_when_asked_for(tmp_path, scenario):
     with scenario.build() as mission:
         for number, overwrite in enumerate((False, True)):
@@ -172,6 +175,7 @@ def test_an_earlier_run_is_replaced_only_when_asked_for(tmp_path, scenario):
             assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
+@pytest.mark.slow
 def test_a_folder_is_for_one_run(tmp_path, scenario):
     with scenario.build() as mission, RunFolder(tmp_path, video=False) as folder:
         mission.run(observers=[folder])
@@ -195,6 +199,7 @@ def test_a_record_that_cannot_be_written_leaves_the_earlier_run(tmp_path, scenar
     assert (tmp_path / "episode.json").read_text() == (tmp_path / "trajectory.npz").read_text() == "old"
 
 
+@pytest.mark.slow
 def test_record_trajectory_and_scenario_are_on_the_disk(tmp_path, scenario, monkeypatch):
     synced = set()
     sync = os.fsync
@@ -210,6 +215,7 @@ def test_record_trajectory_and_scenario_are_on_the_disk(tmp_path, scenario, monk
         assert (tmp_path / name).stat().st_ino in synced, name
 
 
+@pytest.mark.slow
 def test_the_same_run_gives_the_same_picture(tmp_path, scenario):
     for name in ("a", "b"):
         with scenario.build() as mission, RunFolder(tmp_path / name, video=False) as folder:
@@ -311,6 +317,7 @@ for number in range(6):
     assert {name for name in names(tmp_path / "0") if not name.startswith(".")} < FILES
 
 
+@pytest.mark.slow
 def test_a_kill_during_the_video_keeps_the_outcome(tmp_path):
     code = f"""
 def die(run, episode):

@@ -77,6 +77,7 @@ def test_short_runs_are_shown_whole_and_long_ones_as_a_time_lapse():
     assert np.diff(rows).max() <= 18
 
 
+@pytest.mark.slow
 def test_a_run_is_drawn_and_reported(recorded, tmp_path):
     reports = []
     name = write_video(

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from support.modules import load
+from trundle.testing.isaac.environment import UnavailableError, find_python
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
 
@@ -74,7 +75,7 @@ def test_a_shim_that_fails_is_passed_over_for_a_python_that_runs(
     works = put_python(tmp_path / "pyenv" / "versions" / "3.12.4" / "bin", 'echo "[true, true]"')
     monkeypatch.setenv("PATH", f"{tmp_path / 'shims'}:{tmp_path / 'other'}:/bin")
     monkeypatch.setenv("PYENV_ROOT", str(tmp_path / "pyenv"))
-    assert environments.find_python() == str(works)
+    assert find_python() == str(works)
 
 
 @pytest.mark.parametrize(
@@ -91,15 +92,15 @@ def test_it_says_what_is_wrong_with_the_only_python(
     put_python(tmp_path / "bin", text)
     monkeypatch.setenv("PATH", f"{tmp_path / 'bin'}")
     monkeypatch.setenv("PYENV_ROOT", str(tmp_path / "pyenv"))
-    with pytest.raises(environments.UnavailableError, match=reason):
-        environments.find_python()
+    with pytest.raises(UnavailableError, match=reason):
+        find_python()
 
 
 def test_without_any_python_it_says_where_it_looked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setenv("PYENV_ROOT", str(tmp_path))
-    with pytest.raises(environments.UnavailableError, match="neither on PATH nor in pyenv"):
-        environments.find_python()
+    with pytest.raises(UnavailableError, match="neither on PATH nor in pyenv"):
+        find_python()
 
 
 def test_a_definition_keeps_the_lines_of_its_distribution() -> None:

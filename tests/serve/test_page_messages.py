@@ -94,6 +94,7 @@ _KINDS = ("setup", "preview", "goal", "pause", "step", "speed", "manual", "relea
 _FIELDS = ("pose", "append", "paused", "factor", "v", "w", "seed", "x", "y", "yaw", "size", "answer", "world", "start")
 
 
+@pytest.mark.slow
 @given(st.sampled_from(_KINDS) | st.text(), st.dictionaries(st.sampled_from(_FIELDS), _JSON))
 def test_whatever_comes_is_a_message_or_refused(kind: str, fields: dict[str, object]) -> None:
     try:

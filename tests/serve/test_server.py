@@ -112,6 +112,7 @@ def test_a_page_gets_hello_and_the_drivers(served: Served) -> None:
         assert hello["you_drive"]
         assert (hello["state"], hello["source"], hello["clients"]) == ("running", "warehouse", 1)
         assert "nova_carter" in hello["choices"]["robots"]
+        assert hello["lacks"] == []
         assert page.wait("drivers") == {"type": "drivers", "driver": hello["client"], "request": None, "clients": 1}
 
 

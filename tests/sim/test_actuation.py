@@ -79,6 +79,7 @@ def test_implausible_actuation_is_refused(option):
         Actuation(**option)
 
 
+@pytest.mark.slow
 def test_a_scenario_carries_the_actuation(tmp_path):
     scenario = Scenario.make(
         world="corridors",

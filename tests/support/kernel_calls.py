@@ -112,6 +112,13 @@ MANY = _core.Batch(
     *(np.array([20]), np.linspace(-3.0, 3.0, 20), np.zeros((0, 2)), np.zeros(0, np.int64), np.zeros(0)),
     *(np.zeros((0, 1, 3)), np.array([0]), 1.0),
 )
+DRIVER = _core.MissionDriver(
+    *(np.zeros((60, 60), np.uint8), _core.chebyshev_field(np.zeros((60, 60), np.uint8)), 0.1, np.zeros(3)),
+    *(np.array([0.1, 10.0, 0.5]), OUTLINE, OUTLINE * 1.05, np.array([1, 1, 2, 1, 2, 0.1, 0.3, 99, 0.01, 5, 0.05])),
+    *(np.array([1, 0.6, 0.3, 0.8, 1.8, 0.9, 0.2, 0.6, 0.6, 0.05, 0.5, 1, 0.01]), np.array([0.2, 9, 0.02, 0.02])),
+    np.array([0.5, 0.5, 10.0]),
+)
+WAY = np.array([(1.0, 1.0, 0.0), (4.0, 1.0, 0.0), (4.0, 4.0, 1.5)])
 MANY_PLACES = np.tile(np.array([0, -1]), (20, 1)), np.ones(20, bool)
 
 
@@ -209,6 +216,13 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "Batch": lambda: type(MANY).__name__,
     "Batch.drive": drive_many,
     "Batch.scan": scan_many,
+    "MissionDriver": lambda: type(DRIVER).__name__,
+    "MissionDriver.drive": lambda: DRIVER.drive(
+        *(WAY[:1], WAY[2:], np.array([30.0]), WAY, np.zeros(3, bool), np.array([3])),
+        *(WAY, np.array([0.0, 3.0, 6.0]), np.array([3]), 2),
+    ),
+    "polyline_distances": lambda: _core.polyline_distances(POSES[:, :2].copy(), WAY[:, :2].copy()),
+    "outline_distances": lambda: _core.outline_distances(OUTLINE[None] + POSES[:, None, :2], OUTLINE[None]),
     "HybridAStar": lambda: _core.HybridAStar(**HYBRID).bytes,
     "HybridAStar.plan": lambda: HYBRID_ASTAR.plan(
         OPEN, 0.1, OUTLINE, np.array([0.5, 0.5, 0.0]), np.array([1.8, 1.8, 2.0]), False, 0.02, 0.05, 500, 10.0, None
@@ -246,6 +260,11 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
         *(RIM + 0.3, np.zeros(3), np.linspace(-3.0, 3.0, 60), np.full(60, 9.0)),
         *(RIM, np.zeros(3), np.linspace(-3.0, 3.0, 60), np.full(60, 9.0)),
         0.25,
+    ),
+    "points_around": lambda: _core.points_around(RIM, 0.1 * RIM, np.array((1.0, 0.5, 0.2)), 0.3, 2.0, 1.0),
+    "outline_clearances": lambda: _core.outline_clearances(
+        *(RIM, 0.1 * RIM, POSES, np.linspace(0.0, 1.0, 20), np.array([(0.3, -0.2), (0.3, 0.2), (-0.1, 0.0)])),
+        *(np.array([(1.0, 0.0, 0.3), (-0.4, 0.9, 0.1), (-0.4, -0.9, 0.1)]), 0.1, 3),
     ),
     "distance_field": lambda: _core.distance_field(BLOCKED, 0.1, 0.05, 0.8),
     "field_at": lambda: _core.field_at(FIELD, 0.1, 0.8, POSES[:, :2].copy()),

@@ -172,6 +172,7 @@ def test_two_lidars_see_one_mover():
     assert track.vx == pytest.approx(1.0, abs=0.1)
 
 
+@pytest.mark.slow
 def test_a_scan_measured_beam_by_beam_is_placed_beam_by_beam():
     """A robot that turns fast in a room, with a lidar that takes the whole tick for a turn."""
     tracker = Tracker(CARTER)

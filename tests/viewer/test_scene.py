@@ -164,6 +164,7 @@ def specks(pixels):
     return int(((light[:, 1:-1] < light[:, :-2] - 25) & (light[:, 1:-1] < light[:, 2:] - 25)).sum())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("camera", ["robot", "chase"])
 def test_the_floor_has_no_specks_up_to_the_horizon(renderer_kind, carter, camera):
     """Before, 300 to 1300 of 230,400 pixels were dark towards the sun."""

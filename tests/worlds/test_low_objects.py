@@ -29,6 +29,7 @@ def missed(world, plane):
     return float((hidden & (seen.data == 0)).sum()) * RESOLUTION**2  # free is what can be reached
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(SIZES))
 @pytest.mark.parametrize("plane", PLANES)
 def test_a_lidar_sees_all_that_a_robot_could_touch(name, plane):

@@ -3,21 +3,23 @@ import { Run, Clock } from "./run.js";
 
 export const LAYERS = [
   "map", "costmap", "solids", "path", "trail", "scan", "footprint", "clearance", "goals", "movers", "tracks",
-  "rollouts", "contacts", "estimate", "particles",
+  "rollouts", "contacts", "estimate", "particles", "graph",
 ];
-export const OF_LOCALIZER = ["estimate", "particles"];
+export const OF_LOCALIZER = ["estimate", "particles", "graph"];
 
 export class App {
   constructor(mode) {
     this.mode = mode;
     this.scene = null;
     this.grid = null; // The map's picture, decoded.
+    this.mapped = null; // Poses, loops and corrections of a map that the robot makes.
     this.run = new Run();
     this.frame = null;
     this.costmap = null;
     this.clock = new Clock();
     this.layers = Object.fromEntries(LAYERS.map((name) => [name, name !== "clearance"]));
     this.state = "idle";
+    this.lacks = new Set(); // what this server cannot do
     this.paused = false;
     this.factor = null;
     this.placed = {}; // The start and goal chosen before a run.

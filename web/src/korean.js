@@ -69,6 +69,7 @@ const SENTENCES = [
   [`obstacle ahead at ${AT}`, "앞 ($1, $2)에 장애물"],
   [`blocked at ${AT}: (.+)`, "($1, $2)에서 막힘: @4"],
   [`stopped at ${AT} by the collision monitor: (.+)`, "($1, $2)에서 충돌 감시기가 정지시킴: @4"],
+  [`the estimate was corrected by ${N} m and ${N}° at ${AT}`, "추정 위치가 ($3, $4)에서 $1 m, $2° 보정됨"],
   [`the pose jumped by ${N} m: (.+)`, "위치가 $1 m 튐: @2"],
   [`it took longer than ${N} s`, "$1초보다 오래 걸림"],
   ["([a-z_]+) (succeeded|failed|interrupted): (.+)", "$1 @2: @3"],

@@ -16,9 +16,9 @@ export function layerSwitches(app) {
       say(`l_${name}`)),
   );
   const show = () => {
-    for (const name of OF_LOCALIZER) boxes[LAYERS.indexOf(name)].hidden = !app.run.isLocalized;
+    for (const name of OF_LOCALIZER) boxes[LAYERS.indexOf(name)].hidden = !(name === "graph" ? app.mapped : app.run.isLocalized);
   };
-  for (const name of ["run", "frame"]) app.on(name, show);
+  for (const name of ["run", "frame", "scene_map"]) app.on(name, show);
   show();
   return h("details", { class: "layers" }, h("summary", {}, icon("layers"), say("layers")), h("div", { class: "layer-list" }, ...boxes));
 }

@@ -6,20 +6,36 @@ import { palette } from "./theme.js";
 const UNKNOWN = 205;
 const FREE = 254;
 
+/** The colours [r, g, b, alpha] of the 256 values of a cell, each as one number in the order of a canvas's bytes. */
+function table(colorOf) {
+  const bytes = new Uint8ClampedArray(1024);
+  for (let value = 0; value < 256; value++) bytes.set(colorOf(value), 4 * value);
+  return new Uint32Array(bytes.buffer);
+}
+
+/** The values of a grey picture's cells. */
+function valuesOf({ data }) {
+  const values = new Uint8Array(data.length / 4);
+  for (let i = 0; i < values.length; i++) values[i] = data[4 * i];
+  return values;
+}
+
+// A map may have millions of cells: a look into a table for each keeps the page at ease.
+function fill(made, values, colors) {
+  const cells = new Uint32Array(made.pixels.data.buffer);
+  for (let i = 0; i < cells.length; i++) cells[i] = colors[values[i]];
+  made.context.putImageData(made.pixels, 0, 0);
+}
+
 /** The map with occupied, free and unknown cells in the theme's colours. */
 export async function mapRaster(map) {
   const made = await picture(map.png);
-  const grey = Uint8Array.from({ length: made.pixels.data.length / 4 }, (_, i) => made.pixels.data[4 * i]);
+  const values = valuesOf(made.pixels);
   const raster = { ...map, canvas: made.canvas };
   raster.paint = () => {
     const { free, taken, unknown } = palette();
-    const { data } = made.pixels;
-    for (let i = 0; i < grey.length; i++) {
-      const share = Math.min(1, grey[i] / FREE);
-      for (let k = 0; k < 3; k++) data[4 * i + k] = grey[i] === UNKNOWN ? unknown[k] : taken[k] + (free[k] - taken[k]) * share;
-      data[4 * i + 3] = 255;
-    }
-    made.context.putImageData(made.pixels, 0, 0);
+    const between = (share) => taken.map((value, k) => value + (free[k] - value) * share);
+    fill(made, values, table((value) => [...(value === UNKNOWN ? unknown : between(Math.min(1, value / FREE))), 255]));
   };
   raster.paint();
   return raster;
@@ -30,17 +46,13 @@ export async function mapRaster(map) {
  * differences from that, modulo 256. */
 export async function costRaster(costmap, alone, base = null) {
   const made = await picture(costmap.png);
-  const { data } = made.pixels;
+  const values = valuesOf(made.pixels);
   if (base) {
-    const below = (await picture(base.png)).pixels.data;
-    for (let i = 0; i < data.length; i += 4) data[i] = (data[i] + below[i]) & 255;
+    const below = valuesOf((await picture(base.png)).pixels);
+    for (let i = 0; i < values.length; i++) values[i] += below[i];
   }
-  const { cost: [r, g, b], taken, unknown } = palette();
+  const { cost, taken, unknown } = palette();
   const opaque = { 254: [...taken, alone ? 255 : 90], 255: [...unknown, alone ? 255 : 0] };
-  for (let i = 0; i < data.length; i += 4) {
-    const cost = data[i];
-    data.set(opaque[cost] ?? [r, g, b, cost === 253 ? 130 : Math.round(cost * 0.45)], i);
-  }
-  made.context.putImageData(made.pixels, 0, 0);
+  fill(made, values, table((value) => opaque[value] ?? [...cost, value === 253 ? 130 : Math.round(value * 0.45)]));
   return { ...costmap, canvas: made.canvas };
 }

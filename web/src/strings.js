@@ -43,7 +43,7 @@ const EN = {
   theme: "Light or dark", language: "한국어",
   l_map: "map", l_costmap: "costmap", l_solids: "world", l_path: "path", l_trail: "trail", l_scan: "lidar",
   l_footprint: "footprint", l_clearance: "clearance", l_goals: "goals", l_movers: "movers", l_tracks: "tracks",
-  l_rollouts: "rollouts", l_contacts: "contacts", l_estimate: "estimate", l_particles: "particles",
+  l_rollouts: "rollouts", l_contacts: "contacts", l_estimate: "estimate", l_particles: "particles", l_graph: "poses and loops",
   what: "what", when: "time", where: "where", distance: "distance", points: "points", length: "length",
   view: "live", keysHeld: "Keys held", viewKeys: "Keys go to the program · G goal",
 };
@@ -89,7 +89,7 @@ const KO = {
   theme: "밝게 또는 어둡게", language: "English",
   l_map: "지도", l_costmap: "코스트맵", l_solids: "월드", l_path: "경로", l_trail: "자취", l_scan: "라이다",
   l_footprint: "풋프린트", l_clearance: "여유 거리", l_goals: "목표", l_movers: "이동체", l_tracks: "추적",
-  l_rollouts: "롤아웃", l_contacts: "접촉", l_estimate: "추정 위치", l_particles: "파티클",
+  l_rollouts: "롤아웃", l_contacts: "접촉", l_estimate: "추정 위치", l_particles: "파티클", l_graph: "자세와 루프",
   what: "대상", when: "시각", where: "위치", distance: "거리", points: "점", length: "길이",
   view: "실시간", keysHeld: "누르고 있는 키", viewKeys: "키 입력은 프로그램으로 갑니다 · G 목표",
 };

@@ -230,6 +230,73 @@ class ScanTracker:
             covariances, shape (K, 4, 4).
         """
 
+class MissionDriver:
+    """Drives missions along their paths: the navigator's decisions with regulated pure pursuit, and kinematic motion.
+
+    Args:
+        costs: Costs of the costmap, shape (rows, cols).
+        free: Chebyshev distance of each cell to the nearest one of 254 or 255, shape (rows, cols).
+        resolution: Edge of a cell [m].
+        origin: (x, y, yaw) of the corner of cell (0, 0) in the map frame [m, rad], shape (3,).
+        inflation: Inscribed radius [m], cost scaling factor [1/m] and inflation radius [m], shape (3,).
+        outline: Footprint in base_link [m], counter-clockwise, shape (C, 2).
+        padded: The same with its padding, shape (C, 2).
+        limits: Forward, reverse and turning speed, both accelerations, wheel radius, track width, speed of a wheel
+            (infinite without a limit), substep [s], number of substeps in a control period, control period [s], shape
+            (11,).
+        pursuit: The fields of `PursuitSettings` in their order; the speed is infinite where it is None, shape (13,).
+        goal: Tolerances of position and yaw, and speeds below which the robot stands, shape (4,).
+        progress: Radius [m], angle [rad] and time allowance [s], shape (3,).
+    """
+
+    def __init__(
+        self,
+        costs: npt.NDArray[np.uint8],
+        free: npt.NDArray[np.uint8],
+        resolution: float,
+        origin: npt.NDArray[np.float64],
+        inflation: npt.NDArray[np.float64],
+        outline: npt.NDArray[np.float64],
+        padded: npt.NDArray[np.float64],
+        limits: npt.NDArray[np.float64],
+        pursuit: npt.NDArray[np.float64],
+        goal: npt.NDArray[np.float64],
+        progress: npt.NDArray[np.float64],
+    ) -> None: ...
+    def drive(
+        self,
+        starts: npt.NDArray[np.float64],
+        goals: npt.NDArray[np.float64],
+        time_limits: npt.NDArray[np.float64],
+        paths: npt.NDArray[np.float64],
+        backward: npt.NDArray[np.bool_],
+        path_ends: npt.NDArray[np.int64],
+        checks: npt.NDArray[np.float64],
+        along: npt.NDArray[np.float64],
+        check_ends: npt.NDArray[np.int64],
+        threads: int,
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+        """Drive missions, each to its end or to where it needs more than to follow its path.
+
+        Args:
+            starts: (x, y, yaw) [m, rad], shape (N, 3).
+            goals: Likewise; a yaw of NaN is any yaw.
+            time_limits: [s], shape (N,).
+            paths: Poses of all paths, one after the other, shape (P, 3).
+            backward: For each pose whether the leg to the next one is driven backwards, shape (P,).
+            path_ends: Where the poses of each path end, shape (N,).
+            checks: Poses close together on all paths, shape (C, 3).
+            along: How far along its path each of these is [m], shape (C,).
+            check_ends: Where those of each mission end, shape (N,).
+            threads: How many threads drive.
+
+        Returns:
+            Rows (x, y, yaw, v, w, and the command v, w), one for the start and one for each control period, shape
+            (T, 7); where those of each mission end, shape (N,); and how each has ended, with the number of its periods
+            without a valid command, shape (N, 2). Endings are 0 arrived, 1 timed out, 2 touches something, 3 blocked,
+            4 no progress along the path, 5 no progress, 6 the footprint touches something while it is checked.
+        """
+
 class MppiState:
     """Where the robot is now [m, rad], its speeds [m/s, rad/s], and their rates of change during the last period."""
 
@@ -741,6 +808,38 @@ def find_moved(
         that have moved in, shape (M, 4).
     """
 
+def points_around(
+    points: npt.NDArray[np.float64],
+    velocities: npt.NDArray[np.float64],
+    pose: npt.NDArray[np.float64],
+    seconds: float,
+    reach: float,
+    horizon: float,
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Points within `reach` [m] of a pose (x, y, yaw) and their velocities, seen from it, both of shape (M, 2).
+
+    Each is continued at its velocity for `seconds`, and counts farther away by what it drives in `horizon` [s]. With
+    velocities of shape (0, 2) all of them stand.
+    """
+
+def outline_clearances(
+    points: npt.NDArray[np.float64],
+    velocities: npt.NDArray[np.float64],
+    poses: npt.NDArray[np.float64],
+    times: npt.NDArray[np.float64],
+    outline: npt.NDArray[np.float64],
+    sides: npt.NDArray[np.float64],
+    padding: float,
+    rank: int,
+) -> npt.NDArray[np.float64]:
+    """The `rank`-th least distance [m] of a point from a convex outline at each pose (x, y, yaw), shape (K,).
+
+    It is negative inside, at a corner a little short, and infinite with fewer points. Points that move, and those in
+    the box round the outlines at all poses, wider by a padding, count. They are where they are at the times [s], shape
+    (K,), or stand with times of shape (0,). Sides are the normal of each edge and how far the outline reaches along it,
+    shape (E, 3).
+    """
+
 def find_lone_hits(
     ranges: npt.NDArray[np.float64],
     angles: npt.NDArray[np.float64],
@@ -929,3 +1028,16 @@ def count_beams(
     sign: int,
 ) -> None: ...
 def draw_cells(counts: npt.NDArray[np.int32], settings: npt.NDArray[np.float64]) -> npt.NDArray[np.int8]: ...
+def polyline_distances(points: npt.NDArray[np.float64], corners: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Distance of each of `points` (N, 2) to the nearest place on a polyline with `corners` (M, 2), M ≥ 1."""
+
+def outline_distances(outlines: npt.NDArray[np.float64], polygons: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Distance of each convex outline, counter-clockwise, to the nearest of some convex polygons; 0 if they overlap.
+
+    Args:
+        outlines: Corners, shape (P, N, 2), N ≥ 3.
+        polygons: Corners in either sense, also repeated or on one line, shape (Q, M, 2), M ≥ 1.
+
+    Returns:
+        Shape (P,).
+    """

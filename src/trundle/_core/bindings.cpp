@@ -14,6 +14,7 @@ void bind_images(nb::module_ &m);
 void bind_layers(nb::module_ &m);
 void bind_localization(nb::module_ &m);
 void bind_mapping(nb::module_ &m);
+void bind_missions(nb::module_ &m);
 void bind_mppi(nb::module_ &m);
 void bind_raster(nb::module_ &m);
 void bind_rays(nb::module_ &m);
@@ -34,6 +35,7 @@ NB_MODULE(_kernels, m) {
   bind_layers(m);
   bind_localization(m);
   bind_mapping(m);
+  bind_missions(m);
   bind_mppi(m);
   bind_raster(m);
   bind_rays(m);

@@ -20,7 +20,7 @@ from trundle.control.sensed_points import Edges, Points, SensedPoints, box_aroun
 from trundle.errors import InputError
 from trundle.files.config_fields import NotNegative, Positive
 from trundle.files.yaml_config import Config
-from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist
+from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.observation import Scan, check_scans
 from trundle.robots import Robot
 from trundle.values import as_number, check_kind
@@ -38,6 +38,7 @@ _MOST_STEPS = 1000
 _MOVER_STEPS = 5
 _INTENT_S, _INTENT_STEPS = 2.0, 11  # an intent is known for longer than a command can be taken for granted
 _SLOWEST_MPS = 0.02  # of any point of the robot: slower, it would creep until the noise of a scan lets it touch
+_STRAIGHT_RAD = 1e-6
 _AT_HERE = np.zeros((1, 3))
 
 
@@ -213,18 +214,16 @@ class CollisionMonitor:
 
     def _limit(self, command: Twist2D, twist: Twist2D, points: Points, now: float) -> MonitorReport:
         settings = self.settings
-        near, apart = self._apart(self._braking(command, twist), points)
-        if len(near.places) < settings.min_points:
-            here = least = math.inf
-        else:
-            nearest = np.partition(apart, settings.min_points - 1, axis=1)[:, settings.min_points - 1]
-            here, least = float(nearest[0]), float(nearest.min())
+        padding, braking = max(settings.stop_padding, settings.slowdown_padding), self._braking(command, twist)
+        nearest = self._edges.clearances(points, braking, padding, settings.min_points)
+        here, least = float(nearest[0]), float(nearest.min())
         contact = self._look_ahead(command, points)
         index = self._meets_mover(command, points, now)
         if index is not None:
             return _report(_STAND, "stop", points, index, contact.time)
         allowed = min(here, settings.stop_padding)
         if least < allowed - _CLOSER_SHARE * max(allowed, 0.0) - _SAME_M:
+            near, apart = self._apart(braking, points, padding)
             return _report(_STAND, "stop", near, int(apart.min(axis=0).argmin()), contact.time)
         leaves = least >= here - _SAME_M  # or drives along something
         if contact.time < math.inf and not (here <= 0.0 and leaves):
@@ -236,6 +235,7 @@ class CollisionMonitor:
             return _report(slower, action, contact.points, contact.index, contact.time)
         if here < settings.slowdown_padding and not leaves and command != _STAND:
             slower = Twist2D(settings.slowdown_ratio * command.v, settings.slowdown_ratio * command.w)
+            near, apart = self._apart(braking, points, padding)
             return _report(slower, "slow", near, int(apart[0].argmin()), contact.time)
         return MonitorReport(command, time_to_contact=contact.time)
 
@@ -282,11 +282,15 @@ class CollisionMonitor:
         """Where the robot is after these times [s], from where it is now, shape (K, 3)."""
         if self._intent is not None and self._intends(command):
             return self._intent.poses(times)
-        return np.array([integrate_twist(0.0, 0.0, 0.0, command.v, command.w, time) for time in times.tolist()])
+        turns, steps = command.w * times, command.v * times  # as `integrate_twist`, for all times at once
+        small = np.abs(turns) < _STRAIGHT_RAD
+        by = np.where(small, 1.0, turns)
+        along = np.where(small, 1.0 - turns * turns / 6.0, np.sin(by) / by)
+        across = np.where(small, 0.5 * turns, (1.0 - np.cos(by)) / by)
+        return np.column_stack([steps * along, steps * across, turns])
 
-    def _apart(self, poses: FloatArray, points: Points) -> tuple[Points, FloatArray]:
+    def _apart(self, poses: FloatArray, points: Points, padding: float) -> tuple[Points, FloatArray]:
         """The points that come within the polygons at any of some poses, and how far from the footprint they are."""
-        padding = max(self.settings.stop_padding, self.settings.slowdown_padding)
         near = points.within(*box_around(self._robot.planar, poses, padding))
         return near, self._edges.distances(near.places, poses)
 
@@ -299,18 +303,15 @@ class CollisionMonitor:
             return _Contact(points)
         times = np.linspace(horizon / steps, horizon, steps)
         poses = self._poses(command, times)
-        near = points.within(*box_around(self._robot.planar, poses, 0.0))
-        if len(near.places) < settings.min_points:
-            return _Contact(points)
-        moving = near.velocities if near.velocities.any() else None
-        apart = self._edges.distances(near.places, poses, moving, times)
-        touched = np.flatnonzero(np.count_nonzero(apart <= 0.0, axis=1) >= settings.min_points)
+        touched = np.flatnonzero(self._edges.clearances(points, poses, 0.0, settings.min_points, times) <= 0.0)
         if len(touched) == 0:
             return _Contact(points)
-        first = int(touched[0])
-        inside = np.flatnonzero(apart[first] <= 0.0)
+        first = slice(touched[0], touched[0] + 1)
+        near = points.within(*box_around(self._robot.planar, poses, 0.0))
+        (apart,) = self._edges.distances(near.places, poses[first], near.velocities, times[first])
+        inside = np.flatnonzero(apart <= 0.0)
         moves = bool(near.velocities[inside].any(axis=1).mean() > 0.5)
-        return _Contact(near, int(apart[first].argmin()), float(times[first]), moves)
+        return _Contact(near, int(apart.argmin()), float(times[first.start]), moves)
 
     def _share(self, contact: _Contact, twist: Twist2D) -> float:
         """Share of a command that leaves `time_before_collision` before a contact.

@@ -70,7 +70,7 @@ class RegulatedPurePursuit(Controller):
     def reset(self, *, seed: int = 0) -> None:
         """Forget the path and the speed limit; nothing here is random."""
         self._outlines: list[FloatArray] = []
-        self._vertices: list[Vertex] = []
+        self._path: Path | None = None
         self._sections: list[Section] | None = None
         self._lookaheads: list[float] = []
         self._index = 0
@@ -86,7 +86,8 @@ class RegulatedPurePursuit(Controller):
         if self._done:
             return 0.0
         if self._sections is None:
-            return sum(math.hypot(b.x - a.x, b.y - a.y) for a, b in itertools.pairwise(self._vertices))
+            vertices = [] if self._path is None else path_vertices(self._path)
+            return sum(math.hypot(b.x - a.x, b.y - a.y) for a, b in itertools.pairwise(vertices))
         return sum(section.length for section in self._sections[self._index :]) - self._s
 
     @property
@@ -105,7 +106,7 @@ class RegulatedPurePursuit(Controller):
 
     def set_path(self, path: Path) -> None:
         """Follow this path from now on, from its beginning."""
-        self._vertices = path_vertices(path)
+        self._path = path
         self._sections = None
         self._done = False
         self._driving_off.reset()
@@ -123,8 +124,8 @@ class RegulatedPurePursuit(Controller):
     def _choose(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
         if self._done:
             return _STAND
-        if self._sections is None:
-            self._lay_out(pose, costmap)
+        if self._sections is None and self._path is not None:
+            self._lay_out(path_vertices(self._path), pose, costmap)
         if not self._done:
             self._finish_what_is_done(pose)
         if self._done:
@@ -147,9 +148,9 @@ class RegulatedPurePursuit(Controller):
 
     # Laying out -----------------------------------------------------------------------------------------------------
 
-    def _lay_out(self, pose: Pose2D, costmap: Costmap) -> None:
+    def _lay_out(self, vertices: list[Vertex], pose: Pose2D, costmap: Costmap) -> None:
         """Cut the path into sections: stop at sharp bends, and at bends whose curve the footprint cannot take."""
-        vertices, sharp = self._vertices, self.settings.rotate_to_heading_min_angle
+        sharp = self.settings.rotate_to_heading_min_angle
         self._index, self._s, self._turn = 0, 0.0, None
         if len(vertices) == 1:
             self._sections = []

@@ -18,7 +18,7 @@ _COMPARE_S = 0.25  # movement is found between scans this far apart [s]
 _KEPT_S = 1.0  # older scans are compared with none any more
 _BEAMS_ASIDE = 3  # an edge may be seen by another beam in the next scan: ranges of so many on each side count
 _BODY_M = 1e-6  # hits within the outline are the robot's own body
-_NOTHING = np.zeros((0, 2))
+_NOTHING, _NO_TIMES = np.zeros((0, 2)), np.zeros(0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,24 +122,17 @@ class SensedPoints:
         What moves is continued at its velocity up to now, and counts farther away: by what it drives in `horizon` [s].
         Scans from before `oldest` [s] do not count.
         """
-        places, velocities, lidars = [np.zeros((0, 2))], [np.zeros((0, 2))], [np.zeros(0, dtype=np.intp)]
-        cos, sin = math.cos(odometry.yaw), math.sin(odometry.yaw)
-        rotation = np.array([[cos, -sin], [sin, cos]])
+        places, velocities, lidars = [_NOTHING], [_NOTHING], [np.zeros(0, dtype=np.intp)]
+        here = np.array(odometry.as_tuple())
         for index, kept in enumerate(self._seen.values()):
             seen = kept[-1]
             if seen.scan.time < oldest:
                 continue
-            moves = (seen.points, seen.velocities) if seen.moves else (seen.points, None)
+            moves = (seen.points, seen.velocities if seen.moves else _NOTHING)
             for points, moved in (moves, seen.edges) if len(seen.edges[0]) else (moves,):
-                x, y = points[:, 0] - odometry.x, points[:, 1] - odometry.y
-                limit: float | FloatArray = reach
-                if moved is not None:
-                    since = time - seen.scan.time
-                    x, y = x + since * moved[:, 0], y + since * moved[:, 1]
-                    limit = reach + horizon * np.hypot(moved[:, 0], moved[:, 1])
-                near = np.flatnonzero(x * x + y * y <= limit * limit)
-                places.append(np.column_stack([x[near], y[near]]) @ rotation)
-                velocities.append(np.zeros_like(places[-1]) if moved is None else moved[near] @ rotation)
+                near, velocity = _core.points_around(points, moved, here, time - seen.scan.time, reach, horizon)
+                places.append(near)
+                velocities.append(velocity)
                 lidars.append(np.full(len(near), index))
         return Points(np.concatenate(places), np.concatenate(velocities), np.concatenate(lidars), tuple(self._seen))
 
@@ -162,15 +155,30 @@ class Edges:
     """
 
     def __init__(self, footprint: Footprint) -> None:
-        outline = footprint.outline
+        self._outline = outline = footprint.outline
         along = np.roll(outline, -1, axis=0) - outline
         self._normals = np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(along[:, 0], along[:, 1])[:, None]
         self._offsets: FloatArray = (self._normals * outline).sum(axis=1)
+        self._sides = self.sides
 
     @property
     def sides(self) -> FloatArray:
         """The normal of each edge and how far the outline reaches along it [m], shape (N, 3)."""
         return np.column_stack([self._normals, self._offsets])
+
+    def clearances(
+        self, points: Points, poses: FloatArray, padding: float, rank: int, times: FloatArray = _NO_TIMES
+    ) -> FloatArray:
+        """Distance [m] of the `rank`-th nearest point at each pose, as `distances` has them, infinity where it is far.
+
+        Those that move count, and those in the box round the outline at all poses, wider by a padding [m]. With times
+        [s], shape (K,), they are where they will be then.
+
+        Returns:
+            Shape (K,).
+        """
+        given = points.places, points.velocities, poses, times
+        return _core.outline_clearances(*given, self._outline, self._sides, padding, rank)
 
     def distances(
         self, points: FloatArray, poses: FloatArray, moved: FloatArray | None = None, times: FloatArray | None = None
@@ -211,7 +219,7 @@ def _find_moved(seen: _Seen, before: _Seen) -> None:
     own, old = np.array(seen.sensor.as_tuple()), np.array(before.sensor.as_tuple())
     found = _core.find_moved(seen.points, own, *seen.through, before.points, old, *before.through, seconds)
     seen.velocities, seen.moves, edges = found
-    seen.edges = (edges[:, :2], edges[:, 2:])
+    seen.edges = (np.ascontiguousarray(edges[:, :2]), np.ascontiguousarray(edges[:, 2:]))
 
 
 def _saw_through(scan: Scan) -> tuple[FloatArray, FloatArray]:

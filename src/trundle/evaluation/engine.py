@@ -123,6 +123,24 @@ def run_suite(
     until = None
     if time_budget_s is not None:
         until = time.monotonic() + check_number("time_budget_s", time_budget_s, 0.001, 1e9, "s")
+    _check_request(suite, folder, workers, ray)
+    run = _Run(suite, workers, ray, mixed, until)
+    with ExitStack() as opened:
+        run.open_folder(opened, folder, overwrite=overwrite)
+        run.find_what_is_left(opened, on_progress)
+        interrupt: KeyboardInterrupt | None = None
+        try:
+            run.drive()
+        except KeyboardInterrupt as error:
+            interrupt = error
+        run.note_end(was_interrupted=interrupt is not None)
+        if interrupt is not None:
+            raise InterruptedEvaluationError(run.tell_how_to_continue()) from interrupt
+    return run.out
+
+
+def _check_request(suite: Suite, folder: str | os.PathLike[str] | None, workers: int | None, ray: str | None) -> None:
+    """Check what can be checked before anything is written."""
     if workers is not None:
         check_count("workers", workers, 1, MOST_WORKERS)
     suite.check()
@@ -132,77 +150,111 @@ def run_suite(
         check_cluster(ray)
     if is_remote(folder) and ray is None:
         raise InputError(f"{folder} is in an object store, which the nodes of a Ray cluster write to: give --ray, too")
-    total, versions = len(suite), code_versions()
-    with ExitStack() as opened:
-        copy = opened.enter_context(staged(str(folder))) if is_remote(folder) else None
-        here = folder if copy is None else copy.folder
-        store = opened.enter_context(
+
+
+class _Run:
+    """One call of `run_suite`, whose steps are called in the order in which they stand here."""
+
+    def __init__(self, suite: Suite, workers: int | None, ray: str | None, mixed: bool, until: float | None) -> None:
+        self._suite, self._workers, self._ray, self._mixed, self._until = suite, workers, ray, mixed, until
+        self._total, self._versions = len(suite), code_versions()
+        self._in_flight_s: tuple[float, ...] = ()
+        """For how long the episodes had been driven that had begun and not ended [s]."""
+
+    def open_folder(self, opened: ExitStack, folder: str | os.PathLike[str] | None, *, overwrite: bool) -> None:
+        """Open the folder of rows, or a copy of that in an object store."""
+        self._copy = opened.enter_context(staged(str(folder))) if is_remote(folder) else None
+        here = folder if self._copy is None else self._copy.folder
+        self._store = opened.enter_context(
             Store.open(
                 here,
-                name=suite.title,
-                suite_text=suite.to_yaml(Path(here or ".") / "suite.yaml"),
-                total=total,
-                versions=versions,
-                mixed=mixed,
+                name=self._suite.title,
+                suite_text=self._suite.to_yaml(Path(here or ".") / "suite.yaml"),
+                total=self._total,
+                versions=self._versions,
+                mixed=self._mixed,
                 overwrite=overwrite,
             )
         )
-        order = EpisodeOrder(suite)
-        pending = order.sort(np.fromiter(store.pending(suite.id_of(index) for index in range(total)), np.int64))
-        if copy is not None:
-            copy.push()
-        out = store.folder if copy is None else str(folder)
-        resumed = total - len(pending)
-        tally = _Tally(Progress(out, total, resumed, done=resumed, damage=store.damage), on_progress)
-        interim = InterimReports(out)
-        opened.callback(interim.close)
-        given_up = GivenUp(order)
-        if resumed:
-            _note_rows(store.folder, given_up)
-        todo = (index for index in pending.tolist() if not given_up.has(index))
-        in_flight_s: tuple[float, ...] = ()
-        interrupt: KeyboardInterrupt | None = None
-        try:
-            if ray is not None and len(pending):
-                from trundle.evaluation.cluster import run_on_cluster
+        self.out: Path | str = self._store.folder if self._copy is None else str(folder)
 
-                cluster = {"out": out, "address": ray, "versions": versions, "mixed": mixed, "workers": workers}
-                for shard in run_on_cluster(partial(SuiteRunner, suite), todo, until=until, **cluster):
-                    for index in shard.errors:
-                        given_up.note(index, "error")
-                    in_flight_s += tuple(shard.in_flight_s)
-                    tally.add(shard.outcomes)
-                    interim.look()
-            elif len(pending):
-                with SuiteRunner(suite, workers or default_workers(), given_up) as runner:
-                    try:
-                        for row in runner.rows(todo, until=until):
-                            store.append(row)
-                            tally.add({row.outcome: 1})
-                            interim.look()
-                    finally:
-                        in_flight_s = runner.in_flight_s()
-        except KeyboardInterrupt as error:
-            interrupt = error
-        missing = total - tally.progress.done
-        if missing:
-            is_late = until is not None and (bool(in_flight_s) or time.monotonic() >= until)
-            reason = "from outside" if interrupt else "by its time budget" if is_late else ""
-            store.note_end(Stopped(reason=reason, in_flight_s=in_flight_s, left_out=0 if reason else missing))
-            if copy is not None:
-                copy.push((MANIFEST,))
-        if interrupt is not None:
-            text = (
-                f"stopped after {tally.progress.done:,} of {total:,} episodes; to continue, give the same command with "
-                f"-o {out}"
+    def find_what_is_left(self, opened: ExitStack, on_progress: OnProgress | None) -> None:
+        """Find the episodes without a row, in the order in which they are driven, and report that."""
+        order, store = EpisodeOrder(self._suite), self._store
+        missing = store.pending(self._suite.id_of(index) for index in range(self._total))
+        self._pending = order.sort(np.fromiter(missing, np.int64)).tolist()
+        if self._copy is not None:
+            self._copy.push()
+        resumed = self._total - len(self._pending)
+        self._tally = _Tally(Progress(self.out, self._total, resumed, done=resumed, damage=store.damage), on_progress)
+        self._interim = InterimReports(self.out)
+        opened.callback(self._interim.close)
+        self._given_up = GivenUp(order)
+        if resumed:
+            _note_rows(store.folder, self._given_up)
+
+    def drive(self) -> None:
+        """Drive them, until all are done or the time is up."""
+        todo = (index for index in self._pending if not self._given_up.has(index))
+        if self._pending and self._ray is not None:
+            self._drive_on_cluster(self._ray, todo)
+        elif self._pending:
+            self._drive_here(todo)
+
+    def _drive_here(self, todo: Iterator[int]) -> None:
+        with SuiteRunner(self._suite, self._workers or default_workers(), self._given_up) as runner:
+            try:
+                for row in runner.rows(todo, until=self._until):
+                    self._store.append(row)
+                    self._tally.add({row.outcome: 1})
+                    self._interim.look()
+            finally:
+                self._in_flight_s = runner.in_flight_s()
+
+    def _drive_on_cluster(self, address: str, todo: Iterator[int]) -> None:
+        """The nodes write the rows themselves, shard by shard."""
+        from trundle.evaluation.cluster import run_on_cluster
+
+        shards = run_on_cluster(
+            partial(SuiteRunner, self._suite),
+            todo,
+            out=self.out,
+            address=address,
+            versions=self._versions,
+            mixed=self._mixed,
+            workers=self._workers,
+            until=self._until,
+        )
+        for shard in shards:
+            for index in shard.errors:
+                self._given_up.note(index, "error")
+            self._in_flight_s += tuple(shard.in_flight_s)
+            self._tally.add(shard.outcomes)
+            self._interim.look()
+
+    def note_end(self, *, was_interrupted: bool) -> None:
+        """Note in the folder why episodes are missing, if any are."""
+        missing = self._total - self._tally.progress.done
+        if not missing:
+            return
+        is_late = self._until is not None and (bool(self._in_flight_s) or time.monotonic() >= self._until)
+        reason = "from outside" if was_interrupted else "by its time budget" if is_late else ""
+        self._store.note_end(Stopped(reason=reason, in_flight_s=self._in_flight_s, left_out=0 if reason else missing))
+        if self._copy is not None:
+            self._copy.push((MANIFEST,))
+
+    def tell_how_to_continue(self) -> str:
+        """Return what is said after Ctrl-C."""
+        text = (
+            f"stopped after {self._tally.progress.done:,} of {self._total:,} episodes; to continue, give the same "
+            f"command with -o {self.out}"
+        )
+        if self._in_flight_s:
+            text += (
+                f". Not counted: {len(self._in_flight_s):,} that had begun; slow episodes are more often among them, "
+                "which flatters the figures"
             )
-            if in_flight_s:
-                text += (
-                    f". Not counted: {len(in_flight_s):,} that had begun; slow episodes are more often among them, "
-                    "which flatters the figures"
-                )
-            raise InterruptedEvaluationError(text) from interrupt
-    return out
+        return text
 
 
 def _note_rows(folder: Path, given_up: GivenUp) -> None:

@@ -55,7 +55,7 @@ def use_map(suite: Suite, row: Row, place: str | os.PathLike[str], versions: tup
         raise InputError(f"--map {given}: no such file{advise_missing(given)}")
     worlds = [*suite.worlds]
     worlds[at] = SuiteWorld.model_validate({**world.model_dump(), **found, "label": row.world})
-    changed = Suite.make(**{**{name: getattr(suite, name) for name in suite.model_fields_set}, "worlds": worlds})
+    changed = suite.with_fields(worlds=worlds)
     if versions[0] == versions[1] and facts_of(changed.spec(row.index))["place"] != row.place:
         raise InputError(
             f"--map {found['name']}: this is not the map of episode {row.id}, {row.world}: its content is different; "

@@ -74,6 +74,7 @@ class Row:
             evaluations, as for the next two.
         localization_error_p95_m: The same, which 95 % of the run does not exceed.
         lost_s: Simulated time in which the localizer did not say that it is localized [s].
+        handed_over: Why the backend `batch` has left it to the kinematic simulator; empty where it has not.
         planning_ms: Wall time of all planning [ms].
         cpu_s: CPU time of the episode in its worker [s].
         wall_s: Wall time of the episode in its worker [s].
@@ -133,6 +134,7 @@ class Row:
     localization_error_m: float | None = None
     localization_error_p95_m: float | None = None
     lost_s: float | None = None
+    handed_over: str = ""
     planning_ms: float | None = None
     cpu_s: float | None = None
     wall_s: float | None = None

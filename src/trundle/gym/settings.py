@@ -106,6 +106,11 @@ class NavigationSettings:
         check_count("costmap_cells", self.costmap_cells, 0, 512)
         if self.beams is not None:
             check_count("beams", self.beams, 1, 100_000)
+        if self.device != "cpu":
+            raise InputError(
+                f"environments compute on the CPU, got device={self.device!r}; use device='cpu', or "
+                "trundle.sim.BatchSimulator, which computes on a GPU"
+            )
         check_flag("critic", self.critic)
         check_flag("scaled_actions", self.scaled_actions)
         count_steps(self.period_s, _TIMESTEP)

@@ -11,7 +11,7 @@ from trundle._core import count_beams, draw_cells, label_components
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.mapping.optimizer import component_of
-from trundle.mapping.pose_graph import Lidar, PoseGraph
+from trundle.mapping.pose_graph import FARTHEST_M, Lidar, PoseGraph
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import FREE_UP_TO, MAX_CELLS, UNKNOWN
 
@@ -41,6 +41,9 @@ def draw_map(graph: PoseGraph, *, resolution: float = 0.05) -> OccupancyGrid:
         raise InputError(f"the resolution must be from 0.005 to 10 m, got {resolution:g}")
     canvas = Canvas(resolution)
     roots = component_of(len(graph.times), graph.edges)
+    places = graph.poses[np.array(roots, dtype=np.int64) == roots[0], :2] if len(roots) else graph.poses[:, :2]
+    if len(places):
+        canvas.reach(places.min(axis=0), places.max(axis=0))  # at once: a map that grows is copied each time
     counts = [len(graph.lidars[lidar].angles) for lidar in graph.scan_lidars.tolist()]
     ends = np.cumsum(counts, dtype=np.int64).tolist()
     for i, end in enumerate(ends):
@@ -51,7 +54,7 @@ def draw_map(graph: PoseGraph, *, resolution: float = 0.05) -> OccupancyGrid:
         canvas.count(beams, graph.poses[node], 1)
     if canvas.is_empty:
         raise InputError("the pose graph has no scan, so there is nothing to draw")
-    return canvas.grid(graph.poses[np.array(roots) == roots[0], :2])
+    return canvas.grid(places)
 
 
 class Beams(tuple[FloatArray, FloatArray, npt.NDArray[np.uint8]]):
@@ -66,12 +69,13 @@ def place_beams(ranges: npt.NDArray[np.float32], lidar: Lidar, poses: FloatArray
         lidar: The lidar.
         poses: Base_link at the first and at the last beam, seen from the node, shape (2, 3).
     """
-    met = (ranges >= lidar.range_min) & (ranges < lidar.range_max)
+    far = min(lidar.range_max, FARTHEST_M)
+    met = (ranges >= lidar.range_min) & (ranges < far)
     # Beyond the range there may be anything, and glass or black things return nothing: believe a half of it.
-    none = np.isposinf(ranges) | (ranges >= lidar.range_max)
+    none = np.isposinf(ranges) | (ranges >= far)
     # A lone beam without a return is a dropout, which would draw free space through walls.
     used = met | (none & np.roll(none, 1) & np.roll(none, -1))
-    length = np.where(met, ranges, 0.5 * lidar.range_max)[used].astype(np.float64)
+    length = np.where(met, ranges, 0.5 * far)[used].astype(np.float64)
     angles = lidar.angles[used] + lidar.mount.yaw
     share = (np.arange(len(ranges)) / max(1, len(ranges) - 1))[used]
     x, y, yaw = (
@@ -102,7 +106,7 @@ class Canvas:
     @property
     def is_empty(self) -> bool:
         """Whether nothing was counted."""
-        return self._counts.size == 0
+        return not self._counts.any()
 
     def count(self, beams: Beams, pose: FloatArray, sign: int) -> None:
         """Count beams seen from a pose (x, y, yaw), or take them away (-1)."""
@@ -112,7 +116,7 @@ class Canvas:
         cos, sin = math.cos(pose[2]), math.sin(pose[2])
         turn = np.array(((cos, sin), (-sin, cos)))
         sensors, points = sensors @ turn + pose[:2], points @ turn + pose[:2]
-        self._reach(
+        self.reach(
             np.minimum(sensors.min(axis=0), points.min(axis=0)), np.maximum(sensors.max(axis=0), points.max(axis=0))
         )
         size = self._tile * self.resolution
@@ -121,8 +125,12 @@ class Canvas:
             self._counts, sensors, points, hits, corner, self.resolution, _SHORT_BY_CELLS * self.resolution, sign
         )
 
-    def _reach(self, low: FloatArray, high: FloatArray) -> None:
-        """Make room for what lies between two corners [m]."""
+    def reach(self, low: FloatArray, high: FloatArray) -> None:
+        """Make room for what lies between two corners [m].
+
+        Raises:
+            InputError: If the map would be too large.
+        """
         size = self._tile * self.resolution
         rows, cols = (n // self._tile for n in self._counts.shape[:2])
         left, bottom = (math.floor((value - self.resolution) / size) for value in low.tolist())

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from trundle._core import find_normals, pick_beams
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D
-from trundle.mapping.pose_graph import FOLLOWS, Lidar, PoseGraph
+from trundle.mapping.pose_graph import FARTHEST_M, FOLLOWS, LOOP, Lidar, PoseGraph
 from trundle.observation import Scan
 from trundle.robots import Robot
 
@@ -44,6 +44,21 @@ class Surface:
     points: FloatArray
     normals: FloatArray
     sensors: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Floating:
+    """The last node, in a place that is known: the next one there replaces it.
+
+    Attributes:
+        before: The node before it, and its pose in the frame of the window.
+        covariance: Of the edge between them.
+        anchor: An old node that it was recognised from, or None.
+    """
+
+    before: tuple[int, Pose2D]
+    covariance: FloatArray
+    anchor: int | None
 
 
 def make_surface(points: FloatArray, sensors: FloatArray) -> Surface:
@@ -144,8 +159,9 @@ class Nodes:
         lidar = self.lidars[scan.lidar]
         mount = np.array(lidar.mount.as_tuple())
         ranges = scan.ranges.astype(np.float64)
+        far = min(lidar.range_max, FARTHEST_M)
         ends, starts = pick_beams(
-            ranges, lidar.angles, mount, scan.poses, self.body, lidar.range_min, lidar.range_max, MOST_POINTS, 0.0
+            ranges, lidar.angles, mount, scan.poses, self.body, lidar.range_min, far, MOST_POINTS, 0.0
         )
         return ends, starts
 
@@ -171,6 +187,11 @@ class Nodes:
             )
         )
         return len(self.lidars) - 1
+
+    def track(self) -> tuple[FloatArray, npt.NDArray[np.int32]]:
+        """Return the poses (N, 3), and the pairs of nodes that a loop joins (M, 2)."""
+        loops = [(a, b) for a, b, kind in self.edges if kind == LOOP]
+        return np.array(self.poses, np.float64).reshape(-1, 3), np.array(loops, np.int32).reshape(-1, 2)
 
     def to_graph(self) -> PoseGraph:
         """Return all of it as a `PoseGraph`."""

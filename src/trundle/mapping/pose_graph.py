@@ -16,6 +16,9 @@ from trundle.geometry import FloatArray, Pose2D
 FOLLOWS, LOOP = 0, 1
 """Kinds of edges: from one node to the next by odometry and scan matching, and back to a place seen before."""
 
+FARTHEST_M = 500.0
+"""Longer ranges are no measurements of a lidar that looks around a robot [m]; beams of this length met nothing."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lidar:

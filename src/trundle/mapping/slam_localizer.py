@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
+import numpy.typing as npt
+
 from trundle.geometry import FloatArray, Pose2D
 from trundle.localization.localizer import Localizer
 from trundle.mapping.mapper import Mapper
@@ -55,6 +58,10 @@ class SlamLocalizer(Localizer):
     def graph(self) -> PoseGraph:
         """Return what the map is drawn from: poses, scans, and the edges between them."""
         return self.mapper.graph()
+
+    def track(self) -> tuple[FloatArray, npt.NDArray[np.int32]]:
+        """Return the poses alone [m, rad], shape (N, 3), and which of them loops join, shape (M, 2)."""
+        return self.mapper.track()
 
     def finish(self) -> None:
         """Optimize the pose graph to its end, and draw the map from all scans."""

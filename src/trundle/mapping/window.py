@@ -27,6 +27,7 @@ _POOR_FIT, _BETTER = 0.65, 0.1
 _WIDE_M, _WIDE_RAD = 0.25, math.radians(8.0)
 SETTINGS = np.array((_FIRST_WIDTH_M, _LAST_WIDTH_M, _NOISE_M, _MOST_BEAMS, _ITERATIONS))
 _MOST_BYTES = 32 << 20
+_MOST_REACH_M, _MOST_REACH_RAD = 2.0, math.radians(30.0)  # after a step of many metres a search takes too long
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +88,7 @@ def match_surface(
     """Search within a reach (metres, radians) of a pose, and refine the best of what is found."""
     prior = np.array(predicted.as_tuple())
     starts = [prior]
+    reach = min(reach[0], _MOST_REACH_M), min(reach[1], _MOST_REACH_RAD)
     if reach[0] > 0.5 * CELL_M or reach[1] > _YAW_STEP:
         window = np.array((reach[0], reach[1], _YAW_STEP))
         sigmas = np.array((max(reach[0] / 3.0, 0.02), max(reach[1] / 3.0, 0.005)))

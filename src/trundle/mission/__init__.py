@@ -15,7 +15,7 @@ from trundle.mission.observers import (
     Step,
     SubstepObserver,
 )
-from trundle.mission.own_map import Correction, OwnMap
+from trundle.mission.own_map import Correction, MapTrack, OwnMap
 from trundle.mission.running.robot_stack import Monitor
 from trundle.mission.running.session import Session
 from trundle.mission.sampling import sample_mission, sample_tight_ends
@@ -63,6 +63,7 @@ __all__ = [
     "LiveRun",
     "LiveStatus",
     "Manual",
+    "MapTrack",
     "Metrics",
     "Mission",
     "Monitor",

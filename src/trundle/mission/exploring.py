@@ -15,10 +15,11 @@ from trundle.mission.observers import Observer
 from trundle.mission.own_map import Correction
 from trundle.mission.scenario import Mission, Scenario
 from trundle.navigation.exploration import Explorer, Frontier, GivenUp
+from trundle.worlds.world import world_options
 
 EXPLORER = "explorer"
-_WITH_LOW_OBJECTS = ("warehouse", "office")
-"""Generated worlds with objects that the beams of a planar lidar pass over or under."""
+_LOW_OBJECTS = "low_objects"
+"""Option of generators whose worlds have objects that the beams of a planar lidar pass over or under."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,8 +103,9 @@ def exploring(scenario: Scenario) -> Scenario:
     if scenario.agent is None:
         changes["agent"] = EXPLORER
     world = scenario.world
-    if world is not None and world.name in _WITH_LOW_OBJECTS and "low_objects" not in world.options:
-        options = {**cast("dict[str, object]", world.options), "low_objects": False}
+    takes = () if world is None or world.is_file else world_options(world.name) or ()
+    if world is not None and _LOW_OBJECTS in takes and _LOW_OBJECTS not in world.options:
+        options = {**cast("dict[str, object]", world.options), _LOW_OBJECTS: False}
         changes["world"] = WorldChoice(name=world.name, options=cast("Any", options), seed=world.seed)
     return Scenario.make(**{**scenario.model_dump(), **changes})
 

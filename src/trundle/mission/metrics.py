@@ -11,9 +11,10 @@ from typing import Literal, Protocol, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from trundle.costmap import INSCRIBED, Costmap
+from trundle._core import chebyshev_field, polyline_distances
+from trundle.costmap import INSCRIBED, LETHAL, Costmap
 from trundle.geometry import FloatArray, path_length, wrap_angles
-from trundle.geometry.solids import Solid
+from trundle.geometry.solids import Solid, solids_bounds
 from trundle.mission.episode import Metrics
 from trundle.mission.trajectory import Trajectory
 from trundle.path import Path
@@ -26,6 +27,8 @@ MeasuredOn: TypeAlias = Literal["world", "map", "nothing"]
 
 CLEARANCE_CAP = 2.0
 """Clearances are capped at this [m]."""
+
+_FIRST = 12  # poses in the tightest places, measured first
 
 _RESOLUTION_M = 0.05
 """Of the world's map where the robot has none."""
@@ -74,15 +77,37 @@ class TrueMaps:
         self._key: tuple[object, ...] | None = None
         self._map: Costmap | None = None
         self._held: tuple[World, Robot] | None = None  # so that no other objects get their ids
+        self._bounds: tuple[World, tuple[FloatArray, FloatArray]] | None = None
+        self._search: tuple[Costmap, GridSearch] | None = None
+        self._free: tuple[Costmap, npt.NDArray[np.uint8]] | None = None
 
     def get(self, world: World, robot: Robot, points: FloatArray, *, resolution: float, margin: float) -> Costmap:
         """The map that `map_world` makes."""
-        extent = map_extent(world, points, resolution=resolution, margin=margin)
+        bounds = self.bounds(world)
+        extent = map_extent(world, points, resolution=resolution, margin=margin, bounds=bounds)
         key = (id(world), id(robot), extent)
         if self._map is None or key != self._key:
             self._key, self._map = key, map_world(world, robot, points, resolution=resolution, margin=margin)
             self._held = (world, robot)
         return self._map
+
+    def bounds(self, world: World) -> tuple[FloatArray, FloatArray]:
+        """Bounds (low, high) [m] of each solid of a world, each of shape (N, 3)."""
+        if self._bounds is None or self._bounds[0] is not world:
+            self._bounds = world, solids_bounds(world.solids)
+        return self._bounds[1]
+
+    def search(self, true_map: Costmap) -> GridSearch:
+        """What finds shortest paths of the footprint's inscribed disc on a map."""
+        if self._search is None or self._search[0] is not true_map:
+            self._search = true_map, GridSearch(true_map.data >= INSCRIBED)
+        return self._search[1]
+
+    def free(self, true_map: Costmap) -> npt.NDArray[np.uint8]:
+        """The Chebyshev distance [cells] of each cell of a map to the nearest one that a solid reaches into."""
+        if self._free is None or self._free[0] is not true_map:
+            self._free = true_map, chebyshev_field((true_map.data >= LETHAL).view(np.uint8))
+        return self._free[1]
 
 
 class Measure(Protocol):
@@ -127,25 +152,46 @@ def measure_truth(
         true_maps: Where the map of the world is kept for the next run.
     """
     points = np.array([end[:2] for end in ends], dtype=np.float64)
+    maps = TrueMaps() if true_maps is None else true_maps
     if world is not None:
         resolution = _RESOLUTION_M if costmap is None else costmap.resolution
         margin = CLEARANCE_CAP + robot.circumscribed_radius + 2.0 * resolution
         around = np.concatenate([poses[:, :2], points])
-        maps = TrueMaps() if true_maps is None else true_maps
         true_map = maps.get(world, robot, around, resolution=resolution, margin=margin)
     elif costmap is not None:
         true_map = costmap
     else:
         return Truth(0.0 if touched else None, None, "nothing")
-    coarse = true_map.clearance(poses, CLEARANCE_CAP)
+    coarse = _near_clearances(true_map, poses, None if world is None else maps.free(true_map))
     if touched:
         clearance = 0.0
     elif world is not None:
-        clearance = least_clearance(world, robot, poses, coarse, resolution=true_map.resolution, cap=CLEARANCE_CAP)
+        clearance = least_clearance(
+            world, robot, poses, coarse, resolution=true_map.resolution, cap=CLEARANCE_CAP, bounds=maps.bounds(world)
+        )
     else:
         clearance = float(coarse.min())
-    shortest = shortest_length(true_map, points, poses[:, :2]) if arrived else None
+    shortest = shortest_length(true_map, points, poses[:, :2], search=maps.search(true_map)) if arrived else None
     return Truth(clearance, shortest, "map" if world is None else "world", int(coarse.argmin()))
+
+
+def _near_clearances(costmap: Costmap, poses: FloatArray, free: npt.NDArray[np.uint8] | None) -> FloatArray:
+    """Clearances [m] of poses, shape (N,), exact near the least one, and otherwise at least what is near.
+
+    Near is what `least_clearance` looks at more closely. On a map with room around all poses, `free` tells which are
+    in the tightest places; a few of these tell how far near is.
+    """
+    if free is None:
+        return costmap.clearance(poses, CLEARANCE_CAP)
+    rows, cols = costmap.world_to_cell(poses[:, 0], poses[:, 1])
+    room = (free[rows, cols].astype(np.float64) - 1.0) * costmap.resolution - costmap.circumscribed_radius
+    tightest = room.argpartition(min(_FIRST, len(room) - 1))[:_FIRST]
+    least = float(costmap.clearance(poses[tightest], CLEARANCE_CAP).min())
+    limit = min(CLEARANCE_CAP, least + 2.0 * costmap.resolution)
+    near = np.flatnonzero(room <= limit)
+    clearances = np.full(len(poses), limit)
+    clearances[near] = costmap.clearance(poses[near], limit)
+    return clearances
 
 
 def near_boxes(truth: Truth, boxes: Sequence[DroppedBox], poses: FloatArray, robot: Robot) -> Truth:
@@ -171,7 +217,9 @@ def near_boxes(truth: Truth, boxes: Sequence[DroppedBox], poses: FloatArray, rob
     return replace(truth, min_clearance_m=least, closest=closest)
 
 
-def shortest_length(true_map: Costmap, points: FloatArray, driven: FloatArray) -> float:
+def shortest_length(
+    true_map: Costmap, points: FloatArray, driven: FloatArray, *, search: GridSearch | None = None
+) -> float:
     """Length [m] of the shortest path of the footprint's inscribed disc through some points in turn.
 
     It is the shortest in any direction past the cells that the disc's centre must keep off; cells that the robot has
@@ -181,10 +229,13 @@ def shortest_length(true_map: Costmap, points: FloatArray, driven: FloatArray) -
         true_map: Where the disc collides.
         points: Start and goals [m], shape (M, 2).
         driven: Where the robot was [m], shape (N, 2).
+        search: Finds paths on that map, where it was made before.
     """
-    blocked = true_map.data >= INSCRIBED
-    _free(blocked, true_map, driven)
-    search = GridSearch(blocked)
+    row, col = _driven_cells(true_map, driven)
+    if search is None or (true_map.data[row, col] >= INSCRIBED).any():
+        blocked = true_map.data >= INSCRIBED
+        blocked[row, col] = False
+        search = GridSearch(blocked)
     tolerance = _END_TOLERANCE_M / true_map.resolution
     rows, cols = true_map.world_to_cell(points[:, 0], points[:, 1])
     cells = np.stack([rows, cols], axis=1).tolist()
@@ -201,8 +252,8 @@ def shortest_length(true_map: Costmap, points: FloatArray, driven: FloatArray) -
     return length
 
 
-def _free(blocked: npt.NDArray[np.bool_], true_map: Costmap, driven: FloatArray) -> None:
-    """Free the cells of a driven line, so that a path among cells may follow it."""
+def _driven_cells(true_map: Costmap, driven: FloatArray) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+    """Rows and columns of the cells of a driven line, by which a path among cells may follow it."""
     steps = np.diff(driven, axis=0)
     parts = np.maximum(np.ceil(4.0 * np.hypot(*steps.T) / true_map.resolution).astype(int), 1)
     number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
@@ -211,13 +262,12 @@ def _free(blocked: npt.NDArray[np.bool_], true_map: Costmap, driven: FloatArray)
     points = np.concatenate([between, driven[-1:]])
     rows, cols = true_map.world_to_cell(points[:, 0], points[:, 1])
     # A diagonal step needs the two cells beside it.
-    for row, col in ((rows, cols), (rows[:-1], cols[1:]), (rows[1:], cols[:-1])):
-        inside = true_map.contains(row, col)
-        blocked[row[inside], col[inside]] = False
+    row, col = np.concatenate([rows, rows[:-1], rows[1:]]), np.concatenate([cols, cols[1:], cols[:-1]])
+    inside = true_map.contains(row, col)
+    return row[inside], col[inside]
 
 
 _LEAST_DISTANCE = 0.01  # [m]: below it, turning per distance is meaningless
-_CHUNK = 1_000_000  # distances at a time
 
 
 def compute_metrics(
@@ -317,15 +367,4 @@ def cross_track_errors(trajectory: Trajectory, paths: Sequence[Path]) -> FloatAr
 
 def distances_to_polyline(points: FloatArray, corners: FloatArray) -> FloatArray:
     """Distance [m] of each of `points` (N, 2) to the nearest place on a polyline with `corners` (M, 2), M ≥ 1."""
-    starts = corners[:-1] if len(corners) > 1 else corners
-    along = np.diff(corners, axis=0) if len(corners) > 1 else np.zeros_like(corners)
-    squared = (along * along).sum(axis=1)
-    nearest = np.empty(len(points))
-    rows = max(1, _CHUNK // len(starts))
-    for first in range(0, len(points), rows):
-        offsets = points[first : first + rows, None, :] - starts[None, :, :]
-        projected = (offsets * along).sum(axis=2)
-        fraction = np.clip(projected / np.where(squared > 0.0, squared, 1.0), 0.0, 1.0)
-        gaps = offsets - fraction[:, :, None] * along
-        nearest[first : first + rows] = np.sqrt((gaps * gaps).sum(axis=2).min(axis=1))
-    return nearest
+    return polyline_distances(np.ascontiguousarray(points), np.ascontiguousarray(corners))

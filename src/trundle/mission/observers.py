@@ -15,6 +15,7 @@ from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import SpeedMask
 from trundle.mission.episode import Episode
+from trundle.mission.own_map import MapTrack
 from trundle.mission.run_files import RECORD
 from trundle.navigation import NavigationStatus
 from trundle.navigation.behaviors import BehaviorRun
@@ -134,6 +135,7 @@ class Step:
         distance_remaining: Length of what is left of the path that it follows [m], or none without one.
         map: The map that the localizer has made so far, as the agent has it, or none where it makes none. It is
             another object about once a second.
+        map_track: Poses and loops of that map, or none where the localizer does not say.
     """
 
     index: int
@@ -156,6 +158,7 @@ class Step:
     steering: SteeringReport | None = None
     distance_remaining: float | None = None
     map: OccupancyGrid | None = None
+    map_track: MapTrack | None = None
 
     @property
     def scans(self) -> tuple[Scan, ...]:

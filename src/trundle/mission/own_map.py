@@ -7,6 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+import numpy.typing as npt
+
+from trundle.geometry import FloatArray
 from trundle.mapping.pose_graph import LOOP, PoseGraph
 from trundle.maps import OccupancyGrid
 
@@ -32,6 +36,21 @@ class Correction(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class MapTrack:
+    """Where the map of a localizer comes from: the poses that it has scans of, as they are now.
+
+    Attributes:
+        poses: Of base_link, map frame [m, rad], shape (N, 3).
+        loops: Pairs of poses that a loop joins, shape (M, 2).
+        corrections: The largest corrections of the estimate so far, the largest first, at most five.
+    """
+
+    poses: FloatArray
+    loops: npt.NDArray[np.int32]
+    corrections: tuple[Correction, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class OwnMap:
     """The map that a robot's localizer has made, and how.
 
@@ -45,18 +64,32 @@ class OwnMap:
     graph: PoseGraph | None = None
     corrections: Sequence[Correction] = ()
 
+    @property
+    def track(self) -> MapTrack | None:
+        """The graph's poses and loops, and the corrections; None without a graph."""
+        graph = self.graph
+        if graph is None:
+            return None
+        return MapTrack(graph.poses, graph.edges[graph.edges[:, 2] == LOOP, :2], tuple(self.corrections))
+
     def as_dict(self) -> dict[str, object]:
         """Size, poses, loops and corrections as plain values, for JSON."""
         rows, cols = self.grid.shape
-        graph = self.graph
+        track = self.track
         return {
             "rows": rows,
             "cols": cols,
             "resolution_m": self.grid.resolution,
-            "poses": None if graph is None else len(graph.poses),
-            "loops": None if graph is None else int((graph.edges[:, 2] == LOOP).sum()),
+            "poses": None if track is None else len(track.poses),
+            "loops": None if track is None else len(track.loops),
             "corrections": [one._asdict() for one in self.corrections],
         }
+
+
+def describe_correction(correction: Correction) -> str:
+    """Return a correction in words, without its time: "0.42 m and 3.0° at (3.1, 4.2)"."""
+    one = correction
+    return f"{one.moved_m:.2f} m and {math.degrees(one.turned_rad):.1f}° at ({one.x:.1f}, {one.y:.1f})"
 
 
 def describe_corrections(corrections: Sequence[Correction]) -> str:

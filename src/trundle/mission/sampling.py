@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +22,7 @@ MIN_DISTANCE = 5.0
 
 _HEADINGS = 72  # between two of them, a corner of a robot of 1 m moves less than the margin
 _MARGIN = 0.05  # [m]
-_BATCH = 32
+_BATCHES = (4, 8, 16, 32)  # cells tried at a time, at first few: a mission mostly needs two
 _MAX_PLACES = 256  # places where a robot can turn, looked for at most
 _MAX_TRIED = 8192  # cells tried at most
 _LEAST_DISTANCE = 0.5  # [m]: closer than this is no mission
@@ -70,7 +71,7 @@ def sample_mission(
     if not (math.isfinite(as_number(min_distance, "min_distance")) and min_distance >= 0.0):
         raise InputError(f"min_distance must be a number of metres of 0 or more, got {min_distance}")
     rng = np.random.default_rng(check_seed(seed))
-    areas, _ = label_components(_wide_enough(costmap).view(np.uint8), diagonal=False)
+    areas = _find_areas(costmap)
     given = start if start is not None else goal
     if given is None:
         ends = _pick_two(costmap, areas, rng, min_distance)
@@ -125,6 +126,21 @@ def _tight_poses(
         clearance = costmap.clearance(poses, cap=2.0 * high)
         for index in np.flatnonzero((clearance >= low) & (clearance <= high)):
             yield Pose2D(*poses[index].tolist()), int(areas[rows[index], cols[index]])
+
+
+_MOST_KEPT = 4_000_000  # cells
+_areas: WeakKeyDictionary[Costmap, npt.NDArray[np.int32]] = WeakKeyDictionary()
+
+
+def _find_areas(costmap: Costmap) -> npt.NDArray[np.int32]:
+    """Number of the area of each cell that is wide enough, 0 elsewhere; kept for the next mission on this costmap."""
+    areas = _areas.get(costmap)
+    if areas is None:
+        areas, _ = label_components(_wide_enough(costmap).view(np.uint8), diagonal=False)
+        if areas.size <= _MOST_KEPT:
+            areas.flags.writeable = False
+            _areas[costmap] = areas
+    return areas
 
 
 def _wide_enough(costmap: Costmap) -> npt.NDArray[np.bool_]:
@@ -212,8 +228,12 @@ def _places(costmap: Costmap, areas: npt.NDArray[np.int32], rng: np.random.Gener
     cells = np.flatnonzero(areas > 0)
     drawn = rng.choice(cells, size=min(_MAX_TRIED, len(cells)), replace=False)
     headings = np.arange(_HEADINGS) * (2.0 * math.pi / _HEADINGS)
-    for first in range(0, len(drawn), _BATCH):
-        row, col = np.unravel_index(drawn[first : first + _BATCH], areas.shape)
+    sizes = itertools.chain(_BATCHES, itertools.repeat(_BATCHES[-1]))
+    first = 0
+    while first < len(drawn):
+        size = next(sizes)
+        row, col = np.unravel_index(drawn[first : first + size], areas.shape)
+        first += size
         x, y = costmap.cell_to_world(row, col)
         poses = np.column_stack([np.repeat(x, _HEADINGS), np.repeat(y, _HEADINGS), np.tile(headings, len(x))])
         clear = costmap.clearance(poses, cap=2.0 * _MARGIN).reshape(-1, _HEADINGS).min(axis=1) >= _MARGIN

@@ -134,12 +134,16 @@ class Scenario(ScenarioFields):
     def __str__(self) -> str:
         return repr(self)
 
-    def prepare(self, place: Place | None = None, *, costmap: Costmap | None = None) -> Setting:
+    def prepare(
+        self, place: Place | None = None, *, costmap: Costmap | None = None, navigator: Navigator | None = None
+    ) -> Setting:
         """Make world, robot, map and navigator, and pick the start and the goal that are not given.
 
         Args:
             place: World, robot and map, where they were made before, by `make_place` of a scenario that has the same.
             costmap: What `make_costmap` made of that place before.
+            navigator: What was made before for a scenario with the same planner, controller, smoother and settings, of
+                this costmap; it forgets everything when a run begins.
 
         Raises:
             UnknownNameError: If a name is not known; the nearest is offered.
@@ -162,7 +166,7 @@ class Scenario(ScenarioFields):
             costmap = seen.make_costmap(grid, robot, keepout=place.keepout)
         if not self.known_map and seen.unknown == "blocked":
             seen = seen.model_copy(update={"unknown": "costly"})
-        navigator = Navigator(
+        navigator = navigator or Navigator(
             (grid, costmap) if self.known_map else None,
             robot,
             costmap=None if self.known_map else seen,

@@ -6,7 +6,7 @@ from fnmatch import fnmatchcase
 
 from trundle.files.yaml_config import Plain
 from trundle.nav2.names import plain_plugin
-from trundle.nav2.parameters import NodeParameters, Parameter
+from trundle.nav2.parameters import NodeParameters, Parameter, Repeated
 from trundle.nav2.remarks import ROS_OWN, Remark
 
 _WINDOW = "trundle has one costmap, the global one; a controller sees all of it"
@@ -76,6 +76,12 @@ class Notes:
         found = node.find(name)
         if found is not None:
             self.remarks.append(Remark("changed", node.name, found.name, found.value, text, found.line))
+
+    def given_twice(self, found: Repeated) -> None:
+        """Note that a parameter is given twice, and which one counts."""
+        counts = found.counts
+        text = f"it is given twice, in lines {found.first} and {found.second}: line {counts.line} counts, as in ROS"
+        self.remarks.append(Remark("changed", found.node, counts.name, counts.value, text, counts.line))
 
     def default(self, node: NodeParameters, name: str, value: Plain, text: str) -> None:
         """Do as `changed` does, also where the file does not give the parameter and Nav2's default counts."""

@@ -38,6 +38,22 @@ class Parameter:
     was_read: bool = False
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Repeated:
+    """A parameter that is given twice.
+
+    Attributes:
+        node: The node, or a wildcard.
+        first, second: Its lines in the file, from 1; of three or more, those of two of them.
+        counts: The one that counts.
+    """
+
+    node: str
+    first: int
+    second: int
+    counts: Parameter
+
+
 @dataclass(slots=True, eq=False)
 class _Entry:
     """The parameters under one `ros__parameters`, and the names above it: namespaces, then the node's."""
@@ -212,10 +228,15 @@ class ParameterFile:
     """A ROS 2 parameter file.
 
     A node's parameters are those of its entry and of entries with wildcards (`/**`); of several, the later one in
-    the file counts, as in ROS. Names may be nested or dotted, and stand in namespaces.
+    the file counts, as in ROS. Names may be nested or dotted, and stand in namespaces. Keys may be given twice, as ROS
+    takes them: parts of one name are joined, and of a parameter the later value counts, but of values of several types
+    the last one of the type that ROS looks for first.
 
     Args:
         path: The file.
+
+    Attributes:
+        repeated: Parameters that are given more than once under one name of a node.
 
     Raises:
         InputError: If it cannot be read, is no YAML, is larger or nested deeper than settings are, has anchors or
@@ -225,8 +246,9 @@ class ParameterFile:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(as_path(path, "a parameter file"))
         self._name = str(self.path)
-        node = compose(self.path, wanted="Nav2's parameter file, such as nav2_params.yaml")
+        node = compose(self.path, allow_duplicate_keys=True, wanted="Nav2's parameter file, such as nav2_params.yaml")
         self._entries: list[_Entry] = []
+        self.repeated: list[Repeated] = []
         if isinstance(node, yaml.MappingNode):
             self._walk(node, ())
         if not self._entries:
@@ -268,8 +290,15 @@ class ParameterFile:
                 if not parameter.was_read:
                     yield "/" + "/".join(entry.path) if entry.node in _WILD else entry.node, parameter
 
-    def _walk(self, mapping: yaml.MappingNode, path: tuple[str, ...]) -> None:
+    def _pairs(self, mapping: yaml.MappingNode) -> Iterator[tuple[yaml.ScalarNode, yaml.Node]]:
+        """Yield the keys of a mapping, which have to be plain names, and their values."""
         for key, value in mapping.value:
+            if not isinstance(key, yaml.ScalarNode):
+                raise InputError(f"{place(key, self._name)}: a key must be a plain name, as in `name: value`")
+            yield key, value
+
+    def _walk(self, mapping: yaml.MappingNode, path: tuple[str, ...]) -> None:
+        for key, value in self._pairs(mapping):
             if key.value == _PARAMETERS:
                 self._add(key, value, path)
             elif isinstance(value, yaml.MappingNode):
@@ -284,21 +313,39 @@ class ParameterFile:
     def _add(self, key: yaml.Node, value: yaml.Node, path: tuple[str, ...]) -> None:
         if not path:
             raise InputError(f"{place(key, self._name)}: {_PARAMETERS} stands under the name of a node, or under /**")
-        entry = _Entry(path, place(key, self._name))
+        entry = next((one for one in self._entries if one.path == path), None)
+        if entry is None:
+            entry = _Entry(path, place(key, self._name))
+            self._entries.append(entry)
         if isinstance(value, yaml.MappingNode):
             self._flatten(value, "", entry)
         elif not _is_empty(value):
             raise InputError(f"{place(value, self._name)}: {_PARAMETERS} must be a mapping of parameters")
-        self._entries.append(entry)
 
     def _flatten(self, mapping: yaml.MappingNode, prefix: str, entry: _Entry) -> None:
-        for key, value in mapping.value:
+        for key, value in self._pairs(mapping):
             name = f"{prefix}{key.value}"
             if isinstance(value, yaml.MappingNode):
                 self._flatten(value, f"{name}.", entry)
-            else:
-                plain = plain_value(value, self._name)
-                entry.parameters[name] = Parameter(name, plain, key.start_mark.line + 1, place(key, self._name))
+                continue
+            found = Parameter(name, plain_value(value, self._name), key.start_mark.line + 1, place(key, self._name))
+            before = entry.parameters.get(name)
+            if before is not None:
+                counts = found if _rank(found.value) <= _rank(before.value) else before
+                self.repeated.append(Repeated(entry.node, before.line, found.line, counts))
+                found = counts
+            entry.parameters[name] = found
+
+
+def _rank(value: Plain) -> int:
+    """Return when ROS looks for a value of this type.
+
+    Its parser keeps the last value of each type (`parse_value` of rcl_yaml_param_parser), and a node takes the first
+    that there is of bool, integer, double, string, and then arrays (`parameter_value_from` of rclcpp).
+    """
+    if isinstance(value, list):
+        return 4 + (_rank(value[0]) if value else 0)
+    return 0 if isinstance(value, bool) else 1 if isinstance(value, int) else 2 if isinstance(value, float) else 3
 
 
 def _is_empty(node: yaml.Node) -> bool:

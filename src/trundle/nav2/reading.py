@@ -61,6 +61,8 @@ def read_nav2_params(
     file = ParameterFile(path)
     own = None if robot is None else Robot.load(robot)
     notes = Notes()
+    for twice in file.repeated:
+        notes.given_twice(twice)
     settings = _read_costmaps(file, own, notes)
     controllers, planners = file.node("controller_server"), file.node("planner_server")
     if controllers is not None:

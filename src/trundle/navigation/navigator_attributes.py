@@ -25,7 +25,7 @@ from trundle.navigation.state import DriveState
 from trundle.navigation.status import NavigationStatus
 from trundle.observation import Track
 from trundle.path import Path
-from trundle.planning import Planner, Smoother, create_planner, create_smoother
+from trundle.planning import PathCheck, Planner, Smoother, create_planner, create_smoother
 from trundle.planning.planner import PlannerLike
 from trundle.planning.smoother import SmootherLike
 from trundle.robots import Robot
@@ -215,6 +215,11 @@ class NavigatorAttributes(Agent):
     def path(self) -> Path | None:
         """The path that it follows, or None."""
         return None if self._replanner.followed is None else self._replanner.followed.path
+
+    @property
+    def path_check(self) -> PathCheck | None:
+        """The check of that path, with its poses close together; None without one."""
+        return None if self._replanner.followed is None else self._replanner.followed.check
 
     @property
     def path_left(self) -> Path | None:

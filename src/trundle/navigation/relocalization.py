@@ -21,7 +21,7 @@ NOT_LOCALIZED = "not localized"
 _STAND = Twist2D(0.0, 0.0)
 _DOUBT_S = 1.0
 """So long it stands first: most doubts pass within a second, and a robot that turns at each would never arrive."""
-_TURN_RADPS, _SEEK_MPS = 0.6, 0.3
+_TURN_RADPS, _SEEK_MPS = 0.6, 0.5
 """Slow: two lidars of 10 Hz then see each direction every 3.5°, and the robot stops within a few centimetres."""
 _ENOUGH_RAD = 1.3
 """A robot that sees all round turns so far: it sees nothing new by that, but hypotheses part by turning, too."""
@@ -29,7 +29,7 @@ _SEEK_M = 2.0
 """After so far it looks around again. Hypotheses are told apart by driving; more of it is more risk."""
 _MARGIN_M = 0.1
 """Kept clear all round, where the robot does not stand nearer to something already."""
-_LEAST_M, _AHEAD_M = 0.5, 0.3
+_LEAST_M, _AHEAD_M = 0.5, 0.4
 """It sets off where it sees so much room, and drives on while it sees so much: something may come its way."""
 _FACING_RAD, _LEAST_TURN_RAD = 0.05, 0.2
 _BACK_COST_M, _RETURN_COST_M, _TURN_COST_M = 0.5, 1.5, 0.1

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from trundle.costmap import Costmap
+from trundle.costmap import INSCRIBED, NO_INFORMATION, Costmap
 from trundle.maps import OccupancyGrid
 from trundle.maps.frame import GridFrame
 from trundle.maps.images.png import encode_png
@@ -98,17 +98,23 @@ def grid_png(grid: OccupancyGrid) -> dict[str, Any]:
 def costmap_png(costmap: Costmap, *, base: Costmap | None = None) -> dict[str, Any]:
     """Return a costmap as {"png", "resolution", "origin", "width", "height"}, row 0 at the top.
 
-    The grey values are Nav2's costs.
+    The grey values are Nav2's costs; unknown cells are 255, whether or not the robot plans through them.
     A costmap of more than 4 million cells gets larger cells, of which each has the largest cost of those that it holds.
 
     Args:
         costmap: The costmap.
         base: One of the same extent: then the picture holds how much higher the costs are, modulo 256.
     """
-    values, factor = _shrunk(costmap.data)
+    values, factor = _shrunk(_costs(costmap))
     if base is not None:
-        values = values - _shrunk(base.data)[0]
+        values = values - _shrunk(_costs(base))[0]
     return _picture(costmap, values, factor)
+
+
+def _costs(costmap: Costmap) -> npt.NDArray[np.uint8]:
+    if costmap.unseen is None:
+        return costmap.data
+    return np.where(costmap.unseen & (costmap.data < INSCRIBED), np.uint8(NO_INFORMATION), costmap.data)
 
 
 def _picture(frame: GridFrame, values: npt.NDArray[np.uint8], factor: int) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from trundle.geometry import Pose2D
 from trundle.mission.episode import Episode
 from trundle.mission.metrics import CLEARANCE_CAP
 from trundle.mission.observers import RunInfo, SteeringReport, Step
+from trundle.mission.own_map import Correction, describe_correction
 from trundle.navigation import NavigationStatus
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.observation import LocalizationState, describe_state
@@ -215,6 +216,7 @@ class Events:
         self._stands_at_goal = False
         self._steered: SteeringReport | None = None
         self._localized: LocalizationState = "localized"
+        self._corrections: tuple[Correction, ...] = ()
 
     def note(self, time: float, kind: str, text: str) -> None:
         """Add an event of `KINDS`."""
@@ -250,6 +252,8 @@ class Events:
         if step.estimate is not None and step.estimate.state != self._localized:
             self._localized = step.estimate.state
             self.note(time, "locate", describe_state(step.estimate))
+        if step.map_track is not None:
+            self._add_corrections(step.map_track.corrections, time)
 
     def end(self, episode: Episode) -> None:
         """Add the end of a run."""
@@ -294,6 +298,14 @@ class Events:
             self.note(time, "recovery", f"{ran.behavior}: {ran.reason}")
             self._running = ran.result == "running"
         self._behaviors = len(behaviors)
+
+    def _add_corrections(self, corrections: tuple[Correction, ...], time: float) -> None:
+        """Add those of the largest corrections that are new."""
+        if corrections is not self._corrections:
+            for one in corrections:
+                if one not in self._corrections:
+                    self.note(time, "locate", f"the estimate was corrected by {describe_correction(one)}")
+            self._corrections = corrections
 
     def _add_message(self, message: str, time: float) -> None:
         said = message.partition(" at (")[0]

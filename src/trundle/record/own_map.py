@@ -10,8 +10,7 @@ import numpy.typing as npt
 from PIL import Image, ImageDraw
 
 from trundle.costmap import Costmap, CostmapSettings
-from trundle.geometry import FloatArray, Pose2D
-from trundle.mapping.pose_graph import LOOP, PoseGraph
+from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN, round_trinary
 from trundle.mission.observers import Step
@@ -48,10 +47,10 @@ def draw_own_map(own: OwnMap, *, title: str) -> Image.Image:
     if graph is not None:
         for part in np.unique(graph.parts).tolist():
             view.line(graph.poses[graph.parts == part, :2], ESTIMATED, 3)
-        ends = _loops_of(graph)
-        loops = len(ends)
-        for pair in ends:
-            view.line(pair, PLANNED, 2)
+        pairs = [] if own.track is None else own.track.loops
+        loops = len(pairs)
+        for pair in pairs:
+            view.line(graph.poses[pair, :2], PLANNED, 2)
         for point in graph.poses[:, :2].tolist():
             view.disc(point, 3, ESTIMATED)
         if len(graph.poses):
@@ -77,12 +76,6 @@ def draw_own_map(own: OwnMap, *, title: str) -> Image.Image:
         legend=marks,
         pixels_per_metre=view.pixels_per_metre,
     )
-
-
-def _loops_of(graph: PoseGraph) -> list[FloatArray]:
-    """Return both ends of each loop, map frame [m], shape (2, 2)."""
-    loops = graph.edges[graph.edges[:, 2] == LOOP]
-    return [graph.poses[pair, :2] for pair in loops[:, :2]]
 
 
 def _plain(grid: OccupancyGrid) -> Costmap:

@@ -1,7 +1,6 @@
 """Recorded drives as observations: what a robot saw and how it moved, from bags of ROS and from CARMEN logs."""
 
-from trundle.recordings.drive import DriveStep, RecordedDrive
+from trundle.recordings.drive import DriveStep, RecordedDrive, Remarks
 from trundle.recordings.opening import open_drive
-from trundle.recordings.remarks import Remarks
 
 __all__ = ["DriveStep", "RecordedDrive", "Remarks", "open_drive"]

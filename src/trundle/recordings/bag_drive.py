@@ -24,19 +24,19 @@ from trundle.geometry import FloatArray
 from trundle.messages import readers
 from trundle.messages.codec import DEFAULT, Distro
 from trundle.observation import Scan
-from trundle.recordings.bag_frames import find_base, find_mount, find_odometry_frame
 from trundle.recordings.bag_source import BagSource, DamagedError
 from trundle.recordings.bag_survey import (
     LidarSurvey,
+    find_base,
+    find_mount,
+    find_odometry_frame,
     find_odometry_topic,
     find_restarts,
     read_shape,
     survey_bag,
 )
-from trundle.recordings.drive import RecordedDrive
+from trundle.recordings.drive import RecordedDrive, Remarks, make_unknown_robot
 from trundle.recordings.odometry import OdometryTrack, find_jumps
-from trundle.recordings.remarks import Remarks
-from trundle.recordings.unknown_robot import make_unknown_robot
 from trundle.robots import Robot
 
 _OTHER_CLOCK_S = 1.0

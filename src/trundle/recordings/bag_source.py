@@ -12,7 +12,7 @@ from pathlib import Path
 from trundle.bags.bag_reader import BagReader
 from trundle.errors import InputError
 from trundle.messages.codec import Distro
-from trundle.recordings.remarks import Remarks
+from trundle.recordings.drive import Remarks
 
 
 class DamagedError(Exception):

@@ -23,11 +23,9 @@ from trundle.files.opening import describe_unreadable, open_file
 from trundle.geometry import FloatArray, Pose2D
 from trundle.observation import Scan
 from trundle.recordings.carmen_times import mend_times
-from trundle.recordings.drive import RecordedDrive
+from trundle.recordings.drive import RecordedDrive, Remarks, make_unknown_robot
 from trundle.recordings.odometry import OdometryTrack, find_jumps
 from trundle.recordings.own_hits import OwnHits
-from trundle.recordings.remarks import Remarks
-from trundle.recordings.unknown_robot import make_unknown_robot
 from trundle.robots import Robot
 
 SUFFIXES = (".log", ".clf", ".gz")
@@ -110,7 +108,7 @@ class _Maker:
             for first, last in itertools.pairwise(ends)
         ]
         stretches = np.searchsorted(jumps, np.arange(len(times)), side="right")
-        masks = {id(laser): self._find_own_hits(laser, order, times, poses) for laser in self._lasers}
+        masks = {id(laser): self._find_own_hits(laser, order, poses) for laser in self._lasers}
         speeds = np.array([track.fastest for track in tracks]).max(axis=0)
         known = self._robot is not None
         mounts = {id(laser): self._find_mount(laser) for laser in self._lasers}
@@ -212,7 +210,7 @@ class _Maker:
         return max(largest - 0.1 if is_common else largest + 1e-3, _LEAST_RANGE_M + 1e-3)
 
     def _find_own_hits(
-        self, laser: _Laser, order: list[tuple[_Laser, int]], times: FloatArray, poses: FloatArray
+        self, laser: _Laser, order: list[tuple[_Laser, int]], poses: FloatArray
     ) -> npt.NDArray[np.bool_]:
         hits = OwnHits()
         rows = [row for row, (owner, _) in enumerate(order) if owner is laser]

@@ -1,4 +1,4 @@
-"""`RecordedDrive`: the observations of a recording, one after the other, in stretches of unbroken odometry."""
+"""`RecordedDrive`: a drive as observations, what was left out of it, and the robot of one that does not say which."""
 
 from __future__ import annotations
 
@@ -11,8 +11,58 @@ import numpy as np
 from trundle.geometry import Pose2D, Twist2D
 from trundle.observation import Observation, Scan
 from trundle.recordings.odometry import OdometryTrack
-from trundle.recordings.remarks import Remarks
 from trundle.robots import Robot
+
+
+class Remarks:
+    """Remarks about a recording in the order of their first occurrence."""
+
+    def __init__(self) -> None:
+        self._counts: dict[str, int] = {}
+        self._notes: list[str] = []
+
+    def note(self, text: str) -> None:
+        """Add a remark that is said once, however often it is noted."""
+        if text not in self._notes:
+            self._notes.append(text)
+
+    def count(self, text: str, times: int = 1) -> None:
+        """Count something; the text follows the number: "scans … are left out"."""
+        if times:
+            self._counts[text] = self._counts.get(text, 0) + times
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """All remarks, one line each."""
+        return (*self._notes, *(f"{times} {text}" for text, times in self._counts.items()))
+
+
+UNKNOWN = "unknown"
+"""Name of a robot that is not known."""
+
+_HALF_M = 0.1  # nothing is measured nearer to the middle of a robot than this
+_LEAST_SPEED, _LEAST_TURN = 1.0, 1.5  # [m/s], [rad/s]: a slow recording does not make a slow robot
+_MARGIN = 1.5
+
+
+def make_unknown_robot(speed: float, turning_speed: float) -> Robot:
+    """Return a robot with a small outline, and limits above the highest speeds that were seen [m/s, rad/s].
+
+    What the robot's own body reflects is not left out by such an outline, but by what is always in the scans: see
+    `OwnHits`.
+    """
+    like = Robot.load("nova_carter")
+    limits = like.limits.model_copy(
+        update={
+            "linear_speed": min(100.0, max(_LEAST_SPEED, _MARGIN * speed)),
+            "angular_speed": min(100.0, max(_LEAST_TURN, _MARGIN * turning_speed)),
+        }
+    )
+    outline = ((_HALF_M, _HALF_M), (-_HALF_M, _HALF_M), (-_HALF_M, -_HALF_M), (_HALF_M, -_HALF_M))
+    return like.model_copy(
+        update={"name": UNKNOWN, "limits": limits, "footprint": outline, "lidars": {}, "casters": ()}
+    )
+
 
 _SAME_S = 1e-6
 _ODOMETRY_PERIOD_S = 0.05  # of observations between scans: a run's control periods are as long

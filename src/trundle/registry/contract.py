@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, Self, SupportsIndex, TypeVar
 
 _Made = TypeVar("_Made")
@@ -113,10 +114,18 @@ def keywords_taken(function: Callable[..., object], names: Iterable[str]) -> fro
 
 def parameters_of(function: Callable[..., object]) -> list[inspect.Parameter] | None:
     """Return the parameters of a function; None where Python cannot read them."""
+    # A suite makes the same classes for each of its missions, and reading their signatures takes as long as that.
+    return _parameters_of_class(function) if isinstance(function, type) else _read_parameters(function)
+
+
+def _read_parameters(function: Callable[..., object]) -> list[inspect.Parameter] | None:
     try:
         return list(inspect.signature(function).parameters.values())
     except (TypeError, ValueError):
         return None
+
+
+_parameters_of_class = lru_cache(maxsize=256)(_read_parameters)
 
 
 def by_position(parameters: list[inspect.Parameter]) -> list[inspect.Parameter]:

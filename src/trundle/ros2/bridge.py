@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from dataclasses import fields, replace
-from typing import TYPE_CHECKING, Self, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from trundle.geometry import Pose2D
-from trundle.mission import Episode, Mission, Observer, Scenario, Session
+from trundle.mission import Mission, Observer, Scenario
 from trundle.mission.place import make_place
 from trundle.mission.simulation import start_backend, wrap_backend
 from trundle.ros2.inlet import Record
@@ -20,10 +19,10 @@ from trundle.ros2.node_services import ParameterServices, Rosout, Value
 from trundle.ros2.outputs.robot import RobotOutputs
 from trundle.ros2.profile import Profile
 from trundle.ros2.role import BridgeContext, Driver, LiveDriver, Role, RoleName, SimulationClock
+from trundle.ros2.runs import MakeObservers, NetworkRuns
 from trundle.ros2.simulator_role.role import SimulatorRole
 from trundle.ros2.simulator_role.services import SimulationServices
 from trundle.ros2.static_frames import StaticFramesMode
-from trundle.ros2.wire import Wire
 from trundle.sim.footprint import FootprintChecker
 
 if TYPE_CHECKING:
@@ -32,11 +31,8 @@ if TYPE_CHECKING:
 
 _ROLES: dict[RoleName, Callable[[BridgeContext], Role]] = {"simulator": SimulatorRole, "navigator": NavigatorRole}
 
-MakeObservers: TypeAlias = Callable[[Mission, int], Sequence[Observer]]
-"""Makes what else follows a run, from the mission and the number of the run, from 1."""
 
-
-class Bridge:
+class Bridge(NetworkRuns):
     """Drives a scenario, publishes it on the network, and serves what a role serves; use it in a `with` block.
 
     Topics, services and actions are open when it is made; nothing is heard before `run`.
@@ -59,7 +55,6 @@ class Bridge:
     Attributes:
         wire: What is published, heard and served.
         context: What the role plugs into.
-        mission: World, robot, map and simulator.
 
     Raises:
         InputError: If the scenario, the profile or a name cannot be used.
@@ -82,16 +77,11 @@ class Bridge:
         report: Callable[[str], None] | None = None,
     ) -> None:
         profile = Profile.load(profile) if isinstance(profile, str) else profile
-        self._opened = ExitStack()
-        self._observers = observers
-        self._run = 0
-        self._is_open = True
-        self.wire = Wire(transport, types, names, record=record, report=report)
-        self._opened.callback(self.wire.close)
+        super().__init__(transport, types, names, record=record, observers=observers, report=report)
         try:
-            self.mission = self._opened.enter_context(build_mission(scenario, profile))
+            mission = self._opened.enter_context(build_mission(scenario, profile))
             driver = LiveDriver(speed=speed) if driver is None else driver
-            self.context = BridgeContext(self.wire, profile, SimulationClock(), self.mission, driver, static_frames)
+            self.context = BridgeContext(self.wire, profile, SimulationClock(), mission, driver, static_frames)
             self.wire.now = lambda: self.context.clock.now
             self._outputs = RobotOutputs(self.context)
             self._role = _ROLES[role](self.context)
@@ -99,44 +89,14 @@ class Bridge:
             self._role.open()
             SimulationServices(self.context, prefix=profile.services_prefix).open()
             Rosout(self.wire)
-            ParameterServices(self.wire, describe_parameters(self.mission, profile, role)).open()
+            ParameterServices(self.wire, describe_parameters(mission, profile, role)).open()
             self.wire.on_lost(self._role.lost)
         except BaseException:
             self.close()
             raise
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def run(self) -> Episode:
-        """Drive until the run is ended by a directive, or by Ctrl-C (KeyboardInterrupt); again after each restart.
-
-        Returns:
-            The episode of the last run.
-        """
-        self.wire.start()
-        try:
-            return self.context.driver.drive(self._begin)
-        finally:
-            self.close()
-
-    def close(self) -> None:
-        """Leave the network and close the simulator; closing twice does nothing."""
-        if self._is_open:
-            self._is_open = False
-            self._opened.close()
-            counted = self.wire.warnings.summary()
-            if counted:
-                self.wire.warnings.note(f"dropped or reported in all: {counted}")
-
-    def _begin(self, seed: int | None) -> Session:
-        self._run += 1
-        others = () if self._observers is None else self._observers(self.mission, self._run)
-        self.context.session = self._role.begin([self._outputs, *others], seed)
-        return self.context.session
+    def _own_observers(self) -> Sequence[Observer]:
+        return (self._outputs,)
 
 
 def describe_parameters(mission: Mission, profile: Profile, role: RoleName) -> dict[str, Value]:

@@ -124,6 +124,7 @@ class Profile(Config):
         joint_state_rate: How often joint states are published [Hz of simulated time]; above the control rate they come
             from the physics steps.
         clock_rate: How often /clock is published [Hz of simulated time], as far as the physics steps are that short.
+        command_holds_s: How long a command drives the robot [s of simulated time]. If None, until the next one.
     """
 
     robot: str | None = None
@@ -141,6 +142,7 @@ class Profile(Config):
     control_period_s: Positive = 0.02
     joint_state_rate: Positive = 50.0
     clock_rate: Positive = 200.0
+    command_holds_s: Positive | None = 0.5
 
     @classmethod
     def load(cls, name: str) -> Profile:

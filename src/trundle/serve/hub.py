@@ -56,6 +56,7 @@ class Hub:
     Attributes:
         choices: What a page can choose from.
         controls: What carries out what pages ask for; to be set before the server starts.
+        lacks: What pages cannot do here, so that they do not offer it: "restart", "box", "speed".
         folders: Folders of runs by number, whose files are served.
         feed: What is shown now.
         joined: How many clients there have been.
@@ -63,6 +64,7 @@ class Hub:
 
     def __init__(self, *, choices: Choices, source: str | None = None) -> None:
         self.controls: Controls | None = None
+        self.lacks: tuple[str, ...] = ()
         self.folders: dict[int, Path] = {}
         self.feed: Feed | None = None
         self.joined = 0
@@ -195,4 +197,5 @@ class Hub:
             choices=self.choices.as_dict(),
             state=self._controls.status.state,
             source=self._source,
+            lacks=list(self.lacks),
         )

@@ -7,29 +7,33 @@ import time
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from trundle import page
 from trundle.costmap import Costmap
 from trundle.errors import WorldError
 from trundle.maps import OccupancyGrid
-from trundle.mission import Episode, LiveStatus, RunInfo, SteeringReport, Step
+from trundle.mission import Episode, LiveStatus, OwnMap, RunInfo, SteeringReport, Step
 from trundle.observation import Scan
 from trundle.page import RunLines
+from trundle.page.own_map import own_map_of
 from trundle.page.run_lines import goal_of
 from trundle.robots import Robot
 from trundle.serve.feed import Newest
 from trundle.serve.page_messages import encode, encode_items, encode_message
 from trundle.worlds import World
 
-if TYPE_CHECKING:
-    pass
-
 FRAME_PERIOD_S = 0.0495
 """At most 20 frames in a second, at the server's ticks."""
 
 COSTMAP_PERIOD_S = 0.5
 """A costmap is by far the largest message, and changes slowly: two in a second leave room for the frames."""
+
+_MAP_PERIOD_S = 1.0
+"""A robot draws its map once a second."""
+
+_MOST_BYTES_PER_S = 400_000
+"""Costmaps and maps that are larger than this per second come less often."""
 
 _MOST_AT_ONCE = 200
 """Steps that are encoded at once, so that a run at full speed goes on in between."""
@@ -116,6 +120,7 @@ class RunFeed:
         end: The `end` message, once the run is over and recorded.
         frame: The newest `frame` message.
         costmap: The newest `costmap` message.
+        map: The newest `map` message, of a robot that makes its map.
     """
 
     def __init__(self, number: int, scene: str, info: RunInfo | None = None, orders: int | None = None) -> None:
@@ -127,14 +132,16 @@ class RunFeed:
         self.log = RunLog()
         self.solids: list[str] = []
         self.end: str | None = None
-        self.frame, self.costmap = Newest(), Newest()
+        self.frame, self.costmap, self.map = Newest(), Newest(), Newest()
         self._items: deque[_Item] = deque()
         self._taken = (0, 0, 0)
         self._step: Step | None = None
         self._scans: dict[str, Scan] = {}
         self._framed: tuple[Step | None, str, object] = (None, "", None)
         self._mapped: Costmap | None = None
-        self._mapped_s = self._framed_s = 0.0
+        self._drawn: OccupancyGrid | None = None
+        self._own: OwnMap | None = None
+        self._mapped_due_s = self._drawn_due_s = self._framed_s = 0.0
         self._goals = () if info is None else info.goals
 
     # Any thread -----------------------------------------------------------------------------------------------------
@@ -145,8 +152,8 @@ class RunFeed:
 
     @property
     def newest(self) -> tuple[Newest, ...]:
-        """The newest `frame` and `costmap` messages."""
-        return self.frame, self.costmap
+        """The newest `frame`, `map` and `costmap` messages."""
+        return self.frame, self.map, self.costmap
 
     @property
     def is_behind(self) -> bool:
@@ -166,9 +173,21 @@ class RunFeed:
             self._framed, self._framed_s = framed, now
             self.frame = self.frame.next(self._encode_frame(step, status))
         costmap = step.costmap
-        if costmap is not None and costmap is not self._mapped and now - self._mapped_s >= COSTMAP_PERIOD_S:
-            self._mapped, self._mapped_s = costmap, now
+        if costmap is not None and costmap is not self._mapped and now >= self._mapped_due_s:
+            self._mapped = costmap
             self.costmap = self.costmap.next(encode_message("costmap", **page.costmap_png(costmap)))
+            self._mapped_due_s = now + max(COSTMAP_PERIOD_S, len(self.costmap.text) / _MOST_BYTES_PER_S)
+        self._encode_map(step, now)
+
+    def _encode_map(self, step: Step, now: float) -> None:
+        """Encode the map that the robot makes, if it is due; the one of the end in any case."""
+        own = self._own
+        grid, track = (step.map, step.map_track) if own is None else (own.grid, own.track)
+        if grid is None or grid is self._drawn or (own is None and now < self._drawn_due_s):
+            return
+        self._drawn = grid
+        self.map = self.map.next(encode_message("map", **own_map_of(grid, track)))
+        self._drawn_due_s = now + max(_MAP_PERIOD_S, len(self.map.text) / _MOST_BYTES_PER_S)
 
     def _encode_log(self) -> None:
         lines = self._lines
@@ -182,6 +201,7 @@ class RunFeed:
                 self._scans |= {scan.lidar: scan for scan in item.scans}
             elif isinstance(item, Episode):
                 lines.end(item)
+                self._own = item.own_map
             else:
                 lines.note(item.time, "steer", item.text)
             self._items.popleft()

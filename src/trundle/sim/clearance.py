@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from trundle import _core
 from trundle.costmap import Costmap
@@ -44,12 +43,21 @@ def map_world(world: World, robot: Robot, points: FloatArray, *, resolution: flo
 
 
 def map_extent(
-    world: World, points: FloatArray, *, resolution: float, margin: float
+    world: World,
+    points: FloatArray,
+    *,
+    resolution: float,
+    margin: float,
+    bounds: tuple[FloatArray, FloatArray] | None = None,
 ) -> tuple[float, tuple[float, float], tuple[int, int]]:
-    """Edge of a cell [m], the corner (x, y) [m] and the shape of the map that `map_world` makes."""
+    """Edge of a cell [m], the corner (x, y) [m] and the shape of the map that `map_world` makes.
+
+    `bounds` are those of each solid, where they are known.
+    """
     low, high = points.min(axis=0), points.max(axis=0)
     if world.solids:
-        first, last = (np.asarray(corner)[:2] for corner in world.bounds)
+        lows, highs = solids_bounds(world.solids) if bounds is None else bounds
+        first, last = lows[:, :2].min(axis=0), highs[:, :2].max(axis=0)
         low, high = np.minimum(low, first), np.maximum(high, last)
     size = high - low + 2.0 * margin
     edge = max(resolution, math.sqrt(float(np.prod(size)) / _MOST_CELLS))
@@ -59,7 +67,14 @@ def map_extent(
 
 
 def least_clearance(
-    world: World, robot: Robot, poses: FloatArray, coarse: FloatArray, *, resolution: float, cap: float
+    world: World,
+    robot: Robot,
+    poses: FloatArray,
+    coarse: FloatArray,
+    *,
+    resolution: float,
+    cap: float,
+    bounds: tuple[FloatArray, FloatArray] | None = None,
 ) -> float:
     """Smallest distance [m] from the oriented footprint, at any of the poses, to a solid within the robot's heights.
 
@@ -69,9 +84,11 @@ def least_clearance(
         poses: (x, y, yaw) [m, m, rad], map frame, shape (N, 3).
         coarse: The same for each pose [m], shape (N,), measured on a map of `map_world` that reaches `cap` beyond the
             robot everywhere. It tells which poses and solids need a closer look: the map's cells hold every solid, and
-            reach at most a cell's diagonal beyond.
+            reach at most a cell's diagonal beyond. Of poses farther off than the nearest one by that, any such number
+            will do.
         resolution: Edge of a cell of that map [m].
         cap: Larger distances are given as this one [m].
+        bounds: Bounds (low, high) [m] of each solid, each of shape (N, 3), where they are known.
 
     Returns:
         0 where the footprint overlaps something.
@@ -80,27 +97,33 @@ def least_clearance(
     least = float(min(cap, coarse.min() + beyond))
     near = poses[coarse <= least]
     low, high = robot.body.clearance, robot.body.height
-    flat: list[Solid] = []
-    for solid in world.solids:
+    flat: list[int] = []
+    for index, solid in enumerate(world.solids):
         if isinstance(solid.shape, OccupancyCells):
             base = solid.pose.position[2]
             if base < high and base + solid.shape.height > low:
                 least = min(least, _cells_clearance(solid, solid.shape, robot, near, cap))
         else:
-            flat.append(solid)
+            flat.append(index)
     if not flat or len(near) == 0:
         return least
-    lows, highs = solids_bounds(flat)
-    level = np.flatnonzero((lows[:, 2] < high) & (highs[:, 2] > low))
-    # Lower bounds from each pose to each solid: pairs farther apart than the current minimum are skipped.
-    gaps = np.maximum(np.maximum(lows[level, None, :2] - near[:, :2], near[:, :2] - highs[level, None, :2]), 0.0)
-    reach = np.hypot(gaps[..., 0], gaps[..., 1]) - robot.circumscribed_radius
+    lows, highs = (corners[flat] for corners in (solids_bounds(world.solids) if bounds is None else bounds))
+    around = robot.circumscribed_radius + least
+    within = (lows[:, :2] < near[:, :2].max(axis=0) + around) & (highs[:, :2] > near[:, :2].min(axis=0) - around)
+    level = np.flatnonzero((lows[:, 2] < high) & (highs[:, 2] > low) & within.all(axis=1))
+    if len(level) == 0:
+        return least
+    # Lower bounds from each outline to each solid, by their boxes: pairs that are farther apart are skipped.
+    outlines = robot.planar.at_poses(near)
+    first, last = outlines.min(axis=1), outlines.max(axis=1)
+    gaps = np.maximum(np.maximum(lows[level, None, :2] - last, first - highs[level, None, :2]), 0.0)
+    reach = np.hypot(gaps[..., 0], gaps[..., 1])
     for index in np.argsort(reach.min(axis=1), kind="stable"):
         close = reach[index] < least
         if not close.any():
             break
-        outlines = robot.planar.at_poses(near[close])
-        least = min(least, _solid_clearance(flat[int(level[index])], outlines, low, high, least))
+        solid = world.solids[flat[int(level[index])]]
+        least = min(least, _solid_clearance(solid, outlines[close], low, high, least))
     return least
 
 
@@ -167,13 +190,6 @@ def _cells_clearance(solid: Solid, cells: OccupancyCells, robot: Robot, poses: F
     return float(distances.min())
 
 
-_LEAST_AREA = 1e-12
-"""Twice the area [m²] below which it is rounding noise."""
-
-_CHUNK = 2_000_000
-"""Pairs of edges per batch."""
-
-
 def polygon_distances(outlines: FloatArray, polygons: FloatArray) -> FloatArray:
     """Distances [m] from convex outlines to the nearest of several convex polygons; 0 if they overlap.
 
@@ -184,58 +200,10 @@ def polygon_distances(outlines: FloatArray, polygons: FloatArray) -> FloatArray:
     Returns:
         Shape (P,).
     """
-    corners = polygons.shape[0] * polygons.shape[1]
-    rows = max(1, _CHUNK // (corners * outlines.shape[1]))
-    parts = [_polygon_distances(outlines[first : first + rows], polygons) for first in range(0, len(outlines), rows)]
-    return np.concatenate(parts)
+    return _core.outline_distances(np.ascontiguousarray(outlines), np.ascontiguousarray(polygons))
 
 
 def disc_distances(outlines: FloatArray, disc: Disc) -> FloatArray:
     """Distances [m] from convex outlines, counter-clockwise, shape (P, N, 2), to a disc; 0 if they overlap."""
     centre = np.array([[[disc.x, disc.y]]])
     return np.maximum(polygon_distances(outlines, centre) - disc.radius, 0.0)
-
-
-def _polygon_distances(outlines: FloatArray, polygons: FloatArray) -> FloatArray:
-    points = polygons.reshape(-1, 2)
-    starts, ends = points, np.roll(polygons, -1, axis=1).reshape(-1, 2)
-    own_ends = np.roll(outlines, -1, axis=1)
-    # If two segments do not cross, the shortest distance is at an end of one of them.
-    to_outline = _point_to_segments(points[None, :, None], outlines[:, None], own_ends[:, None])
-    to_polygon = _point_to_segments(outlines[:, :, None], starts, ends)
-    nearest = np.minimum(to_outline.min(axis=(1, 2)), to_polygon.min(axis=(1, 2)))
-    within = _side(outlines[:, None], own_ends[:, None], points[None, :, None]) >= 0.0
-    inside = np.any(within.all(axis=2), axis=1)
-    crossing = _cross(outlines[:, :, None], own_ends[:, :, None], starts, ends).any(axis=(1, 2))
-    around = _is_inside(outlines[:, 0], polygons)
-    return np.where(inside | crossing | around, 0.0, nearest)
-
-
-def _point_to_segments(points: FloatArray, starts: FloatArray, ends: FloatArray) -> FloatArray:
-    along = ends - starts
-    squared = (along * along).sum(axis=-1)
-    offset = points - starts
-    share = np.clip((offset * along).sum(axis=-1) / np.where(squared > 0.0, squared, 1.0), 0.0, 1.0)
-    rest = offset - share[..., None] * along
-    return np.hypot(rest[..., 0], rest[..., 1])
-
-
-def _side(starts: FloatArray, ends: FloatArray, points: FloatArray) -> FloatArray:
-    """Positive if a point is on the left of a line."""
-    along, offset = ends - starts, points - starts
-    return along[..., 0] * offset[..., 1] - along[..., 1] * offset[..., 0]
-
-
-def _cross(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> npt.NDArray[np.bool_]:
-    """Whether segments a to b and c to d cross."""
-    return (_side(a, b, c) * _side(a, b, d) < 0.0) & (_side(c, d, a) * _side(c, d, b) < 0.0)
-
-
-def _is_inside(points: FloatArray, polygons: FloatArray) -> npt.NDArray[np.bool_]:
-    """Whether each of some points (P, 2) is inside one of some convex polygons (Q, M, 2), of either sense."""
-    sides = _side(polygons, np.roll(polygons, -1, axis=1), points[:, None, None])
-    within = (sides >= 0.0).all(axis=2) | (sides <= 0.0).all(axis=2)
-    # A polygon without area is on both sides of its line.
-    x, y = polygons[..., 0], polygons[..., 1]
-    area = (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
-    return (within & (np.abs(area) > _LEAST_AREA)).any(axis=1)

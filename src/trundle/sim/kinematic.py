@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Self
 
 from trundle.errors import InputError, SimulationError
 from trundle.geometry import Pose2D, Twist2D, arc_shares
@@ -183,12 +182,6 @@ class KinematicSimulator(Simulator):
     def close(self) -> None:
         """Close it; closing twice does nothing."""
         self._closed = True
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def _check_open(self) -> None:
         if self._closed:

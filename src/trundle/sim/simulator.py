@@ -22,6 +22,7 @@ SIMULATORS: Registry[SomeSimulator] = Registry(
         "mujoco": "trundle.sim.mujoco.simulator:MujocoSimulator",
         "physx": "trundle.sim.physx.simulator:PhysxSimulator",
         "kinematic": "trundle.sim.kinematic:KinematicSimulator",
+        "batch": "trundle.sim.kinematic:KinematicSimulator",  # a suite's missions are driven by a kernel instead
     },
 )
 
@@ -101,11 +102,11 @@ class Simulator(Protocol):
 
     def __enter__(self) -> Self:
         """Return self; `with simulate(…) as sim` closes it at the end."""
-        ...
+        return self
 
     def __exit__(self, *_: object) -> None:
         """Close."""
-        ...
+        self.close()
 
 
 @runtime_checkable

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Self
 
 from trundle.geometry import Pose2D, Twist2D
 from trundle.geometry.solids import Solid
@@ -66,9 +65,3 @@ class SimulatorWrapper(Simulator):
     def close(self) -> None:
         """Close the simulator."""
         self._sim.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()

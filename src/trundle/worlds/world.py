@@ -92,9 +92,8 @@ class World:
         from trundle.worlds.options import check_options
 
         make = cast("Any", WORLDS.load(name))
-        parameters = inspect.signature(make).parameters.values()
-        if not any(parameter.kind is inspect.Parameter.VAR_KEYWORD for parameter in parameters):
-            known = [parameter.name for parameter in parameters if parameter.name != "seed"]
+        known = world_options(name)
+        if known is not None:
             check_options(f"world {name!r}", "this world", options, [*known, "exclude"])
         made = cast("World", make(seed=seed, **options))
         return leave_out(made, exclude, f"world {name!r}") if exclude else made
@@ -202,3 +201,15 @@ class World:
 def world_names() -> list[str]:
     """Return the names that `World.generate` takes, sorted."""
     return WORLDS.names()
+
+
+def world_options(name: str) -> tuple[str, ...] | None:
+    """Return the options of a generator, without its seed; None where it takes any.
+
+    Raises:
+        UnknownNameError: If there is no such world; the nearest name is offered.
+    """
+    parameters = inspect.signature(cast("Any", WORLDS.load(name))).parameters.values()
+    if any(parameter.kind is inspect.Parameter.VAR_KEYWORD for parameter in parameters):
+        return None
+    return tuple(parameter.name for parameter in parameters if parameter.name != "seed")

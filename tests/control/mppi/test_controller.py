@@ -345,6 +345,7 @@ def test_it_follows_the_path_itself_where_that_leaves_little_room():
     assert changes == 2
 
 
+@pytest.mark.slow
 def test_it_draws_samples_where_there_is_room_or_it_is_told_to():
     assert where_it_samples(narrow(0.15))[1].all()
     xs, sampled = where_it_samples(narrow(0.1), sampling_room=0.2)

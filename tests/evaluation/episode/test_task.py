@@ -23,6 +23,7 @@ def rows():
     return [task(index).unmeasured() for index in range(len(task.suite))]
 
 
+@pytest.mark.slow
 def test_a_row_is_the_same_whatever_ran_before(rows):
     task = EpisodeTask(suite())
     for index in (5, 0, 7, 7, 2, 6, 1, 4, 3, 0):
@@ -91,6 +92,7 @@ print(*sorted(name for name in set(sys.modules) - before if name.partition(".")[
 """
 
 
+@pytest.mark.slow
 def test_a_process_with_the_modules_of_a_task_imports_no_library_for_an_episode(room, tmp_path):
     room.save(tmp_path / "room.yaml")
     command = [sys.executable, "-c", IMPORTED_BY_AN_EPISODE, str(tmp_path / "room.yaml")]
@@ -190,6 +192,7 @@ def test_a_row_does_not_depend_on_where_a_map_is(room, tmp_path, monkeypatch):
     assert EpisodeTask(suite(worlds="room.yaml", backends="kinematic", seeds=1))(0).unmeasured() == there.unmeasured()
 
 
+@pytest.mark.slow
 def test_an_episode_with_errors_of_everything_is_run_again_exactly_and_drives_the_same_mission():
     errors = {
         "lidar": True,

@@ -82,6 +82,7 @@ def test_a_function_of_a_test_travels_by_value():
         assert [outcome.value for outcome in pool.run([4])] == [4]
 
 
+@pytest.mark.slow
 def test_a_script_needs_no_guard_and_may_define_the_task(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(SCRIPT)

@@ -86,6 +86,7 @@ def test_the_bootstraps_p_is_small_where_all_differ_one_way_and_1_where_none_dif
     assert same.p == 1.0
 
 
+@pytest.mark.slow
 def test_blocks_of_very_many_missions_give_the_interval_of_single_ones():
     rng = np.random.default_rng(0)
     values, worlds = rng.normal(0.1, 1.0, 300_000), rng.integers(3, size=300_000)

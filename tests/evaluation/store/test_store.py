@@ -83,6 +83,7 @@ def test_parts_are_made_while_rows_come_in(tmp_path: Path) -> None:
     assert read_rows(tmp_path) == [make_row(index) for index in range(95)]
 
 
+@pytest.mark.slow
 def test_a_kill_at_any_step_neither_loses_nor_doubles_a_row(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-c", KILL_AT_EVERY_STEP, str(tmp_path)],
@@ -125,6 +126,7 @@ def test_an_id_that_the_suite_has_twice_is_run_once(tmp_path: Path) -> None:
         assert list(store.pending([make_row(index).id for index in (0, 5, 5, 0)])) == [1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("spoil", "message", "lost"),
     [

@@ -5,6 +5,7 @@ import pytest
 
 from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation.suite import Suite, suite_names
+from trundle.evaluation.suite.keywords import SuiteKeywords
 from trundle.files.choice import Choice
 from trundle.files.kinds import SUITE, find_kind
 from trundle.planning import create_planner
@@ -286,3 +287,15 @@ def test_the_likely_mistake_is_named_first(make, given, first):
 def test_a_mistake_in_a_files_seeds_has_its_place(tmp_path):
     with pytest.raises(InputError, match=r"suite\.yaml:2:8: seeds: must be a number of seeds"):
         Suite.load(write(tmp_path, "worlds: warehouse\nseeds: a:b\n"))
+
+
+def test_type_checkers_know_every_field_and_no_other():
+    assert set(SuiteKeywords.__annotations__) == set(Suite.model_fields) - {"planning_deadline_s"}
+
+
+def test_a_changed_suite_keeps_the_other_fields():
+    suite = Suite.make(worlds="warehouse", seeds=3, goal_tolerance=[0.1, 0.2], require="success>=0.5")
+    changed = suite.with_fields(require="success>=0.9", planners=["auto", "astar"])
+    assert changed == Suite.make(
+        worlds="warehouse", seeds=3, goal_tolerance=[0.1, 0.2], require="success>=0.9", planners=["auto", "astar"]
+    )

@@ -22,6 +22,7 @@ def named(report):
     return [finding for finding in report.findings if finding.kind in KINDS]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("resolution", [0.05, 0.1])
 @pytest.mark.parametrize("name", SMALL)
 def test_planted_faults_are_named_and_untouched_maps_are_not(name, resolution):
@@ -65,6 +66,7 @@ def test_a_map_that_lies_wrong_is_compared_where_it_belongs():
     assert named(report)[0].where == pytest.approx((2.0 * middle + 10.0, 3.0), abs=0.1)
 
 
+@pytest.mark.slow
 def test_walls_that_are_two_cells_off_or_thicker_are_no_findings():
     grid = map_of(room())
     thick = np.where(grown(grid.data == OCCUPIED, 2) & (grid.data == FREE), OCCUPIED, grid.data).astype(np.int8)
@@ -89,6 +91,7 @@ def test_small_things_and_unknown_cells_are_no_findings():
     assert named(check_grid(small, world=room())) == []
 
 
+@pytest.mark.slow
 def test_many_are_all_listed():
     grid = map_of(warehouse())
     free = grid.data == FREE
@@ -104,6 +107,7 @@ def test_many_are_all_listed():
     assert [finding.area_m2 for finding in named(report)] == pytest.approx([0.25] * len(boxes))
 
 
+@pytest.mark.slow
 def test_a_map_of_other_heights_is_compared_with_those():
     kerb = Solid("kerb", Box((1.5, 1.0, 0.08)), Pose3D((-1.5, 3.5, 0.04)))
     world = World("kerb", (*room().solids, kerb), seeds=((0.0, 2.5),))

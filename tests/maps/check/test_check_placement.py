@@ -163,12 +163,14 @@ def test_in_a_symmetric_world_a_shift_is_certain():
     assert same(report.corrected, grid)
 
 
+@pytest.mark.slow
 def test_a_map_of_another_world_is_unverified():
     report = check_grid(map_of(room()), world=World.generate("warehouse", seed=7))
     assert not {*PLACEMENT_KINDS} & report.kinds()
     assert report.unverified == PLACEMENT_KINDS
 
 
+@pytest.mark.slow
 def test_cells_of_another_size_are_found():
     grid = map_of(room())
     report = check_grid(OccupancyGrid(grid.data, 0.1, grid.origin), world=room())
@@ -198,6 +200,7 @@ def placement(report):
     return report.kinds() & set(PLACEMENT_KINDS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degrees", [2.0, -7.0, 44.0])
 def test_a_map_turned_by_any_angle_is_found_and_put_right(degrees):
     report = check_grid(turned(map_of(room()), degrees), world=room())
@@ -211,6 +214,7 @@ def test_a_map_turned_by_any_angle_is_found_and_put_right(degrees):
     assert again.unverified == ()
 
 
+@pytest.mark.slow
 def test_the_origin_that_is_offered_puts_a_turned_map_right():
     wrong = turned(map_of(room()), -7.0)
     fix = next(finding.fix for finding in check_grid(wrong, world=room()).findings if finding.kind == "rotated")
@@ -239,6 +243,7 @@ def test_a_turned_map_can_be_flipped_and_shifted_as_well():
     assert placement(check_grid(report.corrected, world=room())) == set()
 
 
+@pytest.mark.slow
 @WORLDS
 def test_a_noisy_map_of_a_part_with_moved_things_is_found_at_its_angle(make):
     report = check_grid(turned(surveyed(map_of(make()), 1), -12.0, right=1.0, up=0.6), world=make())

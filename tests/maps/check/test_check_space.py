@@ -38,6 +38,7 @@ def test_the_warehouse_has_room_for_nova_carter():
     assert check_grid(map_of(warehouse()), robot=NOVA).findings == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["warehouse", "office", "maze", "cylinders", "corridors", "lot"])
 def test_a_good_map_of_any_world_raises_nothing(name):
     world = World.generate(name, seed=1)

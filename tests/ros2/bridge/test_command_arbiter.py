@@ -1,5 +1,7 @@
 """Which of the commands from the network drives the robot."""
 
+import math
+
 import pytest
 
 from trundle.geometry import Twist2D
@@ -29,6 +31,15 @@ def test_a_command_holds_for_half_a_second_of_simulated_time(arbiter: CommandArb
     assert said == []
     assert arbiter.command(1.5) == STAND
     assert said == ["cmd_vel: timeout"]
+
+
+def test_a_command_may_hold_until_the_next_one(said: list[str]) -> None:
+    arbiter = CommandArbiter(lambda kind, text: said.append(kind), lambda source: source, holds_s=math.inf)
+    arbiter.offer(FORWARD, "a", 1.0)
+    assert arbiter.command(100.0) == FORWARD
+    assert arbiter.offer(LEFT, "b", 100.0)  # the first one has been silent
+    assert arbiter.command(99.0) == STAND  # the clock went back
+    assert said == []
 
 
 def test_standing_by_command_does_not_time_out(arbiter: CommandArbiter, said: list[str]) -> None:

@@ -152,6 +152,17 @@ def test_commands_with_wall_time_are_obeyed_with_one_warning(burger, peer):
     assert served.counts["cmd_vel: wall time"] >= 1
 
 
+def test_a_command_holds_until_the_next_one_as_on_the_robot(burger, peer):
+    peer.read("/odom", ODOM)
+    served = burger()
+    wait_for(lambda: peer.got("/odom"))
+    peer.send("/cmd_vel", peer.twist(0.2, 0.0))
+    wait_for(lambda: peer.got("/odom")[-1].pose.pose.position.x > 0.25)  # more than half a second
+    peer.send("/cmd_vel", peer.twist(0.0, 0.0))
+    wait_for(lambda: peer.got("/odom")[-1].twist.twist.linear.x == 0.0)
+    assert "cmd_vel: timeout" not in served.counts
+
+
 def test_commands_from_another_time_are_dropped_as_before(burger, peer):
     peer.read("/odom", ODOM)
     served = burger()

@@ -207,6 +207,12 @@ def test_poses_of_a_plan_are_dense_and_do_not_repeat():
     assert dense(Path([(0.0, 0.0, 0.0)]), 0.1).shape == (1, 3)
 
 
+def test_yaws_of_a_plan_are_within_a_half_turn_also_where_they_count_turns():
+    made = dense(Path([(0.0, 0.0, 6.2), (1.0, 0.0, 6.28), (2.0, 0.0, 0.3)]), 0.1)
+    assert np.abs(made[:, 2]).max() <= np.pi
+    assert made[-1, 2] == pytest.approx(0.3)
+
+
 def test_paths_are_checked_against_the_costmap(serve, client):
     serve()
     wait_for(lambda: True)

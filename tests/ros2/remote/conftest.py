@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from ros2.fake_transport import FakeNetwork
+from ros2.nav2_texts import nav2_codec
 from ros2.navigator_role.conftest import wait_for
 from ros2.remote.robot import FakeRobot, Habits
 from trundle.geometry import Goal, Pose2D, Twist2D
@@ -22,7 +23,8 @@ from trundle.mission import End, Episode, Scenario
 from trundle.mission.steering.directives import Directive
 from trundle.robots import Robot
 from trundle.ros2.names import Names
-from trundle.ros2.remote.bridge import RemoteBridge, RemoteOptions
+from trundle.ros2.remote.bridge import RemoteBridge
+from trundle.ros2.remote.setting import RemoteOptions
 from trundle.ros2.types import Types
 
 START = Pose2D(2.0, 2.0, 0.0)
@@ -120,7 +122,7 @@ def navigate(network: FakeNetwork, room_file: str) -> Iterator[Callable[..., Rem
 
     def navigate(
         *,
-        goal: tuple[float, ...] | None = (3.6, 2.6),
+        goal: tuple[float, ...] | None = (2.7, 2.2),
         start: Pose2D | None = START,
         localizer: str = "odometry",
         robot: str | Path = "turtlebot3_waffle",
@@ -128,23 +130,28 @@ def navigate(network: FakeNetwork, room_file: str) -> Iterator[Callable[..., Rem
         starts_robot: bool = True,
         options: dict[str, Any] | None = None,
         has_services: bool = False,
+        has_map: bool = True,
+        room: OccupancyGrid | None = None,
+        more: dict[str, Any] | None = None,
         **scenario: Any,
     ) -> Remote:
-        theirs = FakeRobot(network, jazzy(), make_room(), Robot.load(str(robot)), START)
+        theirs = FakeRobot(network, jazzy(), room or make_room(), Robot.load(str(robot)), START)
         theirs.habits = Habits(**habits or {})
         if starts_robot:
             theirs.start()
         transport = network.transport("trundle", has_services=has_services)
         said: list[str] = []
         chosen = None if localizer == "tf" else localizer
-        given = Scenario.make(map=room_file, robot=str(robot), localizer=chosen, **scenario)
+        place = {"map": room_file} if has_map else {"world": {"name": "lot"}, "known_map": False, "lidar": True}
+        given = Scenario.make(**place, robot=str(robot), localizer=chosen, **scenario)
         how = RemoteOptions(
             localizer="tf" if localizer == "tf" else None,
             start=start,
             goals=() if goal is None else (Goal.of(goal),),
             **options or {},
         )
-        bridge = RemoteBridge(given, transport, Types(jazzy(), transport), Names(), how, report=said.append)
+        codec = nav2_codec("jazzy") if has_services else jazzy()
+        bridge = RemoteBridge(given, transport, Types(codec, transport), Names(), how, report=said.append, **more or {})
         made.append(Remote(theirs, bridge, said))
         return made[-1]
 

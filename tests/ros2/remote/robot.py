@@ -8,6 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from ros2.fake_transport import FakeNetwork
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
@@ -42,6 +44,35 @@ class Habits:
     frame: str = ""
     listens: bool = True
     edit_scan: Callable[[Any], None] | None = None
+    as_cloud: bool = False
+    edit_cloud: Callable[[Any], None] | None = None
+    frames: tuple[str, str] = ("odom", "base_link")
+    wheels_m: float | None = None
+
+
+def make_cloud(codec: Codec, points: Any, header: Any, kind: str = "<f4") -> Any:
+    """A sensor_msgs/PointCloud2 of points in the sensor's frame, shape (N, 3)."""
+    width = np.dtype(kind).itemsize
+    rows = np.zeros((len(points), 4), dtype=kind)
+    rows[:, 1:] = points
+    fields = [
+        codec.make(
+            "sensor_msgs/msg/PointField", name=name, offset=width * (1 + at), datatype=7 if width == 4 else 8, count=1
+        )
+        for at, name in enumerate("xyz")
+    ]
+    return codec.make(
+        "sensor_msgs/msg/PointCloud2",
+        header=header,
+        height=1,
+        is_dense=False,
+        width=len(points),
+        fields=fields,
+        point_step=4 * width,
+        row_step=4 * width * len(points),
+        is_bigendian=kind[0] == ">",
+        data=np.frombuffer(rows.tobytes(), dtype=np.uint8),
+    )
 
 
 class FakeRobot:
@@ -96,6 +127,11 @@ class FakeRobot:
         due = time.monotonic()
         if self.habits.static:
             self.send("/tf_static", self.make.transforms(self._mounts()), LATCHED)
+        if self.habits.wheels_m is not None:
+            sides = (("wheel_left_link", 1.0), ("wheel_right_link", -1.0))
+            places = [(name, Pose2D(0.0, side * self.habits.wheels_m)) for name, side in sides]
+            wheels = [self.make.transform(0.0, "base_link", name, pose) for name, pose in places]
+            self.send("/tf_static", self.make.transforms([*self._mounts(), *wheels]), LATCHED)
         while not self._ends.is_set():
             due += PERIOD_S
             time.sleep(max(0.0, due - time.monotonic()))
@@ -131,7 +167,7 @@ class FakeRobot:
                 transforms.append(make.transform(stamp, "map", "odom", habits.map_odom))
             self.send("/tf", make.transforms(transforms))
         if habits.odometry and (was_commanded or not habits.when_commanded):
-            self.send("/odom", make.odometry(stamp, "odom", "base_link", odometry, state.twist))
+            self.send("/odom", make.odometry(stamp, *habits.frames, odometry, state.twist))
         for scan in state.scans:
             if habits.scans:
                 self._send_scan(scan, stamp)
@@ -142,6 +178,14 @@ class FakeRobot:
         message = self.make.scan(replace(scan, time=stamp), frame)
         if self.habits.edit_scan is not None:
             self.habits.edit_scan(message)
+        if self.habits.as_cloud:
+            points = scan.mount.inverse().transform_points(scan.points())
+            level = np.column_stack([points, np.zeros(len(points))])
+            cloud = make_cloud(self.codec, level, message.header)
+            if self.habits.edit_cloud is not None:
+                self.habits.edit_cloud(cloud)
+            self.send(f"/{topic.removesuffix('scan')}lidar_points", cloud)
+            return
         self.send(f"/{topic}", message)
 
     def _mounts(self) -> list[Any]:

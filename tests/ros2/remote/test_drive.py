@@ -12,7 +12,7 @@ from trundle.geometry import Pose2D
 from trundle.mission import Pause, SetGoal
 
 Navigate = Callable[..., Remote]
-GOAL = (3.6, 2.6)
+GOAL = (2.7, 2.2)
 
 
 def check_arrival(remote: Remote) -> None:
@@ -54,6 +54,21 @@ def test_quirks_of_robots_are_taken_as_they_are(navigate: Navigate, habits: dict
     assert not remark or remark in remote.kinds
 
 
+def test_a_robot_that_locates_itself_is_told_where_it_starts(navigate: Navigate) -> None:
+    habits = {"waits_for_pose": True, "when_commanded": True, "map_odom": START, "speed_share": 0.5}
+    remote = navigate(localizer="tf", habits=habits)
+    check_arrival(remote)
+    (told,) = remote.robot.told
+    assert told.pose.pose.position.x == pytest.approx(START.x)
+
+
+def test_what_came_before_the_clock_is_not_taken_for_newer(navigate: Navigate) -> None:
+    remote = navigate(habits={"clock": False, "stamps": False})
+    wait_for(lambda: remote.bridge.inputs.odometry is not None)
+    remote.habits.stamps = remote.habits.clock = True
+    check_arrival(remote)
+
+
 def test_nothing_is_commanded_before_the_robot_is_located(navigate: Navigate) -> None:
     remote = navigate(start=None, localizer="amcl")
     wait_for(lambda: remote.bridge.localizer.waits_for_pose and remote.bridge.inputs.odometry is not None)
@@ -87,5 +102,5 @@ def test_a_goal_that_cannot_be_reached_ends_the_drive(navigate: Navigate) -> Non
 def test_it_waits_for_goals_without_one(navigate: Navigate) -> None:
     remote = navigate(goal=None)
     wait_for(lambda: not remote.reasons and remote.bridge.localizer.is_located)
-    remote.put(SetGoal((4.0, 2.0)))
-    wait_for(lambda: remote.robot.pose.distance_to(Pose2D(4.0, 2.0)) < 0.3)
+    remote.put(SetGoal((2.8, 2.0)))
+    wait_for(lambda: remote.robot.pose.distance_to(Pose2D(2.8, 2.0)) < 0.3)

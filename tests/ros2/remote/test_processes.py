@@ -11,9 +11,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
+
+from trundle.bags.bag_reader import BagReader
+from trundle.maps import OccupancyGrid
 
 pytest.importorskip("rosbags", reason="rosbags is not installed")
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed, or has no wheel here")
@@ -72,12 +76,34 @@ NAVIGATE = ("navigate", "warehouse", "--robot", "nova_carter", "--start", "0,0,0
 
 
 def test_it_drives_there_and_exits_with_0(start: Start, served: subprocess.Popen[str]) -> None:
-    navigate = start(*NAVIGATE, "--goal", "4,0")
+    navigate = start(*NAVIGATE, "--goal", "2,0")
     out, said = navigate.communicate(timeout=90)
     assert navigate.returncode == 0, out.splitlines()[-1] + said
     ended = json.loads(out.splitlines()[-1])
     assert ended["message"] == "arrived"
-    assert end(served)["distance_m"] > 3.5
+    assert end(served)["distance_m"] > 1.5
+
+
+def test_it_drives_without_a_map_and_saves_the_one_that_it_makes(
+    start: Start, served: subprocess.Popen[str], tmp_path: Path
+) -> None:
+    made, wire = tmp_path / "made.yaml", tmp_path / "wire.mcap"
+    navigate = start(
+        *("navigate", "--localizer", "slam", "--robot", "nova_carter", "--goal", "2,0"),
+        *("--save-map", str(made), "--record", "--out", str(wire)),
+    )
+    out, said = navigate.communicate(timeout=90)
+    assert navigate.returncode == 0, out.splitlines()[-1] + said
+    ended = json.loads(out.splitlines()[-1])
+    assert ended["map"] == str(made)
+    grid = OccupancyGrid.load(made)
+    assert (grid.data == 0).sum() > 10_000
+    row, col = grid.world_to_cell(2.0, 0.0)
+    assert grid.data[row, col] == 0
+    with BagReader(wire) as bag:
+        counts = {topic.name: topic.count for topic in bag.topics}
+    assert counts["/map"] >= 2
+    assert min(counts[name] for name in ("/front/scan", "/back/scan", "/odom", "/cmd_vel", "/tf")) > 10
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -85,7 +111,7 @@ def test_the_robot_stands_after_the_end(start: Start, served: subprocess.Popen[s
     navigate = start(*NAVIGATE, "--goal", "12,0")
     assert navigate.stdout is not None
     navigate.stdout.readline()
-    time.sleep(6.0)
+    time.sleep(4.0)
     navigate.send_signal(number)
     navigate.communicate(timeout=30)
     assert navigate.returncode == 1

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ros2.remote.conftest import jazzy
+from ros2.remote.robot import make_cloud
 from trundle.geometry import Pose2D
 from trundle.messages import MessageMaker
 from trundle.observation import Scan
@@ -71,40 +72,21 @@ def test_a_lidar_that_hangs_upside_down_turns_the_other_way() -> None:
     assert scan.points()[1] == pytest.approx((0.0, -1.0), abs=1e-6)
 
 
-def make_cloud(points: list[tuple[float, float, float]], kind: str = "<f4") -> Any:
-    codec = jazzy()
-    make = codec.make
-    step = 4 * np.dtype(kind).itemsize
-    rows = np.zeros((len(points), 4), dtype=kind)
-    rows[:, 1:] = points
-    width = np.dtype(kind).itemsize
-    fields = [
-        make("sensor_msgs/msg/PointField", name=name, offset=width * (1 + at), datatype=7 if width == 4 else 8, count=1)
-        for at, name in enumerate("xyz")
-    ]
-    return make(
-        "sensor_msgs/msg/PointCloud2",
-        header=make(
-            "std_msgs/msg/Header", frame_id="lidar", stamp=make("builtin_interfaces/msg/Time", sec=1, nanosec=0)
-        ),
-        height=1,
-        is_dense=False,
-        width=len(points),
-        fields=fields,
-        point_step=step,
-        row_step=step * len(points),
-        is_bigendian=kind[0] == ">",
-        data=np.frombuffer(rows.tobytes(), dtype=np.uint8),
-    )
+def make_message_of_cloud(points: list[tuple[float, float, float]], kind: str = "<f4") -> Any:
+    header = MessageMaker(jazzy()).header(1.0, "lidar")
+    return make_cloud(jazzy(), np.array(points), header, kind)
 
 
 @pytest.mark.parametrize("kind", ["<f4", "<f8", ">f4"])
 def test_a_cloud_is_a_scan_of_the_points_in_a_band_of_heights(kind: str) -> None:
-    message = make_cloud([(2.0, 0.01, 0.0), (3.0, 0.01, 0.0), (1.0, 1.0, -0.3), (0.0, 2.0, 1.5), (math.nan,) * 3], kind)
+    message = make_message_of_cloud(
+        [(2.0, 0.01, 0.0), (3.0, 0.01, 0.0), (1.0, 1.0, -0.3), (0.0, 2.0, 1.5), (math.nan,) * 3], kind
+    )
     scan = read_cloud(message, LIDAR, "front", 1.0, FORWARD, Band(0.1, 1.0))
     assert scan.points() == pytest.approx(np.array([[2.2, 0.01]]), abs=0.02)
     ahead, behind = scan.ranges[np.abs(scan.angles) < 1.5], scan.ranges[np.abs(scan.angles) > 1.7]
-    assert np.isinf(ahead).sum() == len(ahead) - 1
+    assert np.isnan(ahead).sum() == 8  # beside the point
+    assert np.isinf(ahead).sum() == len(ahead) - 9
     assert np.isnan(behind).all()
 
 
@@ -113,7 +95,7 @@ def test_a_cloud_is_a_scan_of_the_points_in_a_band_of_heights(kind: str) -> None
     [("width", 9, "bytes are not"), ("fields", [], "no field x"), ("width", 2_000_000, "and not at most")],
 )
 def test_a_cloud_that_is_none_is_refused(field: str, value: object, match: str) -> None:
-    message = make_cloud([(1.0, 0.0, 0.0)])
+    message = make_message_of_cloud([(1.0, 0.0, 0.0)])
     setattr(message, field, value)
     message.row_step = 0
     with pytest.raises(BadInputError, match=match):

@@ -104,6 +104,7 @@ def test_the_start_pose_is_written_on_the_robots_prim_above_the_ground(fake):
     assert orientation == pytest.approx((math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("generation", [5, 6])
 def test_an_articulation_whose_root_is_not_base_link_is_placed_and_read_at_base_link(make_fake, generation):
     make_fake(generation, root=Pose2D(-0.2, 0.05, 0.3))

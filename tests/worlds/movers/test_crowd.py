@@ -86,6 +86,7 @@ def test_a_forklift_drives_where_it_faces():
     assert np.percentile(np.abs(across[fast]), 90) < 0.3
 
 
+@pytest.mark.slow
 def test_those_who_see_the_robot_do_not_touch_it_and_others_do():
     open_floor = Solid("kerb", Box((8.0, 0.2, 0.2)), Pose3D((0.0, 4.1, 0.1)))
     area = (-4.0, -4.0, 4.0, 4.0)
@@ -252,6 +253,7 @@ def test_a_body_within_the_circle_of_the_robot_does_not_turn_even_away_from_its_
     assert not turns(away * 0.8)
 
 
+@pytest.mark.slow
 def test_those_who_block_each_other_back_out_of_a_jam():
     stays = []
     for seed in (0, 2, 3):

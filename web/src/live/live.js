@@ -1,4 +1,5 @@
 // A run as the server tells it: each kind of message brings one part of the page up to date.
+import { array } from "../decode.js";
 import { Run } from "../run.js";
 import { costRaster, mapRaster } from "../raster.js";
 import { Link } from "./link.js";
@@ -40,6 +41,7 @@ export class Live {
 
   on_hello(message) {
     Object.assign(this, { client: message.client, driver: message.driver, clients: message.clients, choices: message.choices ?? {} });
+    this.app.lacks = new Set(message.lacks ?? []);
     this.state(message.state);
     this.app.emit("hello", message);
     this.app.emit("drivers", this);
@@ -51,6 +53,7 @@ export class Live {
     app.setRun(new Run());
     this.state("idle"); // Until a run follows.
     app.grid = null;
+    app.mapped = null;
     app.costmap = null;
     app.emit("costmap", null);
     app.emit("scene", scene);
@@ -93,11 +96,25 @@ export class Live {
     const { app } = this;
     const run = app.run;
     this.arrival = this.arrival
-      .then(() => costRaster(message, !app.scene?.map))
+      .then(() => costRaster(message, !(app.scene?.map || app.mapped)))
       .then((costmap) => {
         if (app.run !== run) return;
         app.costmap = costmap;
         app.emit("costmap", costmap);
+      });
+  }
+
+  /** The map that the robot has made so far. */
+  on_map(message) {
+    const { app } = this;
+    const run = app.run;
+    this.arrival = this.arrival
+      .then(() => mapRaster(message))
+      .then((grid) => {
+        if (app.run !== run) return;
+        app.grid = grid;
+        app.mapped = { poses: array(message.poses), loops: array(message.loops), corrections: message.corrections };
+        app.emit("scene_map", grid);
       });
   }
 

@@ -113,7 +113,9 @@ export class Steering {
     this.step.disabled = !going || state !== "paused";
     for (const element of [this.pause, this.step, this.goal, this.queue.parentElement, this.box, this.end]) element.hidden = this.app.isSettingUp;
     for (const element of [this.pose, this.find]) element.hidden = this.app.isSettingUp || !this.app.run.isLocalized;
-    for (const element of [this.restart, this.next]) element.hidden = state === "idle";
+    for (const element of [this.restart, this.next]) element.hidden = state === "idle" || this.app.lacks.has("restart");
+    this.box.hidden ||= this.app.lacks.has("box");
+    this.speed.parentElement.hidden = this.app.lacks.has("speed");
     this.speed.disabled = !drives;
     for (const element of [this.restart, this.next]) element.disabled = !drives || state === "idle";
     const paused = state === "paused";
@@ -130,7 +132,7 @@ export class Steering {
     if (event.key === "Escape" && this.app.tool) return this.app.setTool(null);
     if (takesKeys(event.target)) return;
     const onButton = event.target.closest?.("button, a, summary");
-    const press = { " ": onButton ? null : this.pause, n: this.step, g: this.goal, b: this.box, p: this.pose.hidden ? null : this.pose }[event.key];
+    const press = { " ": onButton ? null : this.pause, n: this.step, g: this.goal, b: this.box.hidden ? null : this.box, p: this.pose.hidden ? null : this.pose }[event.key];
     if (!press || press.disabled) return;
     event.preventDefault();
     press.click();

@@ -3,6 +3,7 @@ import { array } from "../decode.js";
 import { otherPlaces, particleDashes } from "../belief.js";
 import { C, isApart } from "../run.js";
 import { palette, speedColor } from "../theme.js";
+import { poseGraph } from "./graph.js";
 
 const JUMP = 0.5; // An estimate that moves by more [m] in a row was corrected: a line there would look like a path.
 
@@ -305,6 +306,7 @@ export function drawMap(context, app, state, view) {
   const pixel = 1 / view.scale;
   if (layers.map && app.grid) grid(context, app.grid);
   if (layers.costmap && app.costmap) grid(context, app.costmap, 0.8);
+  if (layers.graph && app.mapped) poseGraph(context, app.mapped, look, pixel, label);
   if (layers.path && state.path) {
     context.strokeStyle = look.path;
     context.lineWidth = 2 * pixel;

@@ -105,10 +105,10 @@ export class MapView {
   }
 
   fit() {
-    const { grid, scene } = this.app;
+    const { grid, mapped, scene } = this.app;
     if (!scene || !this.width) return;
     let [x0, y0, , x1, y1] = scene.bounds;
-    if (grid && !grid.origin[2]) {
+    if (grid && !mapped && !grid.origin[2]) {
       [x0, y0] = grid.origin;
       [x1, y1] = [x0 + grid.width * grid.resolution, y0 + grid.height * grid.resolution];
     }

@@ -137,20 +137,18 @@ void Batch::drive_one(double *pose, Motion &motion, double *wheels, double &leng
   const double w = std::min(limits.turning, std::max(-limits.turning, command[1]));
   const double dt = limits.timestep;
   Touched touched{0, 0, 0, 0};
-  // Where nothing blocked is within reach of the whole period, the substeps need no look at the map. A wheel's limit
-  // makes neither speed larger.
-  const double fastest = std::max(std::abs(motion.ramp_v), std::abs(v)) +
-                         std::max(std::abs(motion.ramp_w), std::abs(w)) * model_.radius;
-  const bool map_is_free = model_.is_surely_free({pose[0], pose[1], pose[2]}, map,
-                                                 static_cast<double>(substeps) * dt * fastest * (1.0 + 1e-9));
+  // While what it has moved is less than the room that it had, the map needs no look.
+  double spare = model_.room({pose[0], pose[1], pose[2]}, map);
   const auto look = [&](std::int64_t substep) {
-    if (touched.kind != 0 || (map_is_free && recording < 0)) return;
-    touched = model_.touch({pose[0], pose[1], pose[2]}, map, map_is_free, movers_, recording,
+    if (touched.kind != 0) return;
+    if (spare < 0.0) spare = model_.room({pose[0], pose[1], pose[2]}, map);
+    if (spare >= 0.0 && recording < 0) return;
+    touched = model_.touch({pose[0], pose[1], pose[2]}, map, spare >= 0.0, movers_, recording,
                            static_cast<double>(step) * dt, memory.spans, memory.one, memory.other);
     touched.substep = substep;
   };
   if (substeps == 0) look(0);
-  double by_length = 0.0, by_turn = 0.0, along = 1.0, across = 0.0;
+  double by_length = 0.0, by_turn = 0.0, along = 1.0, across = 0.0, moved = 0.0;
   double last_v = std::nan(""), last_w = 0.0;
   for (std::int64_t substep = 1; substep <= substeps; ++substep) {
     model_.accelerate(motion, v, w);
@@ -159,6 +157,7 @@ void Batch::drive_one(double *pose, Motion &motion, double *wheels, double &leng
       last_w = motion.w;
       by_length = motion.v * dt;
       by_turn = motion.w * dt;
+      moved = (std::abs(by_length) + std::abs(by_turn) * model_.radius) * (1.0 + 1e-9);
       if (std::abs(by_turn) < 1e-6) {
         along = 1.0 - by_turn * by_turn / 6.0;
         across = by_turn / 2.0;
@@ -176,6 +175,7 @@ void Batch::drive_one(double *pose, Motion &motion, double *wheels, double &leng
     wheels[1] += motion.right_speed * dt;
     length += std::abs(by_length);
     ++step;
+    spare -= moved;
     look(substep);
   }
   contact[0] = touched.kind;

@@ -3,7 +3,8 @@
 // Contact shallower than a nanometre is none, as in the simulators.
 #pragma once
 
-#include "batch/jump_rays.hpp"
+#include "batch/sine.hpp"
+#include "rays/jumping_ray.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +16,9 @@ namespace trundle::batch {
 
 inline constexpr double kTouch = 1e-9;  // [m]
 inline constexpr double kFar = std::numeric_limits<double>::infinity();
+
+// Chebyshev distances in cells to the nearest blocked cell, 0 in it, 255 at most.
+using JumpField = CellBytes;
 
 struct Point {
   double x, y;
@@ -37,16 +41,16 @@ inline Cell first_overlap(const JumpField &field, const Point *polygon, std::siz
     high = std::max(high, polygon[i].y);
   }
   const double rows = static_cast<double>(field.rows), cols = static_cast<double>(field.cols);
-  const auto first_row = static_cast<std::ptrdiff_t>(std::clamp(std::floor(low + touch), 0.0, rows));
-  const auto last_row = static_cast<std::ptrdiff_t>(std::clamp(std::ceil(high - touch), 0.0, rows)) - 1;
+  const auto first_row = static_cast<std::ptrdiff_t>(std::clamp(floor_of(low + touch), 0.0, rows));
+  const auto last_row = static_cast<std::ptrdiff_t>(std::clamp(-floor_of(touch - high), 0.0, rows)) - 1;
   if (last_row < first_row) return {-1, -1};
   spans.assign(static_cast<std::size_t>(last_row - first_row + 1), {kFar, -kFar});
   for (std::size_t i = 0, j = corners - 1; i < corners; j = i++) {
     Point a = polygon[j], b = polygon[i];
     if (a.y > b.y) std::swap(a, b);
     const double slope = b.y > a.y ? (b.x - a.x) / (b.y - a.y) : 0.0;
-    const auto first = std::max(first_row, static_cast<std::ptrdiff_t>(std::floor(std::max(a.y, -1.0))));
-    const auto last = std::min(last_row, static_cast<std::ptrdiff_t>(std::floor(std::min(b.y, rows))));
+    const auto first = std::max(first_row, static_cast<std::ptrdiff_t>(floor_of(std::clamp(a.y, -1.0, rows))));
+    const auto last = std::min(last_row, static_cast<std::ptrdiff_t>(floor_of(std::clamp(b.y, -1.0, rows))));
     for (std::ptrdiff_t row = first; row <= last; ++row) {
       const double below = static_cast<double>(row), above = below + 1.0;
       const double from = a.y < below ? a.x + (below - a.y) * slope : a.x;
@@ -59,10 +63,11 @@ inline Cell first_overlap(const JumpField &field, const Point *polygon, std::siz
   for (std::ptrdiff_t row = first_row; row <= last_row; ++row) {
     const Point &span = spans[static_cast<std::size_t>(row - first_row)];
     if (!(span.x <= span.y)) continue;
-    const auto first = static_cast<std::ptrdiff_t>(std::clamp(std::floor(span.x + touch), 0.0, cols));
-    const auto end = static_cast<std::ptrdiff_t>(std::clamp(std::ceil(span.y - touch), 0.0, cols));
-    for (std::ptrdiff_t col = first; col < end; ++col) {
-      if (field.at(row, col) == 0) return {row, col};
+    const auto first = static_cast<std::ptrdiff_t>(std::clamp(floor_of(span.x + touch), 0.0, cols));
+    const auto end = static_cast<std::ptrdiff_t>(std::clamp(-floor_of(touch - span.y), 0.0, cols));
+    for (std::ptrdiff_t col = first, free; col < end; col += free) {
+      free = field.at(row, col);  // so many cells on is the next one that may be blocked
+      if (free == 0) return {row, col};
     }
   }
   return {-1, -1};

@@ -84,7 +84,7 @@ class RobotModel {
   // `map_is_free`: whether it is known to touch no cell.
   Touched touch(const Pose &pose, const Map &map, bool map_is_free, const Movers &movers, std::int64_t recording,
                 double time, Spans &spans, std::vector<Point> &one, std::vector<Point> &other) const {
-    if (!map_is_free && !is_surely_free(pose, map, 0.0)) {
+    if (!map_is_free) {
       const Point base = map.to_cells(pose.x, pose.y, resolution);
       place(sin_cos(pose.yaw - map.yaw), one);
       for (Point &corner : one) corner = {base.x + corner.x / resolution, base.y + corner.y / resolution};
@@ -119,25 +119,21 @@ class RobotModel {
     return {0, 0, 0, 0};
   }
 
-  // Whether nothing blocked is within a distance [m] of the footprint: the free squares around the centres of the discs
-  // that cover it say so at a glance.
-  bool is_surely_free(const Pose &pose, const Map &map, double distance) const {
+  // How far [m] the footprint is from everything blocked, at least; below 0 where that does not show at a glance, by the
+  // free squares around the centres of the discs that cover it.
+  double room(const Pose &pose, const Map &map) const {
     const Point base = map.to_cells(pose.x, pose.y, resolution);
-    const double cols = static_cast<double>(map.field.cols), rows = static_cast<double>(map.field.rows);
-    const double needed = distance + cover_radius;
-    const auto is_free = [&](double x, double y, double room) {
-      if (!(x >= 0.0 && y >= 0.0 && x < cols && y < rows)) return false;
-      const int free = map.field.at(static_cast<std::ptrdiff_t>(y), static_cast<std::ptrdiff_t>(x));
-      return static_cast<double>(free - 1) * resolution >= room;
-    };
-    if (is_free(base.x, base.y, distance + radius)) return true;
+    const double around = free_at(base.x, base.y, map) - radius;
+    if (around > cover_radius) return around;
     const SinCos turn = sin_cos(pose.yaw - map.yaw);
+    double least = kFar;
     for (const Point &disc : cover) {
       const double x = base.x + (turn.cos * disc.x - turn.sin * disc.y) / resolution;
       const double y = base.y + (turn.sin * disc.x + turn.cos * disc.y) / resolution;
-      if (!is_free(x, y, needed)) return false;
+      least = std::min(least, free_at(x, y, map) - cover_radius);
+      if (least < 0.0) break;
     }
-    return true;
+    return std::max(around, least);
   }
 
   // One turn of every lidar. Ranges are infinite without a return.
@@ -166,6 +162,14 @@ class RobotModel {
   }
 
  private:
+  // How far [m] a point is from everything blocked, at least; below 0 in it, and beyond the map.
+  double free_at(double x, double y, const Map &map) const {
+    const double cols = static_cast<double>(map.field.cols), rows = static_cast<double>(map.field.rows);
+    if (!(x >= 0.0 && y >= 0.0 && x < cols && y < rows)) return -kFar;
+    const int free = map.field.at(static_cast<std::ptrdiff_t>(y), static_cast<std::ptrdiff_t>(x));
+    return static_cast<double>(free - 1) * resolution;
+  }
+
   void place(const SinCos &turn, std::vector<Point> &out) const {
     out.resize(outline.size());
     for (std::size_t i = 0; i < out.size(); ++i) {

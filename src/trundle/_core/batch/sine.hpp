@@ -13,12 +13,24 @@ struct SinCos {
   double sin, cos;
 };
 
+// std::floor of a number of at most 2^62, which is a call of the C library where a processor may lack SSE 4.1.
+inline double floor_of(double number) {
+  const double whole = static_cast<double>(static_cast<std::int64_t>(number));
+  return number < whole ? whole - 1.0 : whole;
+}
+
 inline SinCos sin_cos(double angle) {
   constexpr double kTwoOverPi = 0.63661977236758134308;
   // The first two parts have 33 bits each, so that their products with the number of quarter turns are exact.
   constexpr double kFirst = 0x1.921fb544p+0, kSecond = 0x1.0b4611a6p-34, kThird = 0x1.3198a2e037073p-69;
   if (!(std::abs(angle) < 1e6)) angle = std::remainder(angle, 6.283185307179586);  // exact by IEEE 754
-  const double turns = std::floor(angle * kTwoOverPi + 0.5);
+  if (std::abs(angle) < 0.03) {
+    // Four terms are below half a unit in the last place.
+    const double z = angle * angle;
+    return {angle + angle * (z * (-1.0 / 6.0 + z * (1.0 / 120.0 - z * (1.0 / 5040.0)))),
+            1.0 - (0.5 * z - z * (z * (1.0 / 24.0 - z * (1.0 / 720.0 - z * (1.0 / 40320.0)))))};
+  }
+  const double turns = floor_of(angle * kTwoOverPi + 0.5);
   const double r = ((angle - turns * kFirst) - turns * kSecond) - turns * kThird;
   const double z = r * r;
   double s = -1.0 / 1307674368000.0 + z * (1.0 / 355687428096000.0);

@@ -15,6 +15,11 @@ constexpr double kNoHit = std::numeric_limits<double>::infinity();
 struct CellBytes {
   const std::uint8_t *cells;
   std::ptrdiff_t rows, cols;
+
+  bool contains(std::ptrdiff_t row, std::ptrdiff_t col) const {
+    return row >= 0 && row < rows && col >= 0 && col < cols;
+  }
+  std::uint8_t at(std::ptrdiff_t row, std::ptrdiff_t col) const { return cells[row * cols + col]; }
 };
 
 // How a ray crosses the lines between columns, or between rows, from (place) in cell units in cell `cell` along

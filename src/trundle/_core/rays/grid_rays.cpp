@@ -66,9 +66,9 @@ TRUNDLE_INLINE void cast_all(const CellBytes &field, double x, double y, const d
     if (!std::isfinite(angles[i])) continue;
     const double dx = std::cos(angles[i]), dy = std::sin(angles[i]);
     const Landing landing = land_ray(field, x, y, dx, dy, reach, rounding);
-    if (landing.kind == Landing::kUnsure) {
+    if (landing.kind == Arrival::kUnsure) {
       out[i] = walk_ray(field, x, y, dx, dy, reach, [](std::uint8_t distance) { return distance == 0; });
-    } else if (landing.kind == Landing::kHit) {
+    } else if (landing.kind == Arrival::kHit) {
       sums.push(i, landing);
       if (sums.count == kTogether) sums.flush(reach, out.data());
     }

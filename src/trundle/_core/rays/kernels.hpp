@@ -35,4 +35,17 @@ nb::ndarray<nb::numpy, std::int64_t> find_lone_hits(In<double, 1> ranges, In<dou
                                                     In<double, 1> earlier_ranges, In<double, 1> earlier_angles,
                                                     In<double, 2> earlier_sensor, double range_min, double range_max);
 
+// Points within `reach` of a pose (x, y, yaw) and their velocities, seen from it, both rows x, y. Each is continued at its
+// velocity for `seconds`, and counts farther away by what it drives in `horizon`; without velocities all of them stand.
+nb::tuple points_around(In<double, 2> points, In<double, 2> velocities, In<double, 1> pose, double seconds, double reach,
+                        double horizon);
+
+// For each pose (x, y, yaw) the `rank`-th least distance of a point from a convex outline there, infinity with fewer
+// points: negative inside, and at a corner a little short. Points that move, and those in the box round the outlines at
+// all poses, wider by a padding, count; they are where they are at the times, or stand without these. `sides` are the
+// normal of each edge and how far the outline reaches along it.
+nb::ndarray<nb::numpy, double> outline_clearances(In<double, 2> points, In<double, 2> velocities, In<double, 2> poses,
+                                                  In<double, 1> times, In<double, 2> outline, In<double, 2> sides,
+                                                  double padding, std::int64_t rank);
+
 }  // namespace trundle

@@ -230,9 +230,7 @@ def run_benchmark(
     folder = given.folder(name)
     suite = make([write_robot(folder, robot) for robot in robots])
     if given.require:
-        suite = Suite.make(
-            **{**{name: getattr(suite, name) for name in suite.model_fields_set}, "require": given.require}
-        )
+        suite = suite.with_fields(require=given.require)
     evaluation = carry_out(
         suite,
         folder,

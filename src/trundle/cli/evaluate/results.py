@@ -157,8 +157,13 @@ def _facts(summary: Mapping[str, Any]) -> dict[str, object]:
         **({"only errors": "; ".join(map(clean, broken))} if broken else {}),
         "episodes": f"{done:,}" if done == total else f"{done:,} of {total:,}",
         "arrived": share,
-        "outcomes": ", ".join(f"{count:,} {name}" for name, count in summary["outcomes"].items()),
+        "outcomes": _counts(summary["outcomes"]),
+        **({"to kinematic": _counts(summary["handed_over"])} if summary["handed_over"] else {}),
     }
+
+
+def _counts(found: Mapping[str, int]) -> str:
+    return ", ".join(f"{count:,} {name}" for name, count in found.items())
 
 
 def _label(labels: Mapping[str, str]) -> str:

@@ -47,7 +47,7 @@ _LISTS = (
     _list("controllers", "Controllers, separated by commas."),
     _list("agents", "Agents that drive instead of planner and controller, separated by commas."),
     _list("localizer", "Localizers, separated by commas; default: the true pose."),
-    _list("backends", "Simulators, separated by commas: mujoco,kinematic."),
+    _list("backends", "Simulators, separated by commas: mujoco,kinematic; batch is kinematic at once."),
 )
 """Fields of `Suite` that an option gives. A field that is added here has its option, and no more is needed."""
 
@@ -151,8 +151,7 @@ def _make_suite(given: tuple[str, ...], changes: dict[str, Any]) -> Suite:
         raise InputError(f"give one suite, with maps and worlds that it is to drive in besides; got {' '.join(given)}")
     base = Suite.load(suites[0])
     if others := [text for text in given if text != suites[0]]:
-        both = {**_fields(base), "worlds": [*(_fields(world) for world in base.worlds), *others]}
-        base = Suite.make(**both)
+        base = base.with_fields(worlds=[*(_fields(world) for world in base.worlds), *others])
     if "missions" in changes:
         changes["worlds"] = [
             {**_fields(world), "missions": {**_fields(world.missions), **changes["missions"]}}
@@ -163,7 +162,7 @@ def _make_suite(given: tuple[str, ...], changes: dict[str, Any]) -> Suite:
     for part in ("missions", "limits"):
         if part in changes:
             changes[part] = {**_fields(getattr(base, part)), **changes[part]}
-    return Suite.make(**{**_fields(base), **changes})
+    return base.with_fields(**changes)
 
 
 def _fields(model: Config) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What the verbs that map recordings share: feeding a mapper, and writing the map, its pose graph and a picture."""
+"""What the verbs that map recordings share: options, feeding a mapper, and writing map, pose graph and picture."""
 
 from __future__ import annotations
 
@@ -10,66 +10,14 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from trundle.cli.shared import options, output
+from trundle.cli.shared import options, output, sources
 from trundle.errors import InputError
+from trundle.messages.codec import DEFAULT
 
 if TYPE_CHECKING:
     from trundle.mapping import Mapper, PoseGraph
     from trundle.recordings import RecordedDrive
     from trundle.robots import Robot
-
-MapOut = Annotated[
-    Path, Parameter(name=["--out", "-o"], help="The map's YAML, with its image beside it; or a folder for map.yaml.")
-]
-GraphOut = Annotated[
-    Path | None,
-    Parameter(name="--posegraph", help="The pose graph that is written; default: beside the map, NAME.posegraph."),
-]
-Resolution = Annotated[float, Parameter(name="--resolution", help="Cell size [m].")]
-Origin = Annotated[
-    str | None,
-    Parameter(
-        name="--origin",
-        allow_leading_hyphen=True,
-        metavar="X,Y[,YAW]",
-        help="Where the pose graph's origin, which is where its first drive began, lies in the map [m, m, rad or "
-        "90deg]; default: 0,0.",
-    ),
-]
-AnyRobot = Annotated[
-    str | None,
-    Parameter(
-        name="--robot",
-        help=f"The robot, whose outline is left out of the scans, and which must fit through the doors: "
-        f"{options.ROBOT_CHOICES}; default: the recording's own, or unknown.",
-    ),
-]
-ScanTopics = Annotated[
-    list[str] | None,
-    Parameter(
-        name="--scan-topic",
-        negative="",
-        metavar="TOPIC",
-        help="A bag's topic of scans; repeatable; default: one of each lidar.",
-    ),
-]
-Odom = Annotated[
-    str | None,
-    Parameter(
-        name="--odom",
-        metavar="TOPIC|tf|none",
-        help="A bag's topic of the odometry; tf for the transforms, none for the scans alone; default: the usual one, "
-        "else the transforms, else the scans.",
-    ),
-]
-Overwrite = Annotated[
-    bool,
-    Parameter(
-        name="--overwrite",
-        negative="",
-        help="Replace a map even if it was edited, and a pose graph that other drives may have made.",
-    ),
-]
 
 _MOST_FINDINGS = 8
 
@@ -89,40 +37,120 @@ class Targets:
     picture: Path
 
 
-def choose_targets(out: Path, graph: Path | None, *, overwrite: bool, source: Path | None = None) -> Targets:
-    """Return what is to be written, before any work is done.
+@Parameter(name="*")
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MapOptions:
+    """Options of the map that is drawn of a pose graph, and of what is printed."""
 
-    Args:
-        out: What -o says.
-        graph: What --posegraph says.
-        overwrite: Replace what is there.
-        source: The pose graph that is continued, which may be replaced: all of it is in the new one.
+    out: Annotated[
+        Path,
+        Parameter(name=["--out", "-o"], help="The map's YAML, with its image beside it; or a folder for map.yaml."),
+    ] = Path("map.yaml")
+    posegraph: Annotated[
+        Path | None,
+        Parameter(name="--posegraph", help="The pose graph that is written; default: beside the map, NAME.posegraph."),
+    ] = None
+    resolution: Annotated[float, Parameter(name="--resolution", help="Cell size [m].")] = 0.05
+    origin: Annotated[
+        str | None,
+        Parameter(
+            name="--origin",
+            allow_leading_hyphen=True,
+            metavar="X,Y[,YAW]",
+            help="Where the pose graph's origin, which is where its first drive began, lies in the map [m, m, rad or "
+            "90deg]; default: 0,0.",
+        ),
+    ] = None
+    robot: Annotated[
+        str | None,
+        Parameter(
+            name="--robot",
+            help=f"The robot, whose outline is left out of the scans, and which must fit through the doors: "
+            f"{options.ROBOT_CHOICES}; default: the recording's own, or unknown.",
+        ),
+    ] = None
+    overwrite: Annotated[
+        bool,
+        Parameter(
+            name="--overwrite",
+            negative="",
+            help="Replace a map even if it was edited, and a pose graph that other drives may have made.",
+        ),
+    ] = False
+    json: options.Json = False
+    quiet: options.Quiet = False
 
-    Raises:
-        InputError: If a file is there that is not replaced.
-        OutputError: If the folder cannot be written to.
-    """
-    map_file = options.output_file(out, "map.yaml", (".yaml", ".yml"))
-    target = map_file.with_suffix(".posegraph") if graph is None else graph
-    target = options.output_file(target, "map.posegraph", (".posegraph",))
-    if not overwrite:
-        options.check_map_replaceable(map_file)
-        if target.exists() and not (source is not None and target.samefile(source)):
-            raise InputError(
-                f"{target} already exists: continue it with trundle map continue, give another file with --posegraph, "
-                "or replace it with --overwrite"
-            )
-    return Targets(map_file, target, map_file.with_name(f"{map_file.stem}_drive.png"))
+    def load_robot(self) -> Robot | None:
+        """Load the robot, if one is given."""
+        return None if self.robot is None else sources.load_robot(self.robot)
+
+    def check(self, source: Path | None = None) -> Targets:
+        """Check all options, and return what is to be written, before any work is done.
+
+        Args:
+            source: The pose graph that is continued, which may be replaced: all of it is in the new one.
+
+        Raises:
+            InputError: If an option is wrong, or a file is there that is not replaced.
+            OutputError: If the folder cannot be written to.
+        """
+        if not 0.005 <= self.resolution <= 1.0:
+            raise InputError(f"--resolution {self.resolution:g}: give a cell size from 0.005 to 1 m")
+        if self.origin is not None:
+            options.parse_pose("--origin", self.origin)
+        map_file = options.output_file(self.out, "map.yaml", (".yaml", ".yml"))
+        graph = map_file.with_suffix(".posegraph") if self.posegraph is None else self.posegraph
+        graph = options.output_file(graph, "map.posegraph", (".posegraph",))
+        if not self.overwrite:
+            options.check_map_replaceable(map_file)
+            if graph.exists() and not (source is not None and graph.samefile(source)):
+                raise InputError(
+                    f"{graph} already exists: continue it with trundle map continue, give another file with "
+                    "--posegraph, or replace it with --overwrite"
+                )
+        return Targets(map_file, graph, map_file.with_name(f"{map_file.stem}_drive.png"))
 
 
-def check_resolution(resolution: float) -> None:
-    """Refuse cells that no map has.
+@Parameter(name="*")
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveOptions:
+    """Options of how a recorded drive is read and mapped."""
 
-    Raises:
-        InputError: If it is not from 0.005 to 1 m.
-    """
-    if not 0.005 <= resolution <= 1.0:
-        raise InputError(f"--resolution {resolution:g}: give a cell size from 0.005 to 1 m")
+    scan_topic: Annotated[
+        list[str] | None,
+        Parameter(
+            name="--scan-topic",
+            negative="",
+            metavar="TOPIC",
+            help="A bag's topic of scans; repeatable; default: one of each lidar.",
+        ),
+    ] = None
+    odom: Annotated[
+        str | None,
+        Parameter(
+            name="--odom",
+            metavar="TOPIC|tf|none",
+            help="A bag's topic of the odometry; tf for the transforms, none for the scans alone; default: the usual "
+            "one, else the transforms, else the scans.",
+        ),
+    ] = None
+    distro: options.Distro = None
+    seed: options.Seed = 0
+
+    def open(self, recording: Path, robot: Robot | None) -> RecordedDrive:
+        """Open a recording; `robot` is the one of the command line.
+
+        Raises:
+            InputError: If it is no recording of a drive that can be mapped.
+        """
+        from trundle.recordings import open_drive
+
+        distro = self.distro or DEFAULT
+        return open_drive(recording, robot=robot, scan_topics=self.scan_topic or (), odometry=self.odom, distro=distro)
+
+
+MAP_DEFAULTS = MapOptions()
+DRIVE_DEFAULTS = DriveOptions()
 
 
 def feed(mapper: Mapper, drive: RecordedDrive, *, quiet: bool) -> list[str]:
@@ -171,43 +199,32 @@ def describe(drive: RecordedDrive) -> dict[str, object]:
     }
 
 
-def move(graph: PoseGraph, origin: str | None) -> PoseGraph:
-    """Return a pose graph where --origin puts it."""
-    from trundle.mapping import move_pose_graph
-
-    return graph if origin is None else move_pose_graph(graph, options.parse_pose("--origin", origin))
-
-
 def write(
     graph: PoseGraph,
     targets: Targets,
+    given: MapOptions,
     *,
-    resolution: float,
     robot: Robot | None,
     facts: dict[str, object],
     remarks: list[str],
-    json: bool,
-    quiet: bool,
 ) -> int:
     """Draw the map of a pose graph, check it, write everything, and say what a person should look at.
 
     Everything is made before anything is written; each file is written whole or not at all.
 
     Args:
-        graph: The graph.
+        graph: The graph, which is put where --origin says.
         targets: What is written.
-        resolution: Cell size [m].
+        given: The options of the map.
         robot: The robot that must fit through the doors; None where it is unknown.
         facts: What is printed before.
         remarks: What was left out of recordings, and why.
-        json: Print one JSON value.
-        quiet: No remarks.
 
     Returns:
         The exit code: 0, or 1 if the map has errors, or a part is not in it.
     """
     from trundle.files.writing import atomic_path
-    from trundle.mapping import draw_map, save_pose_graph
+    from trundle.mapping import draw_map, move_pose_graph, save_pose_graph
     from trundle.mapping.corrections import find_corrections, joined_nodes
     from trundle.maps.check import check_map
     from trundle.record.map_report_lines import tell_report
@@ -215,7 +232,9 @@ def write(
 
     if not len(graph.scan_nodes):
         raise InputError(f"there is no scan to make a map of: {'; '.join(remarks) or 'the pose graph is empty'}")
-    grid = draw_map(graph, resolution=resolution)
+    if given.origin is not None:
+        graph = move_pose_graph(graph, options.parse_pose("--origin", given.origin))
+    grid = draw_map(graph, resolution=given.resolution)
     picture = draw_drive(grid, graph, title=targets.map_file.name)
     save_pose_graph(graph, targets.graph)
     grid.save(targets.map_file)
@@ -244,7 +263,7 @@ def write(
         "parts": len(set(graph.parts.tolist())),
         "parts_not_in_map": apart,
     }
-    if json:
+    if given.json:
         output.print_json({**numbers, "corrections": named, "remarks": remarks, "findings": report.findings})
         return code
     output.print_facts(
@@ -263,10 +282,10 @@ def write(
     if apart:
         _say_apart(graph, apart, targets)
     for line in remarks:
-        output.remark(f"trundle: {line}", quiet=quiet)
+        output.remark(f"trundle: {line}", quiet=given.quiet)
     for line in tell_report("map check", report, None, most=_MOST_FINDINGS):
         print(line)
-    _say_what_to_look_at(targets, bool(named), quiet=quiet)
+    _say_what_to_look_at(targets, bool(named), quiet=given.quiet)
     return code
 
 

@@ -7,8 +7,6 @@ from pathlib import Path
 from cyclopts import App
 
 from trundle.cli.map import drives
-from trundle.cli.shared import options, sources
-from trundle.messages.codec import DEFAULT
 
 app = App(
     name="from-bag",
@@ -27,18 +25,8 @@ def from_bag(
     recording: Path,
     /,
     *,
-    out: drives.MapOut = Path("map.yaml"),
-    posegraph: drives.GraphOut = None,
-    resolution: drives.Resolution = 0.05,
-    origin: drives.Origin = None,
-    robot: drives.AnyRobot = None,
-    scan_topic: drives.ScanTopics = None,
-    odom: drives.Odom = None,
-    distro: options.Distro = None,
-    seed: options.Seed = 0,
-    overwrite: drives.Overwrite = False,
-    json: options.Json = False,
-    quiet: options.Quiet = False,
+    of_map: drives.MapOptions = drives.MAP_DEFAULTS,
+    of_drive: drives.DriveOptions = drives.DRIVE_DEFAULTS,
 ) -> int:
     """Make a map from a recorded drive: a bag of trundle's, anyone's rosbag2, or a CARMEN log.
 
@@ -51,23 +39,17 @@ def from_bag(
         recording: A .mcap or .db3 file, the folder of a rosbag2, or a CARMEN log (.log, .clf, .gz).
     """
     from trundle.mapping import Mapper
-    from trundle.recordings import open_drive
 
-    drives.check_resolution(resolution)
-    machine = sources.load_robot(robot) if robot is not None else None
-    if origin is not None:
-        options.parse_pose("--origin", origin)
-    targets = drives.choose_targets(out, posegraph, overwrite=overwrite)
-    drive = open_drive(recording, robot=machine, scan_topics=scan_topic or (), odometry=odom, distro=distro or DEFAULT)
-    mapper = Mapper(drive.robot, seed=seed)
-    said = drives.feed(mapper, drive, quiet=quiet)
+    machine = of_map.load_robot()
+    targets = of_map.check()
+    drive = of_drive.open(recording, machine)
+    mapper = Mapper(drive.robot, seed=of_drive.seed)
+    said = drives.feed(mapper, drive, quiet=of_map.quiet)
     return drives.write(
-        drives.move(mapper.graph(), origin),
+        mapper.graph(),
         targets,
-        resolution=resolution,
+        of_map,
         robot=drive.robot if drive.knows_robot else None,
         facts=drives.describe(drive),
         remarks=[*said, *drive.remarks.lines],
-        json=json,
-        quiet=quiet,
     )

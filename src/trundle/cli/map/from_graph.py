@@ -7,7 +7,6 @@ from pathlib import Path
 from cyclopts import App
 
 from trundle.cli.map import drives
-from trundle.cli.shared import options, sources
 
 app = App(
     name="from-graph",
@@ -27,14 +26,7 @@ def from_graph(
     second: Path | None = None,
     /,
     *,
-    out: drives.MapOut = Path("map.yaml"),
-    posegraph: drives.GraphOut = None,
-    resolution: drives.Resolution = 0.05,
-    origin: drives.Origin = None,
-    robot: drives.AnyRobot = None,
-    overwrite: drives.Overwrite = False,
-    json: options.Json = False,
-    quiet: options.Quiet = False,
+    of_map: drives.MapOptions = drives.MAP_DEFAULTS,
 ) -> int:
     """Draw the map of a pose graph again: with other cells, in another frame, or merged with a second pose graph.
 
@@ -46,25 +38,13 @@ def from_graph(
         second: Another one to merge into it.
     """
     from trundle.mapping import load_pose_graph, merge_pose_graphs
-    from trundle.recordings.unknown_robot import make_unknown_robot
+    from trundle.recordings.drive import make_unknown_robot
 
-    drives.check_resolution(resolution)
-    machine = sources.load_robot(robot) if robot is not None else None
-    if origin is not None:
-        options.parse_pose("--origin", origin)
-    targets = drives.choose_targets(out, posegraph, overwrite=overwrite, source=posegraph_file)
+    machine = of_map.load_robot()
+    targets = of_map.check(source=posegraph_file)
     graph = load_pose_graph(posegraph_file)
     facts: dict[str, object] = {"pose graph": posegraph_file}
     if second is not None:
         graph = merge_pose_graphs(graph, load_pose_graph(second), machine or make_unknown_robot(0.0, 0.0))
         facts["merged with"] = second
-    return drives.write(
-        drives.move(graph, origin),
-        targets,
-        resolution=resolution,
-        robot=machine,
-        facts=facts,
-        remarks=[],
-        json=json,
-        quiet=quiet,
-    )
+    return drives.write(graph, targets, of_map, robot=machine, facts=facts, remarks=[])

@@ -5,16 +5,21 @@ from __future__ import annotations
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, cast
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 from cyclopts import App, Parameter
 
 from trundle.cli.ros2 import network, running
-from trundle.cli.shared import nav2, options, scenario_options
+from trundle.cli.shared import nav2, options, output, scenario_options
 from trundle.cli.shared.field_options import option_name
 from trundle.cli.shared.termination import ends_as_by_ctrl_c
 from trundle.errors import InputError
 from trundle.geometry import Goal
+
+if TYPE_CHECKING:
+    from trundle.messages.codec import Distro
+    from trundle.mission import Episode, Scenario
+    from trundle.recordings.drive import RecordedDrive
 
 app = App(
     name="navigate",
@@ -23,17 +28,22 @@ app = App(
         "Examples:\n"
         "  trundle ros2 navigate map.yaml --robot turtlebot3_burger --start 0,0,0\n"
         "  trundle ros2 navigate map.yaml --robot robot.yaml --start 0,0,0 --goal 4,2 --record\n"
-        "  trundle ros2 navigate map.yaml --robot nova_carter --localizer tf --browser"
+        "  trundle ros2 navigate map.yaml --robot nova_carter --localizer tf --browser\n"
+        "  trundle ros2 navigate --localizer slam --robot robot.yaml --save-map map.yaml --browser\n"
+        "  trundle ros2 navigate map.yaml --bag drive.mcap --start 0,0,0"
     ),
 )
 
 _SIMULATED = ("backend", "lidar_errors", "odometry", "start_error", "map_errors", "isaac_options", "agent", "lidar")
 """Options of `trundle run` that say how a robot is simulated."""
 
+_NO_SIMULATION = "restart", "box", "speed"
+"""What a page cannot do with a robot that is somewhere else."""
+
 
 @app.default
 def navigate(
-    source: str,
+    source: str | None = None,
     /,
     *,
     given: scenario_options.ScenarioOptions = scenario_options.DEFAULTS,
@@ -46,41 +56,40 @@ def navigate(
             "names; or the YAML file of your own profile.",
         ),
     ] = "plain",
-    static_frames: Annotated[
-        Literal["auto", "always", "never"],
+    bag: Annotated[
+        Path | None,
         Parameter(
-            name="--static-frames",
-            help="Publish where the lidars are on the robot: where nobody else does (auto), always, or never.",
-        ),
-    ] = "auto",
-    at: network.NetworkOptions = network.DEFAULTS,
-    namespace: Annotated[str, Parameter(name="--namespace", help="Namespace of all relative names: robot1.")] = "",
-    remap: Annotated[
-        list[str] | None,
-        Parameter(
-            name="--remap",
-            negative="",
-            metavar="FROM:=TO",
-            help="Rename a topic, service or action as ROS does: scan:=front/scan; __node:=NAME renames the node; "
-            "repeatable.",
+            name="--bag",
+            metavar="FILE",
+            help="Play the scans and the odometry of a recording instead of driving a robot: a rosbag2 of anyone, or a "
+            "CARMEN log. The localizer follows it, and nothing is commanded; it ends with the recording.",
         ),
     ] = None,
-    record: Annotated[
-        bool,
+    speed: Annotated[
+        str | None,
         Parameter(
-            name="--record",
-            negative="",
-            help=f"Also write {running.FILE}, a rosbag2 of all topics, written and received.",
+            name="--speed",
+            allow_leading_hyphen=True,
+            metavar="FACTOR|max",
+            help="With --bag: recorded seconds per second, 0.1 to 50; default: max.",
         ),
-    ] = False,
-    out: Annotated[
+    ] = None,
+    static_frames: network.StaticFrames = "auto",
+    at: network.NetworkOptions = network.DEFAULTS,
+    namespace: network.Namespace = "",
+    remap: network.Remaps = None,
+    record: running.Record = False,
+    out: running.RecordOut = None,
+    save_map: Annotated[
         Path | None,
-        Parameter(name=["--out", "-o"], help="File or folder of --record; default: a new folder under runs."),
+        Parameter(
+            name="--save-map",
+            metavar="YAML",
+            help="With --localizer slam: write the map there at the end, its image beside it.",
+        ),
     ] = None,
     overwrite: options.OverwriteFile = False,
-    page: Annotated[
-        bool, Parameter(name="--browser", negative="", help="Also show it in the browser, where it can be steered.")
-    ] = False,
+    page: running.Page = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
@@ -88,82 +97,159 @@ def navigate(
 
     It reads the robot's scans, odometry, transforms and clock, and publishes its commands. The robot stands wherever
     these are silent, jump or disagree, and until it is located: by --start, by a pose on /initialpose, or by map → odom
-    (--localizer tf). With --goal it drives there and ends.
+    (--localizer tf). With --goal it drives there and ends. With --localizer slam it needs no map: it makes one as it
+    drives, from where it stands. With --bag it plays a recording in place of a robot.
 
-    Exit code 0: it has arrived, or without --goal it was ended; 1: it has not arrived; 3: a plug-in raised. With --json
-    it prints two lines: what is offered, as soon as it is, and how it ended.
+    Exit code 0: it has arrived, or without --goal it was ended; 1: it has not arrived, or the recording breaks off or
+    the robot is lost at its end; 3: a plug-in raised. With --json it prints two lines: what is offered, as soon as it
+    is, and how it ended.
 
     Args:
-        source: The YAML of a map or of a scenario, a world by name, or a world's file.
+        source: The YAML of a map or of a scenario, a world by name, or a world's file; left out with slam.
     """
     from trundle.ros2.names import Names
     from trundle.ros2.profile import Profile
-    from trundle.ros2.remote.bridge import RemoteBridge, RemoteOptions
+    from trundle.ros2.remote.bag_bridge import BagBridge
+    from trundle.ros2.remote.bag_robot import read_truth
+    from trundle.ros2.remote.bridge import RemoteBridge
+    from trundle.ros2.remote.setting import RemoteOptions
 
     network.check_extra()
     _refuse_simulated(given)
     settings, names = at.read(), Names(namespace=namespace, remaps=remap or ())
     target = running.recording_target(out, record=record, overwrite=overwrite)
+    map_file = _map_target(save_map, overwrite=overwrite)
     names_of = Profile.load(profile)
     told = nav2.Nav2Report()
-    by_tf = given.localizer == "tf"
-    scenario = _with_localizer(given, None if by_tf else given.localizer).make(source, told, robot=names_of.robot)
-    if not by_tf and scenario.localizer is None:
-        scenario = _with_localizer(given, "amcl").make(source, nav2.Nav2Report(), robot=names_of.robot)
+    scenario, locates = _make_scenario(given, source, told, names_of.robot)
     told.tell(quiet=quiet)
     how = RemoteOptions(
-        localizer="tf" if by_tf else None,
+        localizer="tf" if locates == "tf" else None,
         start=options.parse_pose("--start", given.start) if given.start else None,
         goals=tuple(Goal.of(options.parse_goal("--goal", text)) for text in given.goals or ()),
         static_frames=static_frames,
     )
-    if by_tf and how.start is not None:
-        raise InputError("--start is for a localizer; with --localizer tf the robot is where map → odom puts it")
-    if given.localizer == "odometry" and how.start is None:
+    if locates == "odometry" and how.start is None:
         raise InputError("--localizer odometry needs --start X,Y,YAW: nothing else says where the robot is")
+    if map_file is not None and scenario.known_map:
+        raise InputError("--save-map is for a map that is made: give --localizer slam, and no map")
+    recorded = None if bag is None else _open_bag(bag, given, scenario, settings.distro)
+    if recorded is None and speed is not None:
+        raise InputError("--speed is for --bag: a robot drives in its own time")
+    for line in () if recorded is None else recorded.remarks.lines:
+        output.remark(f"{bag}: {line}", quiet=quiet)
+    factor = float("inf") if speed is None else options.parse_speed(speed)
+    lacks = _NO_SIMULATION if recorded is None else _NO_SIMULATION[:2]
     with ends_as_by_ctrl_c(), ExitStack() as opened:
         transport = at.open(settings, names)
         opened.callback(transport.close)
         types = running.make_types(transport)
-        bag = (
-            opened.enter_context(running.open_recording(target, scenario, types, transport, "navigate"))
-            if record
-            else None
-        )
+        kept = running.open_recording(target, scenario, types, transport, "navigate") if record else None
+        if kept is not None:
+            opened.enter_context(kept)
         driver, observers = opened.enter_context(
-            running.open_page(scenario, source, float("inf"), shows=page, quiet=quiet or json, restarts=False)
+            running.open_page(scenario, source or "", factor, shows=page, quiet=quiet or json, lacks=lacks)
         )
-        bridge = RemoteBridge(
-            scenario,
-            transport,
-            types,
-            names,
-            how,
-            profile=names_of,
-            record=bag,
-            driver=driver,
-            observers=observers,
-        )
-        opened.enter_context(bridge)
-        locates = "tf" if by_tf or scenario.localizer is None else scenario.localizer.name
         facts = {"role": "navigate", "profile": profile, "localizer": locates, **told.facts}
-        try:
-            running.announce(bridge.wire, facts, bag, json=json, quiet=quiet)
-            episode = bridge.run()
-        except KeyboardInterrupt:  # before the run began, or after it ended
-            episode = None
-        except BaseException:
-            session = bridge.context.session
-            if session is not None:
-                running.report(session.finish(), bridge.wire, bag, json=json, stops=bridge.guard.counts)
-            raise
+        bridge: RemoteBridge | BagBridge
+        if recorded is None:
+            bridge = RemoteBridge(
+                *(scenario, transport, types, names, how),
+                profile=names_of,
+                record=kept,
+                driver=driver,
+                observers=observers,
+            )
+        else:
+            facts["bag"] = recorded.path
+            bridge = BagBridge(
+                *(scenario, recorded, transport, types, names, how),
+                profile=names_of,
+                truth=read_truth(recorded.path, settings.distro),
+                record=kept,
+                speed=factor,
+                driver=driver,
+                observers=observers,
+            )
+        opened.enter_context(bridge)
+        stops = bridge.guard.counts if isinstance(bridge, RemoteBridge) else None
+        episode = running.run(bridge, facts, kept, json=json, quiet=quiet, stops=stops)
+    made = _write_map(episode, map_file)
+    if isinstance(bridge, BagBridge):
+        code = running.report(episode, bridge.wire, kept, json=json, more={**bridge.summary.as_dict(), **made})
+        return code or int(not bridge.summary.is_whole)
     arrived = None if bridge.drive is None else bridge.drive.arrived
-    code = running.report(episode, bridge.wire, bag, json=json, stops=bridge.guard.counts, arrived=arrived)
+    code = running.report(episode, bridge.wire, kept, json=json, stops=stops, arrived=arrived, more=made)
     return code if arrived is None else int(not arrived)
 
 
-def _with_localizer(given: scenario_options.ScenarioOptions, localizer: str | None) -> scenario_options.ScenarioOptions:
-    return replace(cast("Any", given), localizer=localizer)
+def _open_bag(bag: Path, given: scenario_options.ScenarioOptions, scenario: Scenario, distro: Distro) -> RecordedDrive:
+    """Open the recording of --bag; its robot is the one that is given, else the recording's own.
+
+    Raises:
+        InputError: If it is none, or other options do not fit it.
+    """
+    from trundle.recordings.opening import open_drive
+
+    if given.goals:
+        raise InputError("--goal is for a robot that drives: with --bag a recording is played")
+    if scenario.localizer is None:
+        raise InputError("--localizer tf takes map → odom from others; with --bag give amcl, slam or odometry")
+    return open_drive(bag, robot=scenario.robot if given.robot else None, distro=distro)
+
+
+def _make_scenario(
+    given: scenario_options.ScenarioOptions, source: str | None, told: nav2.Nav2Report, robot: str | None
+) -> tuple[Scenario, str]:
+    """Make the scenario of the options, and say what locates the robot.
+
+    Raises:
+        InputError: If the options do not fit.
+    """
+    by_tf = given.localizer == "tf"
+    changes: dict[str, object] = {"localizer": None if by_tf else given.localizer}
+    if source is None:
+        if given.localizer in (None, "amcl"):
+            raise InputError(
+                "give the map: trundle ros2 navigate map.yaml …; without one, --localizer slam makes it as it drives"
+            )
+        # The fields of a scenario need a place; nothing of it is made for a robot that knows no map.
+        changes |= {"known_map": True, "lidar": True}
+    elif given.known_map:  # --no-map
+        changes["lidar"] = True
+    scenario = _with(given, changes).make(source or "lot", told, robot=robot)
+    if source is None:
+        scenario = scenario.model_copy(update={"name": Path(scenario.robot).stem})
+    if not by_tf and scenario.localizer is None:
+        scenario = _with(given, {**changes, "localizer": "amcl"}).make(source or "lot", nav2.Nav2Report(), robot=robot)
+    locates = "tf" if by_tf or scenario.localizer is None else scenario.localizer.name
+    if locates == "slam" and scenario.known_map:
+        raise InputError(f"--localizer slam makes a map of its own: leave {source} out, or give --no-map with it")
+    return scenario, locates
+
+
+def _with(given: scenario_options.ScenarioOptions, changes: dict[str, object]) -> scenario_options.ScenarioOptions:
+    return replace(cast("Any", given), **changes)
+
+
+def _map_target(file: Path | None, *, overwrite: bool) -> Path | None:
+    if file is None:
+        return None
+    target = options.output_file(file, "map.yaml", (".yaml", ".yml"))
+    if not overwrite:
+        options.check_map_replaceable(target, "--save-map")
+    return target
+
+
+def _write_map(episode: Episode | None, target: Path | None) -> dict[str, object]:
+    """Write the map that the localizer has made; return what there is to say of it."""
+    own = None if episode is None else episode.own_map
+    if own is None:
+        return {} if target is None else {"map": None}
+    if target is not None:
+        own.grid.save(target)
+    rows, cols = own.grid.shape
+    return {"map": target, "map_size": f"{cols} x {rows} cells of {own.grid.resolution:g} m"}
 
 
 def _refuse_simulated(given: scenario_options.ScenarioOptions) -> None:

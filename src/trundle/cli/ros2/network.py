@@ -26,6 +26,19 @@ StaticFrames: TypeAlias = Annotated[
 ]
 """The option of every verb that publishes a robot's frames."""
 
+Namespace: TypeAlias = Annotated[str, Parameter(name="--namespace", help="Namespace of all relative names: robot1.")]
+
+Remaps: TypeAlias = Annotated[
+    list[str] | None,
+    Parameter(
+        name="--remap",
+        negative="",
+        metavar="FROM:=TO",
+        help="Rename a topic, service or action as ROS does: scan:=front/scan; __node:=NAME renames the node; "
+        "repeatable.",
+    ),
+]
+
 
 @Parameter(name="*")
 @dataclass(frozen=True, slots=True)

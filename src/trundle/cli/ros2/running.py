@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+from cyclopts import Parameter
 
 from trundle.cli.shared import browser, options, output
 from trundle.errors import InputError
@@ -16,12 +18,24 @@ if TYPE_CHECKING:
     from trundle.messages.qos import Qos
     from trundle.mission import Episode, Mission, Observer, Scenario
     from trundle.ros2.record import WireRecord
+    from trundle.ros2.runs import NetworkRuns
     from trundle.ros2.transport.transport import Transport
     from trundle.ros2.types import Types
     from trundle.ros2.wire import Wire
     from trundle.serve.steerer import Steerer
 
 FILE = "wire.mcap"
+Record: TypeAlias = Annotated[
+    bool,
+    Parameter(name="--record", negative="", help=f"Also write {FILE}, a rosbag2 of all topics, written and received."),
+]
+RecordOut: TypeAlias = Annotated[
+    Path | None, Parameter(name=["--out", "-o"], help="File or folder of --record; default: a new folder under runs.")
+]
+Page: TypeAlias = Annotated[
+    bool, Parameter(name="--browser", negative="", help="Also show it in the browser, where it can be steered.")
+]
+
 _FAILED = "the simulator failed"
 """How a session's message begins where its simulator raised an error."""
 
@@ -57,9 +71,18 @@ def open_recording(
 
 @contextmanager
 def open_page(
-    scenario: Scenario, source: str, speed: float, *, shows: bool, quiet: bool, restarts: bool = True
+    scenario: Scenario, source: str, speed: float, *, shows: bool, quiet: bool, lacks: Sequence[str] = ()
 ) -> Iterator[tuple[Steerer | None, Callable[[Mission, int], Sequence[Observer]] | None]]:
-    """Yield what drives the runs and what shows them in the browser; both are None if no page is wanted."""
+    """Yield what drives the runs and what shows them in the browser; both are None if no page is wanted.
+
+    Args:
+        scenario: What is driven.
+        source: What it was made of.
+        speed: How fast it passes at first.
+        shows: Whether a page is wanted.
+        quiet: Without remarks.
+        lacks: What cannot be done with what is driven: "restart", "box", "speed".
+    """
     if not shows:
         yield None, None
         return
@@ -67,7 +90,8 @@ def open_page(
     from trundle.serve.watch import Watch
 
     with browser.serving(scenario, source=source) as page:
-        page.hub.controls = steerer = Steerer(speed=speed, restarts=restarts)
+        page.hub.controls = steerer = Steerer(speed=speed, restarts="restart" not in lacks)
+        page.hub.lacks = tuple(lacks)
 
         def observers(mission: Mission, number: int) -> Sequence[Observer]:
             watch = Watch(page.hub, number, None, world=lambda: mission.sim.world, steering=steerer.steering)
@@ -83,6 +107,32 @@ def make_types(transport: Transport) -> Types:
     from trundle.ros2.types import Types
 
     return Types(Codec(transport.distro), transport)
+
+
+def run(
+    bridge: NetworkRuns,
+    settings: dict[str, object],
+    record: WireRecord | None,
+    *,
+    json: bool,
+    quiet: bool,
+    stops: Mapping[str, int] | None = None,
+) -> Episode | None:
+    """Print what is offered, and drive to the end; None where Ctrl-C came before a run began.
+
+    Raises:
+        BaseException: What a plug-in raised; how it ended is printed then.
+    """
+    try:
+        announce(bridge.wire, settings, record, json=json, quiet=quiet)
+        return bridge.run()
+    except KeyboardInterrupt:  # before the run began, or after it ended
+        return None
+    except BaseException:
+        session = bridge.context.session
+        if session is not None:
+            report(session.finish(), bridge.wire, record, json=json, stops=stops)
+        raise
 
 
 def announce(wire: Wire, settings: dict[str, object], record: WireRecord | None, *, json: bool, quiet: bool) -> None:
@@ -108,6 +158,7 @@ def report(
     json: bool,
     stops: Mapping[str, int] | None = None,
     arrived: bool | None = None,
+    more: Mapping[str, object] | None = None,
 ) -> int:
     """Print how it ended; returns the exit code.
 
@@ -118,6 +169,7 @@ def report(
         json: Whether it is printed as JSON.
         stops: How often the robot had to stand, for each kind of reason; None where nothing watches that.
         arrived: Whether the robot has arrived at its goals; None where it had none.
+        more: What else there is to say; those that are None are for JSON alone.
     """
     code = 1 if episode is not None and episode.message.startswith(_FAILED) else 0
     metrics = None if episode is None else episode.metrics
@@ -130,6 +182,7 @@ def report(
         "contacts": [] if metrics is None else list(metrics.contacts),
         "warnings": wire.warnings.counts,
         **({} if stops is None else {"stops": dict(stops), "arrived": arrived}),
+        **(more or {}),
         "recording": None if record is None else record.path,
         "messages": None if record is None else record.messages,
         "recording_error": (record.error or None) if record is not None else None,
@@ -144,6 +197,7 @@ def report(
             "distance": f"{metrics.distance_m:.2f} m",
             "contacts": first_names(metrics.contacts) or "none",
         }
+    shown |= {name: value for name, value in (more or {}).items() if value is not None}
     if stops:
         shown["stood"] = ", ".join(f"{kind} ({count})" for kind, count in stops.items())
     if wire.warnings.counts:

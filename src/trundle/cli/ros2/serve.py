@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
@@ -49,17 +48,8 @@ def serve(
         ),
     ] = "plain",
     at: network.NetworkOptions = network.DEFAULTS,
-    namespace: Annotated[str, Parameter(name="--namespace", help="Namespace of all relative names: robot1.")] = "",
-    remap: Annotated[
-        list[str] | None,
-        Parameter(
-            name="--remap",
-            negative="",
-            metavar="FROM:=TO",
-            help="Rename a topic, service or action as ROS does: scan:=front/scan; __node:=NAME renames the node; "
-            "repeatable.",
-        ),
-    ] = None,
+    namespace: network.Namespace = "",
+    remap: network.Remaps = None,
     speed: Annotated[
         str,
         Parameter(
@@ -70,22 +60,10 @@ def serve(
         ),
     ] = "1",
     static_frames: network.StaticFrames = "auto",
-    record: Annotated[
-        bool,
-        Parameter(
-            name="--record",
-            negative="",
-            help=f"Also write {running.FILE}, a rosbag2 of all topics, written and received.",
-        ),
-    ] = False,
-    out: Annotated[
-        Path | None,
-        Parameter(name=["--out", "-o"], help="File or folder of --record; default: a new folder under runs."),
-    ] = None,
+    record: running.Record = False,
+    out: running.RecordOut = None,
     overwrite: options.OverwriteFile = False,
-    page: Annotated[
-        bool, Parameter(name="--browser", negative="", help="Also show it in the browser, where it can be steered.")
-    ] = False,
+    page: running.Page = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
@@ -136,14 +114,5 @@ def serve(
         )
         opened.enter_context(bridge)
         settings_of_run = {"role": role, "profile": profile, "speed": factor, **told.facts}
-        try:
-            running.announce(bridge.wire, settings_of_run, bag, json=json, quiet=quiet)
-            episode = bridge.run()
-        except KeyboardInterrupt:  # before the run began, or after it ended
-            episode = None
-        except BaseException:
-            session = bridge.context.session
-            if session is not None:
-                running.report(session.finish(), bridge.wire, bag, json=json)
-            raise
+        episode = running.run(bridge, settings_of_run, bag, json=json, quiet=quiet)
     return running.report(episode, bridge.wire, bag, json=json)

@@ -6,12 +6,20 @@ import json
 from collections import OrderedDict
 from dataclasses import dataclass, field
 
+from trundle.control.controller import CONTROLLERS
 from trundle.costmap import Costmap, CostmapSettings
+from trundle.files.choice import Choice
 from trundle.mission import Scenario
+from trundle.mission.batch.missions import MissionBatch
+from trundle.mission.batch.needs import BATCH, needs_python
 from trundle.mission.fields import Assumed
 from trundle.mission.metrics import TrueMaps
 from trundle.mission.place import Place, make_place, place_key
+from trundle.mission.scenario import Setting
 from trundle.mission.simulation import backend_of, backend_options, start_backend, wrap_backend
+from trundle.navigation import Navigator
+from trundle.planning.planner import PLANNERS
+from trundle.planning.smoother import SMOOTHERS
 from trundle.sim import Simulator
 from trundle.worlds import World
 
@@ -22,8 +30,21 @@ MOST_CELLS = 20_000_000
 _MOST_SIMULATORS = 2
 """Simulators that are kept for a place."""
 
-_REPEATABLE = ("kinematic", "mujoco", "physx")
+_REPEATABLE = ("kinematic", BATCH, "mujoco", "physx")
 """Backends that `reset` puts back bit for bit, so that one simulator serves many episodes."""
+
+
+_RECOVERY = Scenario.model_fields["recovery"].default
+_OF_A_MISSION = {"start", "goal", "goals", "seed", "name", "floor_z"}
+"""Fields of a scenario that differ between missions that one navigator may drive."""
+
+
+def _is_own(choice: Choice) -> bool:
+    """Whether a planner, controller or smoother is one of trundle's."""
+    if choice.is_python or ":" in choice.name:
+        return False
+    modules = [registry.module_of(choice.name) for registry in (PLANNERS, CONTROLLERS, SMOOTHERS)]
+    return any(module is not None and module.startswith("trundle.") for module in modules)
 
 
 @dataclass(slots=True, eq=False)
@@ -33,12 +54,15 @@ class KeptPlace:
     Attributes:
         place: World, robot and map.
         true_maps: Maps of the world that runs are measured on.
+        batch: Drives the missions of the backend "batch".
     """
 
     place: Place
     true_maps: TrueMaps = field(default_factory=TrueMaps)
+    batch: MissionBatch = field(default_factory=MissionBatch)
     _simulators: dict[str, Simulator] = field(default_factory=dict)
     _costmaps: dict[str, Costmap] = field(default_factory=dict)
+    _navigator: tuple[str, Navigator] | None = None
 
     def sampling_costmap(self) -> Costmap:
         """Return the costmap with default settings: missions are sampled on it, whatever a suite crosses."""
@@ -53,6 +77,23 @@ class KeptPlace:
             robot = place.robot if assumed is None else assumed.of(place.robot)
             self._costmaps[key] = settings.make_costmap(place.grid, robot, keepout=place.keepout)
         return self._costmaps[key]
+
+    def prepare(self, scenario: Scenario) -> Setting:
+        """Prepare a scenario; for the backend `batch` with the navigator of the last one, where that is the same.
+
+        See `Scenario.prepare` for the errors.
+        """
+        costmap = self.costmap(scenario.part(CostmapSettings), scenario.assumed)
+        choices = (scenario.planner, scenario.controller, scenario.smoother)
+        # A plug-in may keep something from one mission to the next, and is made anew for each.
+        is_own = all(choice is None or _is_own(choice) for choice in choices) and scenario.recovery == _RECOVERY
+        if scenario.backend.name != BATCH or not is_own or needs_python(scenario):
+            return scenario.prepare(self.place, costmap=costmap)
+        key = scenario.model_dump_json(exclude=_OF_A_MISSION)
+        kept = self._navigator[1] if self._navigator is not None and self._navigator[0] == key else None
+        setting = scenario.prepare(self.place, costmap=costmap, navigator=kept)
+        self._navigator = key, setting.navigator
+        return setting
 
     def simulator(self, scenario: Scenario, world: World) -> Simulator:
         """Return a simulator for a scenario in the world of this place, or in one with more in it.

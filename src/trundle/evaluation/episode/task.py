@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from trundle.control.controller import CONTROLLERS
-from trundle.costmap import CostmapSettings
 from trundle.errors import InputError, PlanningError
 from trundle.evaluation.episode.places import KeptPlace, Places
 from trundle.evaluation.public.reference import load_reference
@@ -21,6 +20,8 @@ from trundle.geometry import Goal, Pose2D
 from trundle.localization.localizer import LOCALIZERS
 from trundle.maps import OccupancyGrid
 from trundle.mission import Episode, Outcome, Scenario, sample_mission, sample_tight_ends
+from trundle.mission.batch.missions import BatchMission, HandedOver
+from trundle.mission.batch.needs import BATCH, needs_python
 from trundle.mission.goal_fields import exact_goals, make_goal
 from trundle.mission.loop import run
 from trundle.mission.metrics import Truth, measure_truth
@@ -200,12 +201,18 @@ class EpisodeTask:
         scenario, kept = mission.scenario, mission.kept
         _, navigation, simulation = parts_of(spec)
         note({"stage": "setup", "part": navigation, "row": known})
-        costmap = kept.costmap(scenario.part(CostmapSettings), scenario.assumed)
-        setting = scenario.prepare(kept.place, costmap=costmap)
+        setting = kept.prepare(scenario)
+        measure = _Measured(kept)
+        if scenario.backend.name == BATCH:
+            note({"stage": "drive", "row": known})
+            needs = ", ".join(needs_python(scenario))
+            driven = HandedOver(needs) if needs else kept.batch.drive([BatchMission(setting, measure)])[0]
+            if not isinstance(driven, HandedOver):
+                return driven, measure.truth
+            known["handed_over"] = driven.reason
         note({"stage": "setup", "part": simulation, "row": known})
         sim = kept.simulator(scenario, setting.world)
         note({"stage": "drive", "row": known})
-        measure = _Measured(kept)
         try:
             episode = run(
                 sim,

@@ -28,7 +28,8 @@ def summarise(
         stopped: Why not all episodes have a row, where that is known.
 
     Returns:
-        `episodes`, `total`, `complete`, `stopped` (None, or `reason`, `in_flight` and `left_out`), `only_errors` (the
+        `episodes`, `total`, `complete`, `stopped` (None, or `reason`, `in_flight` and `left_out`), `handed_over` (how
+        many the backend `batch` has left to the kinematic simulator, by reason), `only_errors` (the
         settings of which every episode ended in `error`), `success` (None without an episode) with the ends of its 95 %
         interval `success_low` and `success_high`, `outcomes`, `no_path_complete` (how many of `no_path` had a complete
         search), `medians`, `passed` (None without a gate), `gates`, and `by_group`, with the same figures for each
@@ -41,6 +42,7 @@ def summarise(
         "total": total,
         "complete": len(table) + (0 if stopped is None else stopped.left_out) >= total,
         "stopped": stopped_as_dict(stopped),
+        "handed_over": count_handed_over(table),
         "only_errors": [each.as_dict() for each in find_only_errors(table)],
         **_figures(table, everything),
         "passed": all(gate.passed for gate in gates) if gates else None,
@@ -98,6 +100,14 @@ def count_outcomes(table: Table, rows: npt.NDArray[np.intp] | None = None) -> di
     counts = np.bincount(codes, minlength=len(outcomes.names))
     found = {name: int(count) for name, count in zip(outcomes.names, counts, strict=True) if count}
     return dict(sorted(found.items(), key=lambda item: (item[0] != "arrived", -item[1], item[0])))
+
+
+def count_handed_over(table: Table) -> dict[str, int]:
+    """Return how many missions the backend `batch` has left to the kinematic simulator, the most frequent first."""
+    reasons = table.named["handed_over"]
+    counts = np.bincount(reasons.codes, minlength=len(reasons.names))
+    found = {name: int(count) for name, count in zip(reasons.names, counts, strict=True) if name}
+    return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
 
 
 def count_complete(table: Table, rows: npt.NDArray[np.intp] | None = None) -> tuple[int, int]:

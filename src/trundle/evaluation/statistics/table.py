@@ -30,7 +30,7 @@ _SENSING = ("standing_contacts", "unseen_contacts", *_LOCATED, "monitor_stops", 
 _CLOCKS = ("planning_ms", "cpu_s", "wall_s")
 _PLACES = ("end_x", "end_y", "closest_x", "closest_y")
 NUMBERS = (*_EXACT, "complete", *_SMALL, *_SENSING, *_SCORES, *_CLOCKS, *_PLACES)
-_NAMED = (*LABELS, "agent", "outcome")
+_NAMED = (*LABELS, "agent", "outcome", "handed_over")
 _KEYS = {"id": "S16", "mission": "S16"}
 
 _FIGURES = tuple(field.name for field in fields(Row) if field.type == "float | None")
@@ -70,7 +70,7 @@ class Table:
 
     Attributes:
         numbers: Columns of numbers, NaN where a row has none; see `NUMBERS`.
-        named: Columns of labels, `agent` and `outcome`.
+        named: Columns of labels, `agent`, `outcome` and `handed_over`.
         keys: `id` and `mission` as bytes, up to 16 of them.
         clusters: A number for the world of each row, for the bootstrap; see `cluster_of`.
         ends: A number for the world's label, the seed, the start and the goal of each row, whatever the content of

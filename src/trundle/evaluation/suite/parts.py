@@ -254,6 +254,8 @@ class SuiteWorld(Config):
 
     def draw_options(self, seed: int) -> dict[str, Option]:
         """Return its options with what is drawn by seed, in the order in which they stand."""
+        if not any(isinstance(value, Distribution) for value in self.options.values()):
+            return cast("dict[str, Option]", dict(self.options))
         rng = np.random.default_rng(seed)
         return {
             name: draw(value, rng) if isinstance(value, Distribution) else value for name, value in self.options.items()

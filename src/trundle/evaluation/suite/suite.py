@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Self
 
 import yaml
 
@@ -27,21 +27,9 @@ from trundle.robots import is_robot_file
 from trundle.values import as_path
 
 if TYPE_CHECKING:
-    from trundle.control.controller import ControllerLike
-    from trundle.evaluation.suite.parts import Limits, ListedMission, Missions, SuiteWorld
-    from trundle.evaluation.suite.vary import Vary
-    from trundle.files.choice import Choice
-    from trundle.mission.fields import WorldChoice
-    from trundle.navigation.agents import AgentLike
-    from trundle.planning.planner import PlannerLike
-    from trundle.planning.smoother import SmootherLike
+    from typing import Unpack
 
-    T = TypeVar("T")
-    _Some: TypeAlias = T | Sequence[T]
-    _Fields: TypeAlias = Mapping[str, Any]
-    _World: TypeAlias = str | os.PathLike[str] | WorldChoice | SuiteWorld | _Fields
-    _Seeds: TypeAlias = int | str | range | Sequence[int]
-
+    from trundle.evaluation.suite.keywords import SuiteKeywords
 
 MAPS = "maps"
 """The suite of all ROS maps of a folder; see `maps_suite`."""
@@ -66,28 +54,10 @@ class Suite(SuiteFields):
 
     if TYPE_CHECKING:
         # What the fields' validators take; pydantic shows type checkers what the fields hold.
-        def __init__(
-            self,
-            *,
-            name: str | None = None,
-            worlds: _Some[_World] = (),
-            maps: _Some[str | os.PathLike[str]] = (),
-            robots: _Some[str] = "nova_carter",
-            planners: _Some[PlannerLike | _Fields] = "auto",
-            controllers: _Some[ControllerLike | _Fields] = "regulated_pure_pursuit",
-            smoothers: _Some[SmootherLike | _Fields | None] = None,
-            agents: _Some[AgentLike | _Fields] = (),
-            backends: _Some[str | Choice | _Fields] = "mujoco",
-            missions: _Seeds | Missions | _Fields | Sequence[ListedMission | _Fields] = 20,
-            seeds: _Seeds | None = None,
-            vary: Vary | _Fields = ...,
-            limits: Limits | _Fields = ...,
-            require: _Some[str] = (),
-            **settings: Any,
-        ) -> None: ...
+        def __init__(self, **settings: Unpack[SuiteKeywords]) -> None: ...
 
     @classmethod
-    def make(cls, **settings: Any) -> Self:
+    def make(cls, **settings: Unpack[SuiteKeywords]) -> Self:
         """Make a suite from its fields, as `Suite(…)` does.
 
         Args:
@@ -99,7 +69,19 @@ class Suite(SuiteFields):
         Warns:
             AngleWarning: For an angle larger than a full turn, which is probably in degrees; with the field's name.
         """
-        return build(settings, cls)
+        return build({**settings}, cls)
+
+    def with_fields(self, **changes: Unpack[SuiteKeywords]) -> Self:
+        """Return the suite with some fields changed.
+
+        Args:
+            **changes: Those fields.
+
+        Raises:
+            InputError: As `make`.
+        """
+        given = {name: getattr(self, name) for name in self.model_fields_set}
+        return build({**given, **changes}, type(self))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
@@ -217,7 +199,7 @@ def shipped_folder() -> Path:
     return Path(str(resources.files("trundle.evaluation.suite") / "shipped"))
 
 
-def maps_suite(folders: Sequence[str | os.PathLike[str]], *, seeds: object = MAPS_SEEDS, **changes: Any) -> Suite:
+def maps_suite(folders: Sequence[str | os.PathLike[str]], **fields: Unpack[SuiteKeywords]) -> Suite:
     """Make the suite of all maps in some folders, and in folders in these; masks (`keepout_mask.yaml`) are left out.
 
     In each map there are missions with roomy and with tight ends, each without boxes and with 5 to 30 of them that only
@@ -225,12 +207,12 @@ def maps_suite(folders: Sequence[str | os.PathLike[str]], *, seeds: object = MAP
 
     Args:
         folders: The folders.
-        seeds: Seeds of the missions.
-        **changes: Other fields of the suite.
+        **fields: Fields of the suite; `seeds` are those of the missions in each map.
 
     Raises:
         InputError: If there is no folder, or no map in one.
     """
+    seeds = fields.pop("seeds", MAPS_SEEDS)
     if not folders:
         raise InputError("give a folder of ROS maps: trundle evaluate maps FOLDER")
     worlds: list[dict[str, Any]] = []
@@ -249,5 +231,5 @@ def maps_suite(folders: Sequence[str | os.PathLike[str]], *, seeds: object = MAP
             worlds.append(
                 {"name": str(path), "label": f"{label}, tight", "missions": {"seeds": seeds, "ends": "tight"}}
             )
-    settings = {"name": MAPS, "lidar": True, "unmapped": [None, {"boxes": _MAPS_BOXES}], **changes}
+    settings = {"name": MAPS, "lidar": True, "unmapped": [None, {"boxes": _MAPS_BOXES}], **fields}
     return Suite.make(worlds=worlds, **settings)

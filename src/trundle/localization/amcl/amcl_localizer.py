@@ -21,6 +21,7 @@ from trundle.localization.amcl.hypotheses import Hypotheses
 from trundle.localization.amcl.map_field import MapField
 from trundle.localization.amcl.motion import Motion, OdometryBias
 from trundle.localization.amcl.particle_cloud import ParticleCloud
+from trundle.localization.amcl.scene import Scene
 from trundle.localization.amcl.search import search_map, search_near
 from trundle.localization.amcl.seen_surfaces import SeenSurfaces
 from trundle.localization.amcl.settings import AmclSettings
@@ -45,6 +46,10 @@ _LEARN_EVERY = 3  # scans: the robot has moved a little by then
 _LEARN_AFTER = 5  # scans: the start has been corrected by then
 _LOST_M, _LOST_RAD = 1.0, 0.5
 """Least deviations of an estimate that is lost."""
+
+_UNEVEN_SHARE = 0.4
+"""Of how unevenly walls are seen beside their place on the map, which the estimate may be off by. Where racks are seen
+up to 15 cm behind it, the 95 % ellipse covered 0.6 of the true places without (condition D), and 0.8 with this."""
 
 _FEW_BEAMS = 10
 _BLIND_M = 0.1
@@ -72,6 +77,8 @@ class AmclLocalizer(Localizer):
         self._cloud = ParticleCloud(self._field, self.settings)
         self._bias = OdometryBias()
         self._surfaces = SeenSurfaces(self._field)
+        longest = self.settings.laser_max_range
+        self._scene = Scene(math.inf if longest is None else longest)
         self._tracks = Hypotheses(self._field, self.settings)
         rows, cols = self._field.shape
         middle = Pose2D(0.5 * cols * self._field.resolution, 0.5 * rows * self._field.resolution)
@@ -118,6 +125,7 @@ class AmclLocalizer(Localizer):
     def _begin(self, pose: Pose2D, covariance: FloatArray, *, confirmed: bool, seed: int) -> None:
         self._cloud.seed(check_seed(seed))
         self._picker.reset()
+        self._scene.reset()
         self._tracks.start(pose, covariance, confirmed=confirmed)
         self._cloud.spread([pose], [covariance], [1.0])
         self._started = _deviations(covariance)
@@ -126,6 +134,7 @@ class AmclLocalizer(Localizer):
         self._time = 0.0  # of the last update
         self._surfaces.clear()
         self._bias.clear()
+        self._uneven = 0.0  # deviation of where walls are seen beside their place on the map [m]
         self._settled = False  # whether the start has been looked at
         self._next_near = self._next_map = -math.inf
         self._map_wait = _MAP_EVERY_S
@@ -156,7 +165,7 @@ class AmclLocalizer(Localizer):
                 self._odometry = observation.odometry
                 return self._report(observation, None)
             return self._report(observation, motion)
-        self._take(beams, motion, observation.time)
+        self._take(beams, motion, observation)
         self._odometry, self._time = observation.odometry, observation.time
         self._matched = observation.odometry
         return self._report(observation, None)
@@ -176,9 +185,9 @@ class AmclLocalizer(Localizer):
             track.covariance = track.covariance + _JUMP
         self._next_near = -math.inf
 
-    def _take(self, beams: Beams, motion: Motion, time: float) -> None:
+    def _take(self, beams: Beams, motion: Motion, observation: Observation) -> None:
         """Correct the tracks and the particles by a scan."""
-        tracks, cloud = self._tracks, self._cloud
+        tracks, cloud, time = self._tracks, self._cloud, observation.time
         tracks.follow(motion)
         before, expected = tracks.main, tracks.main.pose
         cloud.move(motion)
@@ -187,8 +196,12 @@ class AmclLocalizer(Localizer):
         wide = not self._settled or tracks.main.agreement < _WORSE
         if tracks.confirmed or tracks.main.scans:
             targets = self._surfaces.targets(beams, tracks.main.pose) if tracks.confirmed else None
+            self._uneven = 0.0 if targets is None else float(targets.std())
             idea = cloud.best() if tracks.confirmed else None
             tracks.compare(beams, seconds, idea=idea, targets=targets, wide=wide)
+        if self._scene.is_another(observation.scans, observation.odometry, surprising=tracks.is_surprised):
+            tracks.doubt()
+            self._next_map, self._map_wait = -math.inf, _MAP_EVERY_S
         self._search(beams, time)
         if tracks.decide() or not tracks.confirmed:
             self._spread_particles()
@@ -209,12 +222,13 @@ class AmclLocalizer(Localizer):
             tracks.propose(beams, found, is_far=False)
             self._settled = True
             self._next_near = time + _NEAR_EVERY_S
-        wanted = tracks.is_doubtful if tracks.confirmed else (main.scans == 0 or tracks.state == "lost")
+        is_open = main.scans == 0 or tracks.is_carried or tracks.state == "lost"
+        wanted = tracks.is_doubtful if tracks.confirmed else is_open
         if not wanted:
             self._map_wait = _MAP_EVERY_S
         elif self.settings.recovery and time >= self._next_map:
             found = search_map(field, beams)
-            if not tracks.confirmed and found:
+            if not tracks.confirmed and not tracks.is_carried and found:
                 tracks.start(found[0], _JUMP, confirmed=False)
                 tracks.compare(beams, 0.0, idea=None, targets=None, wide=True)
             tracks.propose(beams, found, is_far=True)
@@ -249,7 +263,7 @@ class AmclLocalizer(Localizer):
             ahead.follow(motion, self.settings)
             placed, spread = ahead.pose, ahead.covariance
         state = tracks.state
-        error = self.settings.map_error
+        error = math.hypot(self.settings.map_error, _UNEVEN_SHARE * self._uneven)
         spread = spread + np.diag((error**2, error**2, (0.25 * error) ** 2))
         if state != "localized":
             spread = spread + np.diag((_LOST_M**2, _LOST_M**2, _LOST_RAD**2))

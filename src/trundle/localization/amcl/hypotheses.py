@@ -25,14 +25,20 @@ _LEAD_GAIN = 0.35
 _START_SCANS, _START_LEAD = 30, 0.3
 _DROP, _CLEAR_LEAD = 0.08, 0.25
 _SLIP_M, _SLIP_LEAD = 0.25, 0.05
+_LEAST_FIT = 0.5  # of the usual one: a place that fits less is not the right one either, the robot may be elsewhere
 _FAR_TRAVEL_M = 0.6  # the robot sees other things by then; turning by 1.2 rad counts as much
 _FAR_LEAD, _FAR_CLEAR = 0.15, 0.3
 """By the second one a place elsewhere is better even if the main track agrees as it has agreed for some time."""
 
 _FAR_SCORE = 0.6
 _RIVAL, _RIVAL_LATER, _LATER_M = 0.12, 0.05, 3.0
-"""A rival whose score is this near leaves the state ambiguous: less, the farther both have been followed."""
+"""A rival whose quality is this near leaves the state ambiguous: less, the farther both have been followed."""
+_RIVAL_OF_BEST, _UNEXPLAINED = 0.025, 0.8
+"""The margin may be that small for a place that explains all beams, and grows with the share that it does not: where
+the map has changed, a place that looks alike may fit better by 0.02."""
 
+_CLEAR_M = 0.3
+"""So far the robot must have moved without a rival: several scans that show different things."""
 _RIVAL_M, _RIVAL_RAD = 0.5, 0.35
 _HOPELESS = 0.4
 _DOUBT = 0.8  # of the usual agreement, below which the whole map is searched
@@ -63,19 +69,21 @@ class Hypotheses:
         main: The track that is believed, or the best of those that are not confirmed.
         others: Its rivals.
         confirmed: Whether `main` has been told apart from all others, or was given.
+        is_carried: Whether it is not confirmed since the lidars suddenly saw another place.
     """
 
     def __init__(self, field: MapField, settings: AmclSettings) -> None:
         self._field, self._settings = field, settings
         self.main = Track(Pose2D(0.0, 0.0), np.eye(3))
         self.others: list[Track] = []
-        self.confirmed = True
-        self._searches, self._low_since = 0, 0.0
+        self.confirmed, self.is_carried = True, False
+        self._searches, self._low_since, self._rivals_until = 0, 0.0, 0.0
 
     def start(self, pose: Pose2D, covariance: FloatArray, *, confirmed: bool) -> None:
         """Start over with one track."""
-        self.main, self.others, self.confirmed = Track(pose, covariance), [], confirmed
-        self._searches, self._low_since = 0, 0.0
+        self.main, self.others = Track(pose, covariance), []
+        self.confirmed, self.is_carried = confirmed, False
+        self._searches, self._low_since, self._rivals_until = 0, 0.0, 0.0
 
     @property
     def tracks(self) -> list[Track]:
@@ -95,6 +103,18 @@ class Hypotheses:
             else:
                 shares.append((track, share))
         return shares
+
+    def doubt(self) -> None:
+        """Believe in none of the places any more: the robot was carried away. They become rivals like any other."""
+        self.confirmed, self.is_carried = False, True
+        for track in self.tracks:
+            track.is_far, track.travel, self._rivals_until = True, 0.0, 0.0
+            track.score, track.quality = track.agreement, 0.5 * (track.agreement + track.fit)
+
+    @property
+    def is_surprised(self) -> bool:
+        """Whether the last scan fits the main track worse than is usual."""
+        return self.main.fit < self.main.usual - _DROP
 
     def note_search(self) -> None:
         """Take that the whole map was searched, and what was found was proposed."""
@@ -144,7 +164,7 @@ class Hypotheses:
             self.others.remove(min(self.others, key=lambda one: one.quality))
 
     def decide(self) -> bool:
-        """Drop tracks that are beaten, and let the best one take over where it may; return whether one has."""
+        """Drop tracks that are beaten, and let the best one take over; return whether one has, or is confirmed."""
         self._merge()
         main = self.main
         if main.scans == 0 or not self.is_doubtful:
@@ -158,6 +178,7 @@ class Hypotheses:
                 self._take_over(track)
                 if was_far:
                     self.confirmed = not self._rivals(track)
+                    self.is_carried = False
                     track.is_far = not self.confirmed
                 return True
         if not self.confirmed:
@@ -165,10 +186,12 @@ class Hypotheses:
             if best is not main and best.quality > main.quality + 0.03:
                 self._take_over(best)
                 return True
-            rivals = self._rivals(main)
-            if main.scans > 3 and main.travel >= _FAR_TRAVEL_M and main.score >= _FAR_SCORE and not rivals:
-                self.confirmed, self.others = True, []
+            if main.scans <= 3 or self._rivals(main):
+                self._rivals_until = main.travel
+            if main.travel >= max(_FAR_TRAVEL_M, self._rivals_until + _CLEAR_M) and main.score >= _FAR_SCORE:
+                self.confirmed, self.is_carried, self.others = True, False, []
                 main.is_far = False
+                return True
         return False
 
     def _is_beaten(self, track: Track) -> bool:
@@ -186,6 +209,7 @@ class Hypotheses:
             moves_far = not track.is_near(self.main.pose, _SLIP_M, _RIVAL_RAD)
             return (
                 track.scans >= _LOCAL_SCANS
+                and track.fit > _LEAST_FIT * self.main.usual
                 and track.lead > (_LOCAL_LEAD if dropped else _CLEAR_LEAD)
                 and (not moves_far or track.score > self.main.score + _SLIP_LEAD)
             )
@@ -205,14 +229,16 @@ class Hypotheses:
             self.main.lead = self.main.fit - track.fit
             self.others.append(self.main)
         self.main = track
-        self._searches, self._low_since = 0, track.travel
+        self._searches, self._low_since, self._rivals_until = 0, track.travel, track.travel
         for one in self.others:
             one.lead = one.fit - track.fit
 
     def _rivals(self, track: Track) -> list[Track]:
         """Tracks elsewhere that agree with the map nearly as well."""
-        shares = [min(1.0, one.travel / _LATER_M) for one in self.tracks]
-        margins = [_RIVAL + min(share, track.travel / _LATER_M) * (_RIVAL_LATER - _RIVAL) for share in shares]
+        first = min(_RIVAL, _RIVAL_OF_BEST + _UNEXPLAINED * (1.0 - track.score))
+        later = min(_RIVAL_LATER, first)
+        shares = [min(1.0, one.travel / _LATER_M, track.travel / _LATER_M) for one in self.tracks]
+        margins = [first + share * (later - first) for share in shares]
         return [
             one
             for one, margin in zip(self.tracks, margins, strict=True)

@@ -133,6 +133,7 @@ class ControlLoop:
             steering=steering,
             distance_remaining=report.distance_remaining,
             map=stack.map,
+            map_track=stack.map_track,
         )
         self._observers.on_step(self.last)
 

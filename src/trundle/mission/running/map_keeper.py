@@ -5,11 +5,14 @@ from __future__ import annotations
 import heapq
 from typing import Protocol, runtime_checkable
 
-from trundle.geometry import wrap_angle
+import numpy as np
+import numpy.typing as npt
+
+from trundle.geometry import FloatArray, wrap_angle
 from trundle.localization import Localizer
 from trundle.mapping import PoseGraph
 from trundle.maps import OccupancyGrid
-from trundle.mission.own_map import LEAST_CORRECTION_M, Correction, OwnMap
+from trundle.mission.own_map import LEAST_CORRECTION_M, Correction, MapTrack, OwnMap
 from trundle.observation import Estimate
 
 PERIOD_S = 1.0
@@ -24,6 +27,8 @@ class _HasGraph(Protocol):
 
     def graph(self) -> PoseGraph: ...
 
+    def track(self) -> tuple[FloatArray, npt.NDArray[np.int32]]: ...
+
 
 class MapKeeper:
     """Takes the map of a localizer that makes one, once a second and when what was mapped before has moved.
@@ -33,6 +38,7 @@ class MapKeeper:
 
     Attributes:
         grid: The map as it was taken last; None before the first one, and where the localizer makes none.
+        track: Poses and loops of that map; None where the localizer does not say.
     """
 
     def __init__(self, localizer: Localizer) -> None:
@@ -42,6 +48,7 @@ class MapKeeper:
     def reset(self) -> None:
         """Begin a run."""
         self.grid: OccupancyGrid | None = None
+        self.track: MapTrack | None = None
         self._due: float | None = None
         self._revision = self._localizer.corrections
         self._last: Estimate | None = None
@@ -59,7 +66,13 @@ class MapKeeper:
         if grid is None:
             return None
         self._revision, self.grid = revision, grid
+        if isinstance(self._localizer, _HasGraph):
+            self.track = MapTrack(*self._localizer.track(), self._largest)
         return corrected
+
+    @property
+    def _largest(self) -> tuple[Correction, ...]:
+        return tuple(sorted(self._corrections, reverse=True))
 
     def finish(self) -> OwnMap | None:
         """Let the localizer finish its map, and return it; None where it has made none."""
@@ -70,7 +83,7 @@ class MapKeeper:
             return None
         self.grid = grid
         graph = localizer.graph() if isinstance(localizer, _HasGraph) else None
-        return OwnMap(grid, graph, tuple(sorted(self._corrections, reverse=True)))
+        return OwnMap(grid, graph, self._largest)
 
     def _note(self, estimate: Estimate) -> None:
         """Keep a jump of the estimate if it is among the largest."""

@@ -17,7 +17,7 @@ from trundle.localization import Localizer
 from trundle.localization.localizer import check_covariance
 from trundle.maps import OccupancyGrid
 from trundle.mission.observers import MonitorReport
-from trundle.mission.own_map import OwnMap
+from trundle.mission.own_map import MapTrack, OwnMap
 from trundle.mission.running.map_keeper import MapKeeper
 from trundle.mission.running.run_log import RunLog
 from trundle.mission.start_error import StartError
@@ -252,6 +252,11 @@ class RobotStack:
     def map(self) -> OccupancyGrid | None:
         """The map that the localizer has made, as the agent got it last; None where it makes none."""
         return None if self._keeper is None else self._keeper.grid
+
+    @property
+    def map_track(self) -> MapTrack | None:
+        """Poses and loops of that map; None where the localizer does not say."""
+        return None if self._keeper is None else self._keeper.track
 
     def finish_map(self) -> OwnMap | None:
         """Let the localizer finish the map that it has made, and return it; None where it makes none."""

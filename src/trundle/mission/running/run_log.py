@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, deque
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -71,6 +72,14 @@ class RunLog:
         self._lidars: set[str] = set()
         self._stopped = False
         self._time = 0.0
+        self._given: Trajectory | None = None
+
+    @classmethod
+    def of(cls, trajectory: Trajectory, paths: Sequence[Path]) -> RunLog:
+        """The log of a run without contacts that was driven as a whole."""
+        log = cls()
+        log._given, log._count, log.paths = trajectory, len(trajectory), list(paths)
+        return log
 
     def __len__(self) -> int:
         """How many rows were added."""
@@ -118,6 +127,8 @@ class RunLog:
 
     def trajectory(self) -> Trajectory:
         """The rows."""
+        if self._given is not None:
+            return self._given
         columns = dict(zip(Trajectory.columns(), map(np.array, zip(*self._rows, strict=True)), strict=True))
         columns["path"] = np.where(columns["path"] < 0, -1, columns["path"] - self._forgotten_paths)
         return Trajectory(**columns)

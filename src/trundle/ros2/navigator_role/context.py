@@ -66,17 +66,23 @@ class Beliefs:
 
     Attributes:
         now: The latest `Belief`.
+        find: Where a frame that is none of map, odom and base is in the base; None where nobody says that.
+        map: The map that it has: the one that it was given, or the one that its localizer makes; None without one.
     """
 
     def __init__(self, context: BridgeContext) -> None:
         self._context = context
         mission = context.mission
         self.now = Belief(0.0, mission.start, mission.start, mission.navigator.costmap)
+        self.find: Callable[[str], Pose2D | None] = lambda frame: None
+        self.map = mission.grid if mission.scenario.known_map else None
 
     def take(self, step: Step, time: float) -> None:
         """Take what the robot believes at the end of a control period, at this time on the network's clock [s]."""
         pose = step.state.pose if step.estimate is None else step.estimate.pose
         costmap = self.now.costmap if step.costmap is None else step.costmap
+        if step.map is not None:
+            self.map = step.map
         self.now = Belief(time, pose, pose @ self._context.odometry(observed(step)).inverse(), costmap)
 
     def read(self, stamped: Any, what: str) -> Pose2D:
@@ -97,7 +103,7 @@ class Beliefs:
         """Return where a frame is on the map now.
 
         Raises:
-            FrameError: If it is none of map, odom and base.
+            FrameError: If it is none of map, odom and base, and nobody says where it is on the robot.
         """
         frames, names = self._context.profile.frames, self._context.wire.names
         frame, belief = frame_id.lstrip("/"), self.now
@@ -107,6 +113,9 @@ class Beliefs:
             return belief.map_odom
         if frame in {names.frame(name) for name in (frames.base, *frames.also_base)}:
             return belief.pose
+        seen = self.find(frame)
+        if seen is not None:
+            return belief.pose @ seen
         known = ", ".join(names.frame(name) for name in (frames.map, frames.odom, frames.base))
         raise FrameError(f"its frame is {frame_id!r}, which is none of {known}")
 

@@ -27,7 +27,7 @@ _NUMBERS = {_SUCCESS: 0, _NOT_THERE: 1, _BAD: 2, _UNDEFINED: 255}
 class MapServices:
     """Answers with the map, takes the same map again, and writes it to a file.
 
-    The map is that of the world that is simulated: another one is refused.
+    The map is the one that the robot drives on, as it is now: another one is refused.
 
     Args:
         kit: What actions work with.
@@ -47,7 +47,18 @@ class MapServices:
 
     def _message(self) -> Any:
         kit = self._kit
-        return kit.make.grid(0.0, kit.context.mission.grid, kit.map_frame)
+        return kit.make.grid(0.0, self._grid(), kit.map_frame)
+
+    def _grid(self) -> OccupancyGrid:
+        """Return the map as it is now.
+
+        Raises:
+            InputError: If there is none, or none yet.
+        """
+        found = self._kit.beliefs.map
+        if found is None:
+            raise InputError("the robot has no map: it drives by its lidars alone, or has not seen a scan yet")
+        return found
 
     def _load(self, request: Any) -> Any:
         kit, name = self._kit, f"{_LOAD}_Response"
@@ -67,14 +78,13 @@ class MapServices:
             loaded = OccupancyGrid.load(path)
         except (TrundleError, OSError) as error:
             return _BAD, str(error)
-        here = self._kit.context.mission.grid
+        here = self._kit.beliefs.map
+        if here is None:
+            return _UNDEFINED, "the robot has no map that another one could be compared with"
         same = loaded.resolution == here.resolution and loaded.origin == here.origin
         if same and np.array_equal(loaded.data, here.data):
             return _SUCCESS, ""
-        return _UNDEFINED, (
-            f"{path} is not the map of the world that is simulated, which the robot drives on: start trundle with it, "
-            f"trundle ros2 serve {path} --role navigator"
-        )
+        return _UNDEFINED, (f"{path} is not the map that the robot drives on: start trundle with it")
 
     def _save(self, request: Any) -> Any:
         kit = self._kit
@@ -98,7 +108,7 @@ class MapServices:
         image, mode = str(request.image_format), str(request.map_mode)
         if image not in formats or mode not in modes:
             raise InputError(f"image_format is png or pgm, map_mode trinary, scale or raw; got {image!r} and {mode!r}")
-        self._kit.context.mission.grid.save(path, mode=modes[mode], image_format=formats[image])
+        self._grid().save(path, mode=modes[mode], image_format=formats[image])
 
 
 def read_url(url: str) -> Path:

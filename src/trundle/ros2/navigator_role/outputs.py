@@ -8,6 +8,7 @@ import numpy as np
 
 from trundle.control import Rollouts
 from trundle.geometry import Goal
+from trundle.maps import OccupancyGrid
 from trundle.messages.qos import LATCHED, Qos
 from trundle.mission import Step
 from trundle.ros2.navigator_role.context import Kit
@@ -26,7 +27,7 @@ _GREEN, _RED, _BLUE = (0.1, 0.7, 0.2), (0.9, 0.1, 0.1), (0.2, 0.4, 0.9)
 
 
 class MapOutput:
-    """Publishes the map, once for whoever comes.
+    """Publishes the map for whoever comes: once, or as often as it has grown where the localizer makes it.
 
     Args:
         kit: What the navigator works with.
@@ -35,13 +36,18 @@ class MapOutput:
     def __init__(self, kit: Kit) -> None:
         self._kit = kit
         self._outlet = kit.context.wire.outlet("map", "nav_msgs/msg/OccupancyGrid", LATCHED)
-        self._written = False
+        self._written: OccupancyGrid | None = None
 
     def publish(self, step: Step, time: float) -> None:
-        """Publish the map, if it was not yet."""
-        if not self._written:
-            self._written = True
-            self._outlet.write(self._kit.make.grid(time, self._kit.context.mission.grid, self._kit.map_frame))
+        """Publish the map, if it was not yet, or has changed since."""
+        grid = self._kit.beliefs.map
+        before = self._written
+        if grid is None or grid is before:
+            return
+        self._written = grid
+        same = before is not None and (grid.shape, grid.origin) == (before.shape, before.origin)
+        if before is None or not same or not np.array_equal(grid.data, before.data):
+            self._outlet.write(self._kit.make.grid(time, grid, self._kit.map_frame))
 
 
 class PlanOutput:

@@ -12,7 +12,7 @@ import numpy as np
 
 from trundle.costmap import Costmap
 from trundle.errors import InputError, PlanningError, TrundleError, UnknownNameError
-from trundle.geometry import FloatArray, Goal, Pose2D
+from trundle.geometry import FloatArray, Goal, Pose2D, wrap_angles
 from trundle.navigation.route_planner import join_legs
 from trundle.path import Path
 from trundle.planning import Planner, create_planner, planner_names
@@ -231,11 +231,15 @@ def ends_of(request: Any, through: bool) -> list[Any]:
 
 
 def dense(path: Path, step_m: float) -> FloatArray:
-    """Sample poses along a path, no farther apart than this, as programs expect them of Nav2; shape (N, 3)."""
+    """Sample poses along a path, no farther apart than this, as programs expect them of Nav2; shape (N, 3).
+
+    Yaws are within a half turn, also those of a smoother that counts its turns.
+    """
     if len(path.poses) == 1:
         return path.poses
     first, last = path.poses[:-1], path.poses[1:].copy()
     last[:, 2] = first[:, 2] + np.remainder(last[:, 2] - first[:, 2] + np.pi, 2.0 * np.pi) - np.pi
     poses, _, _ = sample_between(first, last, step_m, _STEP_RAD)
     changes = np.abs(np.diff(poses, axis=0)).max(axis=1) > 0.0
+    poses[:, 2] = wrap_angles(poses[:, 2])
     return poses[np.concatenate([[True], changes])]

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 import time as system
-from collections.abc import Callable
-from contextlib import ExitStack
-from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Literal, Self, TypeAlias
+from collections.abc import Callable, Sequence
+from dataclasses import fields
+from typing import TYPE_CHECKING
 
 from trundle.control import CollisionMonitor, MonitorSettings
-from trundle.errors import InputError
-from trundle.geometry import Goal, Pose2D
-from trundle.localization import create_localizer
-from trundle.mission import Episode, Mission, Scenario, Session
-from trundle.mission.place import make_place
+from trundle.mission import Mission, Observer, Scenario
 from trundle.mission.scenario import Setting
-from trundle.ros2.bridge import MakeObservers
 from trundle.ros2.inlet import Record
 from trundle.ros2.names import Names
 from trundle.ros2.profile import Profile
@@ -26,38 +20,16 @@ from trundle.ros2.remote.localizer import RemoteLocalizer, TfLocalizer
 from trundle.ros2.remote.publishing import StartPose, StaticFrames
 from trundle.ros2.remote.robot import RemoteRobot
 from trundle.ros2.remote.role import NOT_LOCATED, GoalDrive, RemoteRole
+from trundle.ros2.remote.setting import TF, RemoteOptions, make_localizer, prepare
 from trundle.ros2.role import BridgeContext, Driver, LiveDriver, SimulationClock
-from trundle.ros2.wire import Wire
+from trundle.ros2.runs import MakeObservers, NetworkRuns
 
 if TYPE_CHECKING:
     from trundle.ros2.transport.transport import Transport
     from trundle.ros2.types import Types
 
-TF = "tf"
-"""The localizer that takes map → odom from outside."""
 
-PublishStatic: TypeAlias = Literal["auto", "always", "never"]
-"""Whether base → sensor is published: where nobody else does, always, or never."""
-
-
-@dataclass(frozen=True, slots=True)
-class RemoteOptions:
-    """How a robot on the network is driven.
-
-    Attributes:
-        localizer: "tf", or None for the localizer of the scenario.
-        start: Where the robot is at first, map frame; None where that comes on /initialpose.
-        goals: Where it drives, in order, and then the run ends. If empty, it waits for goals.
-        static_frames: Whether base → sensor is published.
-    """
-
-    localizer: Literal["tf"] | None = None
-    start: Pose2D | None = None
-    goals: tuple[Goal, ...] = ()
-    static_frames: PublishStatic = "auto"
-
-
-class RemoteBridge:
+class RemoteBridge(NetworkRuns):
     """Drives a robot on the network by trundle's navigator; use it in a `with` block.
 
     Topics, services and actions are open when it is made; nothing is heard before `run`, and nothing is commanded
@@ -100,10 +72,8 @@ class RemoteBridge:
         report: Callable[[str], None] | None = None,
     ) -> None:
         profile = Profile.load(profile) if isinstance(profile, str) else profile
-        self._opened = ExitStack()
-        self._observers, self._run, self._is_open = observers, 0, True
-        self.wire = wire = Wire(transport, types, names, record=record, report=report)
-        self._opened.callback(wire.close)
+        super().__init__(transport, types, names, record=record, observers=observers, report=report)
+        wire = self.wire
         self.guard = guard = Guard(wire.warn)
         try:
             setting = prepare(scenario, profile, options)
@@ -116,10 +86,10 @@ class RemoteBridge:
                 wire, types, profile.topics.cmd_vel, names.frame(frames.base), lambda: inputs.now, sources
             )
             self.commands = commands
-            robot = RemoteRobot(setting.robot, setting.world, inputs, commands, self.localizer)
+            world = setting.world if scenario.known_map else None
+            robot = RemoteRobot(setting.robot, world, inputs, commands, self.localizer)
             self._opened.enter_context(robot)
             mission = Mission(**{one.name: getattr(setting, one.name) for one in fields(setting)}, sim=robot)
-            self.mission = mission
             self.context = BridgeContext(wire, profile, SimulationClock(), mission, driver)
             wire.now = lambda: inputs.now
             monitor = GuardedMonitor(guard, _monitor(setting), system.monotonic)
@@ -136,13 +106,20 @@ class RemoteBridge:
                 delay_s=None if latency is None else latency.command_delay_s,
             )
             self._opened.callback(self._role.close)
-            for rule in (self._located, self._connected, inputs.silences, robot.odometry_rule, commands.others):
+            for rule in (
+                self._located,
+                self._connected,
+                inputs.silences,
+                inputs.outline.rule,
+                robot.odometry_rule,
+                commands.others,
+            ):
                 guard.add_rule(rule)
             guard.add_rule(self._others_locate if locates else self._tf_silent)
             inputs.open()
             self._role.open()
             StaticFrames(wire, profile, setting.robot, inputs, options.static_frames).open()
-            if locates:
+            if locates or options.start is not None:
                 started = StartPose(self.context, inputs, self.localizer, sources)
                 started.open()
                 self._role.use_start(started)
@@ -152,60 +129,21 @@ class RemoteBridge:
             self.close()
             raise
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def run(self) -> Episode:
-        """Drive until the run is ended by a directive, by arrival at the goals, or by Ctrl-C (KeyboardInterrupt).
-
-        Returns:
-            The episode of the last run.
-        """
-        self.wire.start()
-        try:
-            return self.context.driver.drive(self._begin)
-        finally:
-            self.close()
-
-    def close(self) -> None:
-        """Stop the robot and leave the network; closing twice does nothing."""
-        if self._is_open:
-            self._is_open = False
-            self._opened.close()
-            counted = self.wire.warnings.summary()
-            if counted:
-                self.wire.warnings.note(f"dropped or reported in all: {counted}")
-
-    def _begin(self, seed: int | None) -> Session:
-        self._run += 1
-        others = [] if self._observers is None else list(self._observers(self.mission, self._run))
-        if self.drive is not None:
-            others.append(self.drive)
-        self.context.session = self._role.begin(others, seed)
-        return self.context.session
+    def _own_observers(self) -> Sequence[Observer]:
+        return () if self.drive is None else (self.drive,)
 
     def _localizer(self, setting: Setting, options: RemoteOptions) -> RemoteLocalizer | TfLocalizer:
         inputs = self.inputs
         if options.localizer == TF:
-            return TfLocalizer(lambda: inputs.map_odom)
-        scenario = setting.scenario
-        if scenario.localizer is None:
-            raise InputError("a robot on the network needs a localizer: amcl, odometry or tf")
-        inner = create_localizer(scenario.localizer, setting.grid if scenario.known_map else None, setting.robot)
-        return RemoteLocalizer(
-            inner,
-            options.start,
-            lambda: inputs.odometry is not None,
-            needs_scan=bool(inputs.sensors) and scenario.localizer.name != "odometry",
-        )
+            return TfLocalizer(lambda: inputs.map_odom, options.start)
+        return make_localizer(setting, options, lambda: inputs.odometry is not None, has_scans=bool(inputs.sensors))
 
     # Rules of the guard ---------------------------------------------------------------------------------------------
 
     def _located(self, now: float) -> Reasons:
-        return {} if self.localizer.is_located else {"not located": NOT_LOCATED}
+        if self.localizer.is_located:
+            return {}
+        return {"not located": self.localizer.why or NOT_LOCATED}
 
     def _connected(self, now: float) -> Reasons:
         lost = self.wire.transport.lost
@@ -224,23 +162,6 @@ class RemoteBridge:
             return {}
         silent = self.inputs.map_odom_stream.silent_s(now)
         return {"map → odom silent": f"map → odom: nothing new for {silent:.2f} s"} if silent else {}
-
-
-def prepare(scenario: Scenario, profile: Profile, options: RemoteOptions) -> Setting:
-    """Make map, robot and navigator of a scenario for a robot on the network, at its start.
-
-    Raises:
-        InputError: If they cannot be used, or the start is not on the map.
-    """
-    place = make_place(scenario)
-    place = replace(place, robot=profile.fit(place.robot))
-    changes = {"start": None, "goal": None, "goals": None, "lidar": bool(profile.sensors_of(place.robot))}
-    setting = scenario.model_copy(update=changes).prepare(place)
-    start = options.start
-    for what, at in (("start", start), *(("goal", goal.pose) for goal in options.goals)):
-        if at is not None and not bool(setting.grid.contains(*setting.grid.world_to_cell(at.x, at.y))):
-            raise InputError(f"the {what} ({at.x:g}, {at.y:g}) lies outside of the map: give a pose on it")
-    return setting if start is None else replace(setting, start=start)
 
 
 def _monitor(setting: Setting) -> CollisionMonitor | None:

@@ -20,6 +20,8 @@ LOWEST_M = 0.1
 
 _FORMATS = {7: "f4", 8: "f8"}
 _BEAM_RAD = math.radians(0.5)
+_BESIDE = 4
+"""Directions without a point that are this near one [beams] were not measured: beams are up to two degrees apart."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +39,8 @@ class Band:
 def read_cloud(message: Any, lidar: Lidar, name: str, time: float, mount: Mount, band: Band) -> Scan:
     """Read a sensor_msgs/PointCloud2 as a scan of beams of half a degree: the nearest point of each direction.
 
-    A direction without a point is free as far as the lidar measures; one outside of its field of view was not measured.
+    A direction without a point is free as far as the lidar measures. It was not measured beside one with a point, where
+    the lidar's own beams may be wider apart, and outside of its field of view.
 
     Args:
         message: The message.
@@ -63,7 +66,11 @@ def read_cloud(message: Any, lidar: Lidar, name: str, time: float, mount: Mount,
     np.minimum.at(nearest, beams, ranges[kept])
     angles: FloatArray = -math.pi + _BEAM_RAD * (np.arange(count, dtype=np.float64) + 0.5)
     off = np.abs((angles - mount.pose.yaw + math.pi) % (2.0 * math.pi) - math.pi)
-    nearest[(off > 0.5 * lidar.fov) & np.isinf(nearest)] = np.nan
+    is_hit = np.isfinite(nearest)
+    beside = np.zeros(count, dtype=bool)
+    for shift in range(-_BESIDE, _BESIDE + 1):
+        beside |= np.roll(is_hit, shift)
+    nearest[~is_hit & (beside | (off > 0.5 * lidar.fov))] = np.nan
     place = Pose2D(mount.pose.x, mount.pose.y)
     return Scan(name, time, place, mount.height, angles, nearest, lidar.range_min, lidar.range_max)
 

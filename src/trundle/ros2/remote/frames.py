@@ -87,6 +87,11 @@ class FrameTree:
         edge = self._edges.get(frame)
         return None if edge is None else edge.parent
 
+    def below(self, ancestor: str) -> dict[str, Placed]:
+        """Return where all frames below another one are in it."""
+        found = {child: self.find(ancestor, child) for child in self._edges if self._is_below(child, ancestor)}
+        return {child: placed for child, placed in found.items() if placed is not None}
+
     def find(self, ancestor: str, frame: str) -> Placed | None:
         """Return where a frame is in another one, which may be above it, below it or beside it; None in two trees."""
         up, down = self._path(frame), self._path(ancestor)

@@ -24,6 +24,7 @@ from trundle.ros2.remote.commands import Sources
 from trundle.ros2.remote.frames import FrameTree
 from trundle.ros2.remote.guard import Guard, Reasons
 from trundle.ros2.remote.mounts import Mounts
+from trundle.ros2.remote.outline import OutlineCheck
 from trundle.ros2.remote.readings import read_odometry
 from trundle.ros2.remote.scans import ScanInputs
 from trundle.ros2.remote.streams import AHEAD_S, RobotClock, Stream
@@ -86,6 +87,7 @@ class RobotInputs:
         map_odom: The newest map → odom from outside, or None.
         map_odom_is_static: Whether it was sent once for good, on /tf_static.
         changed: Notified when a scan has arrived.
+        outline: Whether the robot has the outline of its file.
     """
 
     def __init__(
@@ -114,6 +116,7 @@ class RobotInputs:
         self.scan_streams = {name: Stream(f"scans of {name}") for name in self.sensors}
         self.jumps = 0
         self._scans: deque[Scan] = deque(maxlen=MOST_SCANS)
+        self.outline = OutlineCheck(self.frames, self._base, robot)
         mounts = Mounts(wire, self.frames, self._base, robot)
         self._laser = ScanInputs(wire, robot, mounts, self._time_of, self._take_scan, real)
         self._by_tf: Odometry | None = None
@@ -134,6 +137,7 @@ class RobotInputs:
         for name, sensor in self.sensors.items():
             self._laser.listen(name, sensor)
         wire.every_round(self._laser.look)
+        wire.every_round(self.outline.look)
 
     # The thread that drives -----------------------------------------------------------------------------------------
 
@@ -165,19 +169,25 @@ class RobotInputs:
     def _take_clock(self, message: Any, source: str) -> None:
         if self._sources.is_ours(source):
             return
+        is_first = not self.clock.is_simulated
         if self.clock.set(readers.read_stamp(message.clock), self._real()):
             self._jumped("clock jumped", f"the time of {self._profile.topics.clock} has jumped")
+        elif is_first:  # what came before has times of another clock
+            self._forget()
 
     def _jumped(self, kind: str, text: str) -> None:
-        """Forget what was before a jump."""
+        """Forget what was before a jump, and let the robot stand: it has to be told where it is."""
+        self.jumps += 1
+        self._forget()
+        self._guard.hold(kind, text, self._real())
+
+    def _forget(self) -> None:
         with self.changed:
-            self.jumps += 1
             self._scans.clear()
             self._laser.clear()
             self.frames.clear_moving()
             self.odometry = self._by_tf = self._apart = None
             self._topic_stamp = -math.inf
-        self._guard.hold(kind, text, self._real())
 
     def _take_static(self, message: Any, source: str) -> None:
         self._take_transforms(message, source, is_static=True)
@@ -203,6 +213,8 @@ class RobotInputs:
                 self._wire.warn(
                     f"tf: {child}", f"a transform of {self._wire.describe_source(source)} is dropped: {why}"
                 )
+                if {parent, child} == {self._odom, self._base}:
+                    self._contradicts(f"a transform {parent} → {child} is no part of one tree")
                 continue
             if (parent, child) == (self._map, self._odom):
                 self.map_odom_is_static = is_static
@@ -213,9 +225,20 @@ class RobotInputs:
                     f"tf: two parents of {child}",
                     f"tf has two parents of {child}: {first} and {second}; the newest counts",
                 )
+                if child in (self._odom, self._base):
+                    self._contradicts(f"tf has two parents of {child}: {first} and {second}")
             moved |= not is_static and parent != self._map
         if moved:
             self._take_odometry_of_tf()
+
+    def find_on_robot(self, frame: str) -> Pose2D | None:
+        """Return where a frame is on the robot by tf, in the listening thread; None where nobody says that."""
+        found = self.frames.find(self._base, frame)
+        return None if found is None or self.frames.parent(frame) is None else found.pose
+
+    def _contradicts(self, text: str) -> None:
+        """Let the robot stand while two publishers of tf disagree where it is."""
+        self._guard.hold("tf contradicts", f"{text}: stop one of its publishers", self._real())
 
     published: Pose2D | None = None
     """map → odom as it was last published here: the transport may send it back without saying whose it is."""
@@ -331,7 +354,8 @@ class RobotInputs:
     def _time_of(self, stamp: float, what: str) -> float | None:
         """Return the time that a stamp stands for [s]; None where it is of another time, and the message is dropped."""
         wall = self._wall()
-        if stamp == 0.0:
+        begins = self.clock.is_simulated and self.clock.now(wall) < OLD_S  # 0 is a time then
+        if stamp == 0.0 and not begins:
             self._wire.warn(f"{what}: stamp of 0", f"{what}: stamps are 0; messages count as sent when they arrive")
             return self.clock.now(wall)
         self.clock.see(stamp, wall)

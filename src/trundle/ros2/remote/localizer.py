@@ -2,14 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+
+import numpy as np
 
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.localization import Localizer
-from trundle.observation import Estimate, Observation
+from trundle.mapping import PoseGraph
+from trundle.mapping.slam_localizer import SlamLocalizer
+from trundle.maps import OccupancyGrid
+from trundle.observation import Estimate, Observation, Scan
+from trundle.ros2.remote.map_fit import MapFit
 
 _NOWHERE = Pose2D(0.0, 0.0)
+
+_NO_SCAN = "the robot is not located yet: its localizer waits for odometry and scans"
+
+_CARRIED = (
+    "nobody knows how the robot has moved: it drives on where it recognises its map. Drive it by hand to what the map "
+    "shows, or give its pose, which begins another map"
+)
+
+
+_NEAR_M, _NEAR_SHARE = 0.25, 0.6
+"""Ranges that differ by less are the same [m]; a view is the same where this share of its beams has the same range."""
+
+
+def is_same_view(before: Scan, after: Scan) -> bool:
+    """Return whether a lidar sees what it saw, give or take what a robot moves while its odometry jumps."""
+    if before.ranges.shape != after.ranges.shape:
+        return False
+    known = np.isfinite(before.ranges) | np.isfinite(after.ranges)
+    ours, theirs = (np.minimum(np.nan_to_num(one.ranges, nan=np.inf), 1e3) for one in (before, after))
+    return not known.any() or float((np.abs(ours - theirs)[known] < _NEAR_M).mean()) >= _NEAR_SHARE
 
 
 class RemoteLocalizer(Localizer):
@@ -22,14 +48,22 @@ class RemoteLocalizer(Localizer):
         start: Where the robot is at first, map frame; None where that is to be told.
         is_ready: Whether the robot has sent its odometry, without which a pose cannot be kept.
         needs_scan: Whether the robot is located only once a scan was seen.
+        fit: Says whether its scans fit the map where it was told to be; None where that is not asked.
 
     Attributes:
         is_located: Whether the robot knows where it is, so that it may drive.
         is_told: Whether it was told where it is, or is to search.
+        why: Why it is not located, where there is more to say than that nobody has told it.
     """
 
     def __init__(
-        self, inner: Localizer, start: Pose2D | None, is_ready: Callable[[], bool], *, needs_scan: bool
+        self,
+        inner: Localizer,
+        start: Pose2D | None,
+        is_ready: Callable[[], bool],
+        *,
+        needs_scan: bool,
+        fit: MapFit | None = None,
     ) -> None:
         self._inner, self._is_ready, self._needs_scan = inner, is_ready, needs_scan
         self._pending: tuple[Pose2D | None, FloatArray | None] | None = None if start is None else (start, None)
@@ -37,8 +71,40 @@ class RemoteLocalizer(Localizer):
         self._seed = 0
         self._begins = True
         self._last: Estimate | None = None
+        self._fit = fit
+        self._mapper = inner if isinstance(inner, SlamLocalizer) else None
         self.is_told = False
         self.is_located = False
+        self.why = "" if start is None else _NO_SCAN
+        self._scans: dict[str, Scan] = {}
+        self._before: dict[str, Scan] = {}
+        """The last scan of each lidar before a jump, until there is one after it."""
+
+    # The map that it makes -------------------------------------------------------------------------------------------
+
+    @property
+    def corrections(self) -> int:  # type: ignore[override]
+        """How often poses that were mapped before have been corrected."""
+        return self._inner.corrections
+
+    def map(self) -> OccupancyGrid | None:
+        """Return the map so far; None where it makes none, and before the first scan."""
+        return self._inner.map()
+
+    def graph(self) -> PoseGraph | None:
+        """Return what the map is drawn from; None where it makes none."""
+        return None if self._mapper is None else self._mapper.graph()
+
+    def finish(self) -> None:
+        """Finish the map."""
+        self._inner.finish()
+
+    @property
+    def bridges_jumps(self) -> bool:
+        """Whether it wants odometry that goes on where it was before a jump: scans say whether that is true."""
+        return self._mapper is not None and self.is_told
+
+    # Where it is -----------------------------------------------------------------------------------------------------
 
     @property
     def waits_for_pose(self) -> bool:
@@ -75,8 +141,16 @@ class RemoteLocalizer(Localizer):
             self._pending = None, None
 
     def doubt(self) -> None:
-        """Take note that nobody knows any more how the robot has moved: its pose has to be told again."""
-        self.is_told = self.is_located = False
+        """Take note that nobody knows any more how the robot has moved: its pose has to be told again.
+
+        One that makes its map goes on where the odometry alone has jumped: its scans are what they were. Otherwise a
+        new part of the map begins, and the robot is located once it recognises what it has mapped before.
+        """
+        self.is_located = False
+        if self._mapper is not None and self.is_told:
+            self._before, self.why, self._last = dict(self._scans), _CARRIED, None
+            return
+        self.is_told = False
         self._pending = None
         self._last = None
 
@@ -91,14 +165,36 @@ class RemoteLocalizer(Localizer):
         if not self.is_told:
             origin = self._shown @ observation.odometry.inverse()
             return Estimate(observation.time, self._shown, None, origin, state="lost")
+        self._look(observation.scans)
         self._last = found = self._inner.update(observation)
         self._shown = found.pose
-        if not self.is_located and found.state == "localized" and (observation.scans or not self._needs_scan):
-            self.is_located = True
+        if not self.is_located and (observation.scans or not self._needs_scan):
+            self.is_located = self._check(observation, found)
         return found
 
+    def _check(self, observation: Observation, found: Estimate) -> bool:
+        """Return whether the robot may set off from where its localizer puts it."""
+        if self._fit is not None and observation.scans:
+            self._fit.judge(observation.scans, found.pose)
+            self.why = self._fit.why
+        is_joined = self._mapper is None or (not self._before and self._mapper.mapper.joined)
+        return found.state == "localized" and is_joined and not (self._fit is not None and self._fit.why)
+
+    def _look(self, scans: Sequence[Scan]) -> None:
+        """Compare the first scans after a jump with the last ones before, for a localizer that makes its map."""
+        if self._mapper is None or not scans:
+            return
+        known = [(self._before[scan.lidar], scan) for scan in scans if scan.lidar in self._before]
+        if known:
+            self._before = {}
+            if not all(is_same_view(before, after) for before, after in known):
+                self._mapper.mapper.new_part()
+        self._scans |= {scan.lidar: scan for scan in scans}
+
     def _tell(self, pose: Pose2D | None, covariance: FloatArray | None) -> None:
-        self.is_located = False
+        self.is_located, self.why = False, _NO_SCAN
+        if self._fit is not None:
+            self._fit.reset()
         try:
             self._inner.reset(pose, covariance=covariance, seed=self._seed)
         except InputError:
@@ -112,16 +208,23 @@ class TfLocalizer(Localizer):
 
     Args:
         find: Gives map → odom as it is now, or None.
+        start: Where the robot is at first, for those who wait to be told; None where nobody is.
 
     Attributes:
         is_located: Whether there is a map → odom.
     """
 
-    def __init__(self, find: Callable[[], Pose2D | None]) -> None:
-        self._find = find
+    def __init__(self, find: Callable[[], Pose2D | None], start: Pose2D | None = None) -> None:
+        self._find, self._start = find, start
         self._known: Pose2D | None = None
         self.is_located = False
-        self.waits_for_pose = False
+        self.waits_for_pose = self.bridges_jumps = False
+        self.why = ""
+
+    @property
+    def shown(self) -> Pose2D | None:
+        """Where the robot is at first, until map → odom says where it is."""
+        return None if self.is_located else self._start
 
     def begin(self) -> None:
         """Do nothing: where the robot is comes from outside."""

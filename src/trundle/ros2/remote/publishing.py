@@ -112,7 +112,8 @@ class StartPose:
     def _look(self) -> None:
         now = system.monotonic()
         localizer = self._localizer
-        if now - self._looked < LOOKS_S or localizer.waits_for_pose or not isinstance(localizer, RemoteLocalizer):
+        pose = localizer.shown
+        if now - self._looked < LOOKS_S or localizer.waits_for_pose or pose is None:
             return
         self._looked = now
         try:
@@ -121,7 +122,7 @@ class StartPose:
             return
         listeners = {one.source or one.node for one in found if not one.ours and one.type_name == POSE}
         if listeners - self._told:
-            self._sent = pose = localizer.shown
+            self._sent = pose
             self._outlet.write(self._context.maker.pose_estimate(self._inputs.now, pose, None, self._frame))
         self._told = listeners
 

@@ -79,11 +79,15 @@ class RemoteRobot(Simulator):
 
     Args:
         robot: The robot.
-        world: The world of the map, for the page.
+        world: The world of the map, for the page; None without a map.
         inputs: What the robot sends.
         commands: The commands to it.
         localizer: Where it is.
         real: Real time [s].
+
+    Attributes:
+        T_run_odom: The robot's frame of odometry in that of the run, which does not jump where the localizer can do
+            with that.
     """
 
     def __init__(
@@ -104,6 +108,7 @@ class RemoteRobot(Simulator):
         self._blind = 0
         self._blind_until = 0.0
         self._pose, self._jumps = _ORIGIN, inputs.jumps
+        self.T_run_odom, self._has_jumped = _ORIGIN, False
 
     @property
     def robot(self) -> Robot:
@@ -163,15 +168,21 @@ class RemoteRobot(Simulator):
         if inputs.jumps != self._jumps:  # nobody knows how the robot has moved meanwhile
             self._jumps = inputs.jumps
             self._localizer.doubt()
+            self._has_jumped = True
         taken = inputs.take_scans()
         now = max([inputs.now, *(scan.time for scan in taken)])
         odometry, clock = inputs.odometry, inputs.clock
         time = self._time.at(now, (clock.jumps, clock.is_simulated))
         twist = _STAND
         if odometry is not None:
-            self._pose = odometry.pose
+            if self._has_jumped:
+                self._has_jumped = False
+                bridges = self._localizer.bridges_jumps
+                self.T_run_odom = self._pose @ odometry.pose.inverse() if bridges else _ORIGIN
+            pose = odometry.pose
             if not inputs.odometry_silent:
-                self._pose, twist = odometry.at(now), odometry.twist
+                pose, twist = odometry.at(now), odometry.twist
+            self._pose = self.T_run_odom @ pose
         offset = self._time.offset
         scans = tuple(replace(scan, time=min(scan.time - offset, time)) for scan in taken)
         seen = Observation(time, twist, self._pose, scans)

@@ -81,6 +81,7 @@ class RemoteRole(NavigatorRole):
     def open(self) -> None:
         """Open topics, services and actions."""
         super().open()
+        self._kit.beliefs.find = self._inputs.find_on_robot
         kept = [one for one in self._outputs if one is not self._pose_output]
         if self._locates:
             kept.insert(0, LocatedOutput(self._pose_output, self._localizer, self._note_map_odom))
@@ -110,6 +111,7 @@ class RemoteRole(NavigatorRole):
         context = self._context
         context.clock.offset = self._robot.offset
         context.clock.set(step.state.time)
+        context.origin = self._robot.T_run_odom
         tasks, located = self._kit.tasks, self._localizer.is_located
         if not located and not tasks.refuses:
             tasks.refuses = NOT_LOCATED

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -26,7 +27,7 @@ COMMANDS = Qos(10)
 _TWIST, _STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 
 TIMEOUT_S = 0.5
-"""A robot without a new command stops after this simulated time [s]."""
+"""A source that is silent for this simulated time [s] leaves the robot to others; stamps may be off by as much."""
 
 STAND = Twist2D()
 
@@ -73,7 +74,7 @@ class SimulatorRole:
 class RosAgent(Agent):
     """Drives what other programs command on /cmd_vel, as Twist or as TwistStamped.
 
-    A command holds for 0.5 s of simulated time; then the robot stops. Where the last publisher goes, or the transport
+    A command holds as long as the profile says; then the robot stops. Where the last publisher goes, or the transport
     is lost, it stops at once. The robot's limits are applied by the simulator; nothing else is changed or checked, as
     on a real robot.
 
@@ -98,7 +99,8 @@ class RosAgent(Agent):
         frames = profile.frames
         bases = (frames.base, *frames.also_base)
         self._frames = tuple(dict.fromkeys(name for base in bases for name in (wire.names.frame(base), base)))
-        self._arbiter = CommandArbiter(wire.warn, wire.describe_source)
+        holds_s = math.inf if profile.command_holds_s is None else profile.command_holds_s
+        self._arbiter = CommandArbiter(wire.warn, wire.describe_source, holds_s=holds_s)
         self._inlets: list[Inlet] = []
         self._had_writers = False
 
@@ -205,12 +207,12 @@ class CommandArbiter:
     """Holds the command that drives the robot; the listening thread offers, the thread of the run reads.
 
     One source drives at a time: the first that moves the robot keeps it until it commands to stand, or is silent for
-    `timeout_s`. What another source sends meanwhile is dropped and reported.
+    `TIMEOUT_S`. What another source sends meanwhile is dropped and reported.
 
     Args:
         warn: Reports what is dropped: its kind, and what makes the text.
         describe: Who a source is, in words.
-        timeout_s: How long a command holds, in simulated time [s].
+        holds_s: How long a command drives the robot, in simulated time [s].
     """
 
     def __init__(
@@ -218,20 +220,20 @@ class CommandArbiter:
         warn: Callable[[str, Callable[[], str]], None],
         describe: Callable[[str], str],
         *,
-        timeout_s: float = TIMEOUT_S,
+        holds_s: float = TIMEOUT_S,
     ) -> None:
-        self._warn, self._describe, self._timeout_s = warn, describe, timeout_s
+        self._warn, self._describe, self._holds_s = warn, describe, holds_s
         self._held: _Command | None = None
 
     def offer(self, twist: Twist2D, source: str, now: float) -> bool:
         """Take a command that came at a simulated time [s], and return whether it drives the robot."""
         held = self._held
-        if held is not None and held.source != source and held.twist != STAND and not self._is_old(held, now):
+        if held is not None and held.source != source and held.twist != STAND and not _is_old(held, now, TIMEOUT_S):
             self._warn(
                 "cmd_vel: two sources",
                 lambda: (
                     f"{self._describe(source)} commands the robot, too, while {self._describe(held.source)} drives "
-                    f"it: it is not heard until the other commands to stand, or is silent for {self._timeout_s:g} s"
+                    f"it: it is not heard until the other commands to stand, or is silent for {TIMEOUT_S:g} s"
                 ),
             )
             return False
@@ -243,11 +245,11 @@ class CommandArbiter:
         held = self._held
         if held is None:
             return STAND
-        if self._is_old(held, now):
-            if held.twist != STAND:
+        if _is_old(held, now, self._holds_s):
+            if held.twist != STAND and now >= held.time:
                 self._warn(
                     "cmd_vel: timeout",
-                    lambda: f"no command for {self._timeout_s:g} s from {self._describe(held.source)}: the robot stops",
+                    lambda: f"no command for {self._holds_s:g} s from {self._describe(held.source)}: the robot stops",
                 )
             self._held = None
             return STAND
@@ -258,5 +260,6 @@ class CommandArbiter:
         held, self._held = self._held, None
         return held is not None and held.twist != STAND
 
-    def _is_old(self, held: _Command, now: float) -> bool:
-        return not -1e-9 <= now - held.time < self._timeout_s - 1e-9
+
+def _is_old(held: _Command, now: float, most_s: float) -> bool:
+    return not -1e-9 <= now - held.time < most_s - 1e-9

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from trundle._core import Batch, chebyshev_field
+from trundle._core import chebyshev_field
 from trundle.errors import InputError
+from trundle.geometry import FloatArray
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.robots import Lidar, Robot
@@ -44,14 +46,53 @@ def check_maps(maps: Sequence[OccupancyGrid], robot: Robot) -> None:
             )
 
 
-def make_batch(
+class BatchModel(NamedTuple):
+    """What the robots of a batch share, as the kernel's `Batch` takes it.
+
+    Attributes:
+        fields: Chebyshev distances to blocked cells, one map after the other, uint8.
+        shapes: Rows and columns of the maps, shape (M, 2).
+        frames: (x, y, yaw) of the maps [m, rad], shape (M, 3).
+        resolution: Edge of a cell [m].
+        outline: Of the footprint [m], base_link, counter-clockwise, shape (K, 2).
+        limits: Speeds forwards, backwards and of turning, their largest changes in a substep, radius of the wheels,
+            track, largest speed of a wheel, and length of a substep, shape (9,).
+        lidars: (x, y, yaw, range_min, range_max) [m, rad], base_link, shape (L, 5).
+        beams: Beams of each lidar.
+        angles: Of the beams [rad], one lidar after the other.
+        corners: Of the movers that are polygons [m], shape (C, 2).
+        corner_counts: Of each mover, 0 for a disc.
+        radii: Of the movers that are discs [m].
+        tracks: (x, y, yaw) of the movers [m, rad], shape (movers, samples, 3).
+        recordings: Where in these the movers of each recording begin, and the end of the last one.
+        period: Time between two samples [s].
+    """
+
+    fields: npt.NDArray[np.uint8]
+    shapes: npt.NDArray[np.int64]
+    frames: FloatArray
+    resolution: float
+    outline: FloatArray
+    limits: FloatArray
+    lidars: FloatArray
+    beams: npt.NDArray[np.int64]
+    angles: FloatArray
+    corners: FloatArray
+    corner_counts: npt.NDArray[np.int64]
+    radii: FloatArray
+    tracks: FloatArray
+    recordings: npt.NDArray[np.int64]
+    period: float
+
+
+def make_model(
     maps: Sequence[OccupancyGrid],
     blocked: Sequence[npt.NDArray[np.bool_]],
     robot: Robot,
     lidars: Sequence[Lidar],
     recordings: Sequence[MoverRecording],
     timestep: float,
-) -> Batch:
+) -> BatchModel:
     """Make the kernel's model of checked arguments."""
     fields = [chebyshev_field(cells.view(np.uint8)) for cells in blocked]
     limits, drive = robot.limits, robot.drive
@@ -61,7 +102,7 @@ def make_batch(
     samples = {recording.tracks.shape[1:] for recording in recordings}
     tracks = np.concatenate([recording.tracks for recording in recordings]) if samples else np.zeros((0, 1, 3))
     ends = np.cumsum([0, *(len(recording.outlines) for recording in recordings)])
-    return Batch(
+    return BatchModel(
         np.concatenate([field.ravel() for field in fields]),
         np.array([field.shape for field in fields], dtype=np.int64),
         np.array([grid.origin.as_tuple() for grid in maps]),

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError, UnknownNameError
+from trundle.extras import check_extra
 from trundle.geometry import FloatArray
 from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
-from trundle.sim.batch.arrays import blocked_cells, check_maps, check_recordings, make_batch
+from trundle.sim.batch.arrays import BatchModel, blocked_cells, check_maps, check_recordings, make_model
+from trundle.sim.batch.cpu import BatchEngine, CpuEngine, mask_of
 from trundle.sim.batch.recording import MoverRecording
 from trundle.sim.lidar import LidarChoice
 from trundle.sim.ramp import count_steps
@@ -48,7 +50,9 @@ class BatchSimulator:
         recordings: Movers that robots may be among; all have one period and length.
         timestep: Length of a substep [s].
         unknown: Treat unknown cells as "solid" or "free".
-        device: Where it computes: "cpu".
+        device: Where it computes: "cpu"; or "cuda" or "cuda:1", a GPU of NVIDIA's, with the same bits (extra `gpu`).
+            There its arrays are Warp's, on the GPU, and pass by DLPack, and methods take arrays that lie there: with
+            a row for each robot of the batch. A bad value in one is raised by that call or a later one.
         threads: Number of threads. If None, TRUNDLE_THREADS, or as many as there are processors.
 
     Attributes:
@@ -62,7 +66,8 @@ class BatchSimulator:
 
     Raises:
         InputError: If an argument is out of range, maps have different resolutions, or the robot is larger than a map.
-        UnknownNameError: If the robot has no lidar of a chosen name, or there is no such device.
+        UnknownNameError: If the robot has no lidar of a chosen name, or there is no such kind of device.
+        MissingExtraError: If a GPU is chosen without the extra `gpu`.
     """
 
     def __init__(
@@ -78,7 +83,6 @@ class BatchSimulator:
         device: str = "cpu",
         threads: int | None = None,
     ) -> None:
-        _check_device(device)
         check_kind(robot, Robot, "robot", "Robot.load(name) loads one")
         self._count = check_count("count", count, 1, _MOST_ROBOTS)
         self._timestep = check_number("timestep", timestep, 1e-6, 1.0, "s")
@@ -88,25 +92,22 @@ class BatchSimulator:
         check_maps(self._maps, robot)
         check_recordings(recordings)
         self._recordings = tuple(recordings)
-        self._threads = _choose_threads(threads)
         self._robot = robot
         names = _choose_lidars(robot, lidar)
         chosen = [robot.lidars[name] for name in names]
         blocked = [blocked_cells(grid, unknown_is_solid=unknown == "solid") for grid in self._maps]
-        self._batch = make_batch(self._maps, blocked, robot, chosen, self._recordings, self._timestep)
+        make_engine = _find_device(device, _choose_threads(threads))
+        self._engine = make_engine(
+            make_model(self._maps, blocked, robot, chosen, self._recordings, self._timestep), self._count
+        )
         ends = np.cumsum([0, *(each.beams for each in chosen)]).tolist()
         self._columns = {name: slice(first, end) for name, first, end in zip(names, ends, ends[1:], strict=False)}
-        self.poses = np.zeros((count, 3))
-        self.wheels = np.zeros((count, 2))
-        self.lengths = np.zeros(count)
-        self.steps = np.zeros(count, dtype=np.int64)
-        self.contacts = np.zeros((count, 4), dtype=np.int64)
-        self.places = np.full((count, 2), (0, -1), dtype=np.int64)
-        self._motions = np.zeros((count, 6))
-        self._errors = np.zeros((count, 2))
-        self._keys = np.zeros(count, dtype=np.uint64)
-        self._ranges = np.full((count, ends[-1]), np.inf, dtype=np.float32)
-        self._everyone = np.ones(count, dtype=bool)
+        self.poses: FloatArray = self._engine.poses
+        self.wheels: FloatArray = self._engine.wheels
+        self.lengths: FloatArray = self._engine.lengths
+        self.steps: npt.NDArray[np.int64] = self._engine.steps
+        self.contacts: npt.NDArray[np.int64] = self._engine.contacts
+        self.places: npt.NDArray[np.int64] = self._engine.places
 
     @property
     def count(self) -> int:
@@ -130,18 +131,19 @@ class BatchSimulator:
 
     @property
     def times(self) -> FloatArray:
-        """Time since each robot's reset [s], shape (N,)."""
-        return self.steps.astype(np.float64) * self._timestep
+        """Time since each robot's reset [s], shape (N,); a copy on the host."""
+        steps = self.steps if isinstance(self.steps, np.ndarray) else self._engine.steps.numpy()
+        return steps.astype(np.float64) * self._timestep
 
     @property
     def twists(self) -> FloatArray:
         """Speed v [m/s] and turning speed w [rad/s] of each robot now, shape (N, 2); a view."""
-        return self._motions[:, 2:4]
+        return self._engine.motions[:, 2:4]
 
     @property
     def ranges(self) -> npt.NDArray[np.float32]:
         """The last scan of each robot; see `scan`."""
-        return self._ranges
+        return self._engine.ranges
 
     @property
     def columns(self) -> Mapping[str, slice]:
@@ -173,8 +175,13 @@ class BatchSimulator:
         Raises:
             InputError: If a value is out of range or has another shape; nothing is reset then.
         """
+        engine = self._engine
+        if engine.takes(poses, robots, maps, recordings, seeds, noise, dropouts):
+            given = {"poses": poses, "maps": maps, "recordings": recordings, "seeds": seeds}
+            engine.reset(robots, noise=noise, dropouts=dropouts, **given)
+            return
         chosen = self._choose(robots)
-        count = len(chosen)
+        count = self._count if chosen is None else len(chosen)
         placed = _spread(as_array(poses, np.float64, "poses"), (count, 3), "poses")
         lost = np.logical_not(np.abs(placed) < 1e9).any(axis=1)
         if lost.any():
@@ -182,20 +189,11 @@ class BatchSimulator:
         map_of = self._check_range(maps, chosen, "map", 0, len(self._maps) - 1)
         recording_of = self._check_range(recordings, chosen, "recording", -1, len(self._recordings) - 1)
         keys = _spread(as_array(seeds, np.uint64, "seeds"), (count,), "seeds")
-        errors = np.column_stack(
-            [
-                _spread(as_array(value, np.float64, name), (count,), name)
-                for name, value in (("noise", noise), ("dropouts", dropouts))
-            ]
-        )
-        if not ((errors >= 0.0) & (errors <= (10.0, 1.0))).all():
+        sigma = _spread(as_array(noise, np.float64, "noise"), (count,), "noise")
+        shares = _spread(as_array(dropouts, np.float64, "dropouts"), (count,), "dropouts")
+        if not ((sigma >= 0.0) & (sigma <= 10.0) & (shares >= 0.0) & (shares <= 1.0)).all():
             raise InputError("noise must be from 0 to 10 m, and dropouts from 0 to 1")
-        self.poses[chosen] = placed
-        self.places[chosen] = np.column_stack([map_of, recording_of])
-        self._keys[chosen], self._errors[chosen] = keys, errors
-        for array in (self.wheels, self.lengths, self.steps, self._motions):
-            array[chosen] = 0
-        self._drive(np.zeros((self._count, 2)), self._mask(chosen), 0)
+        engine.put(chosen, poses=placed, maps=map_of, recordings=recording_of, seeds=keys, noise=sigma, dropouts=shares)
 
     def step(self, commands: npt.ArrayLike, dt: float, *, robots: Robots = None) -> None:
         """Drive one control period with a commanded twist for each robot.
@@ -210,16 +208,19 @@ class BatchSimulator:
             InputError: If a command is not finite or has another shape, or `dt` is no such multiple; no robot has
                 moved then.
         """
-        given = _spread(as_array(commands, np.float64, "commands"), (self._count, 2), "commands")
         substeps = count_steps(dt, self._timestep)
-        bad = ~(np.abs(given) < 1e9).all(axis=1)
-        if bad.any():
-            first = int(np.argmax(bad))
+        if self._engine.takes(commands, robots):
+            self._engine.drive(commands, robots, substeps)
+            return
+        given = _spread(as_array(commands, np.float64, "commands"), (self._count, 2), "commands")
+        finite = np.abs(given) < 1e9
+        if not finite.all():
+            first = int(np.argmin(finite.all(axis=1)))
             raise InputError(
                 f"the command of robot {first} is ({given[first, 0]:g}, {given[first, 1]:g}); commands must be finite. "
                 "No robot has moved"
             )
-        self._drive(given, self._mask(self._choose(robots)), substeps)
+        self._engine.drive(given, self._mask(robots), substeps)
 
     def scan(self, *, robots: Robots = None) -> npt.NDArray[np.float32]:
         """Turn every lidar of the robots once.
@@ -228,34 +229,29 @@ class BatchSimulator:
             Ranges of all beams [m], one lidar after the other, infinite without a return; float32, shape (N, beams),
             a view. Robots that are not chosen keep the scan that they have.
         """
-        self._scan_into(self._ranges, self._mask(self._choose(robots)))
-        return self._ranges
+        self._engine.scan(robots if self._engine.takes(robots) else self._mask(robots))
+        return self._engine.ranges
 
     def scan_exactly(self) -> FloatArray:
-        """Turn every lidar of all robots once; as `scan`, in float64."""
-        ranges = np.full(self._ranges.shape, np.inf)
-        self._scan_into(ranges, self._everyone)
-        return ranges
+        """Turn every lidar of all robots once; as `scan`, in float64, and a copy on the host."""
+        return self._engine.scan_exactly()
 
     def is_off_map(self) -> npt.NDArray[np.bool_]:
         """Return which robots have their base_link beyond their map, shape (N,)."""
-        off = np.empty(self._count, dtype=bool)
-        for number, grid in enumerate(self._maps):
-            here = self.places[:, 0] == number
-            local = grid.origin.inverse().transform_points(self.poses[here, :2]) / grid.resolution
-            off[here] = ((local < 0.0) | (local > grid.shape[::-1])).any(axis=1)
-        return off
+        return self._engine.off_map()
 
-    def _drive(self, commands: FloatArray, active: npt.NDArray[np.bool_], substeps: int) -> None:
-        state = (self.poses, self._motions, self.wheels, self.lengths, self.steps, self.contacts)
-        self._batch.drive(*state, commands, self.places, active, substeps, self._threads)
+    def synchronize(self) -> None:
+        """Wait until the device is done; on the CPU it always is.
 
-    def _scan_into(self, ranges: npt.NDArray[np.float32] | FloatArray, active: npt.NDArray[np.bool_]) -> None:
-        self._batch.scan(ranges, self.poses, self.steps, self.places, active, self._errors, self._keys, self._threads)
+        Raises:
+            InputError: If an array of the device that was given before holds a bad value.
+        """
+        self._engine.synchronize()
 
-    def _choose(self, robots: Robots) -> npt.NDArray[np.int64]:
+    def _choose(self, robots: Robots) -> npt.NDArray[np.int64] | None:
+        """Return the indices of robots, or None for all."""
         if robots is None:
-            return np.arange(self._count)
+            return None
         array = np.asarray(robots)
         if array.dtype == np.bool_:
             if array.shape != (self._count,):
@@ -270,17 +266,15 @@ class BatchSimulator:
             raise InputError(f"robots must be different indices from 0 to {self._count - 1}")
         return chosen.astype(np.int64)
 
-    def _mask(self, chosen: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
-        if len(chosen) == self._count:
-            return self._everyone
-        mask = np.zeros(self._count, dtype=bool)
-        mask[chosen] = True
-        return mask
+    def _mask(self, robots: Robots) -> npt.NDArray[np.bool_] | None:
+        chosen = self._choose(robots)
+        return None if chosen is None else mask_of(chosen, self._count)
 
     def _check_range(
-        self, values: npt.ArrayLike, chosen: npt.NDArray[np.int64], what: str, least: int, most: int
+        self, values: npt.ArrayLike, chosen: npt.NDArray[np.int64] | None, what: str, least: int, most: int
     ) -> npt.NDArray[np.int64]:
-        array = _spread(as_array(values, np.int64, f"{what}s"), (len(chosen),), f"{what}s")
+        count = self._count if chosen is None else len(chosen)
+        array = _spread(as_array(values, np.int64, f"{what}s"), (count,), f"{what}s")
         bad = (array < least) | (array > most)
         if bad.any():
             number, robot = array[np.argmax(bad)], _first(chosen, bad)
@@ -288,8 +282,9 @@ class BatchSimulator:
         return array
 
 
-def _first(chosen: npt.NDArray[np.int64], bad: npt.ArrayLike) -> int:
-    return int(chosen[np.argmax(bad)])
+def _first(chosen: npt.NDArray[np.int64] | None, bad: npt.ArrayLike) -> int:
+    first = int(np.argmax(bad))
+    return first if chosen is None else int(chosen[first])
 
 
 def _spread(array: npt.NDArray[np.generic], shape: tuple[int, ...], what: str) -> npt.NDArray:
@@ -309,11 +304,22 @@ def _choose_lidars(robot: Robot, choice: LidarChoice) -> tuple[str, ...]:
     return names
 
 
-def _check_device(device: str) -> None:
-    if device not in _DEVICES:
-        raise UnknownNameError("device", str(device), _DEVICES)
-    if device != "cpu":
-        raise InputError('device "cuda" is not supported yet: the batch computes on the CPU; use device="cpu"')
+def _find_device(name: str, threads: int) -> Callable[[BatchModel, int], BatchEngine]:
+    """Return what makes the state of a batch on a device.
+
+    Raises:
+        UnknownNameError: If there is no such kind of device.
+        MissingExtraError: If the extra gpu is not installed.
+        InputError: If this machine has no such device.
+    """
+    if name == "cpu":
+        return lambda model, count: CpuEngine(model, count, threads)
+    if str(name).partition(":")[0] != "cuda":
+        raise UnknownNameError("device", str(name), _DEVICES)
+    check_extra("gpu", f'device="{name}"')
+    from trundle.sim.batch.warp import make_engine
+
+    return make_engine(name)
 
 
 def _choose_threads(threads: int | None) -> int:

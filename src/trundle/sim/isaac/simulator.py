@@ -7,7 +7,7 @@ import math
 import tempfile
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Self, cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -20,8 +20,8 @@ from trundle.sim.isaac.assets import check_joints, check_units, environment_path
 from trundle.sim.isaac.signatures import differences
 from trundle.sim.lidar import LidarChoice
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
-from trundle.sim.simulator import Simulator
 from trundle.sim.state import Contact, RobotState
+from trundle.sim.usd_simulator import SETTLE_S, UsdSimulator
 from trundle.usd import GROUND_OFFSET, TIMESTEP
 from trundle.usd.write import write_world
 from trundle.values import check_seed
@@ -35,14 +35,10 @@ if TYPE_CHECKING:
 
 ROBOT_PATH = "/trundle_robot"
 
-_SETTLE_S = 0.5
-_LARGEST_FALL = 0.1
-"""Largest drop while settling [m]; a robot that falls farther has no floor under it."""
-
 _ADAPTERS = {5: "trundle.sim.isaac.api5:Isaac5Adapter", 6: "trundle.sim.isaac.api6:Isaac6Adapter"}
 
 
-class IsaacSimulator(Simulator):
+class IsaacSimulator(UsdSimulator):
     """Drives a robot through a stage in Isaac Sim 5.1 or 6.x.
 
     The limits of the robot are applied at every physics step, and its wheels are commanded through Isaac Sim's own
@@ -87,10 +83,7 @@ class IsaacSimulator(Simulator):
         ground_offset: float = GROUND_OFFSET,
         application: SimulationApp | None = None,
     ) -> None:
-        if not 0.0 < physics_dt <= 0.02:
-            raise InputError(f"physics_dt {physics_dt} s is out of range; use more than 0 and at most 0.02")
-        if not 0.0 <= ground_offset <= 10.0:
-            raise InputError(f"ground_offset {ground_offset} m is out of range; use 0 to 10")
+        super().__init__(robot, physics_dt=physics_dt, ground_offset=ground_offset)
         if robot.drive.axles:
             raise RobotError(
                 f"the robot {robot.name!r} has several wheels per side, backend isaac supports one; use backend mujoco "
@@ -109,10 +102,7 @@ class IsaacSimulator(Simulator):
         scene = None if environment is None else (environment, environment_path(environment))
         machine = robot_path(robot.name, robot_usd)
         given_root(assets_root)
-        self._robot = robot
         self._world = world if world.solids or environment is None else None
-        self._physics_dt = physics_dt
-        self._ground_offset = ground_offset
         self._ramp = CommandRamp(robot, physics_dt)
         self._folder: tempfile.TemporaryDirectory[str] | None = None
         self._adapter: Adapter | None = None
@@ -137,24 +127,9 @@ class IsaacSimulator(Simulator):
             raise
 
     @property
-    def robot(self) -> Robot:
-        """The simulated robot."""
-        return self._robot
-
-    @property
     def application(self) -> Application:
         """The Isaac Sim that it runs in."""
         return self._application
-
-    @property
-    def world(self) -> World | None:
-        """The world; None in an environment whose solids are unknown."""
-        return self._world
-
-    @property
-    def timestep(self) -> float:
-        """Length of a physics step [s]."""
-        return self._physics_dt
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
         """Put the robot at rest at `pose` (map frame) and set the time to 0. Nothing here is random.
@@ -267,12 +242,6 @@ class IsaacSimulator(Simulator):
             if self._owns_application:
                 self._application.close()
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
     def _place(self, adapter: Adapter, pose: Pose2D) -> None:
         """Stop, put the robot's prim at a pose above the floor, and play with its wheels held."""
         adapter.place(*placement(pose, self._ground_offset))
@@ -285,7 +254,7 @@ class IsaacSimulator(Simulator):
         """
         adapter.step()
         first = self._contacts.touching()
-        for _ in range(round(_SETTLE_S / self._physics_dt) - 1):
+        for _ in range(round(SETTLE_S / self._physics_dt) - 1):
             adapter.step()
         self._contacts.find_floor(first)
         touched: dict[tuple[str, str], Contact] = {}
@@ -294,7 +263,9 @@ class IsaacSimulator(Simulator):
         if touched:
             self._place(adapter, pose)
             return touched
-        self._check_stands(adapter.body())
+        body = adapter.body()
+        self._check_sound(body)
+        self._check_stands(float(body.position[2]), SETTLE_S)
         adapter.halt()
         self._contacts.read(touched)
         return touched
@@ -355,15 +326,6 @@ class IsaacSimulator(Simulator):
         if alive and not self._application.is_running:
             raise SimulationError("Isaac Sim was closed")
         return self._adapter
-
-    def _check_stands(self, body: BodyState) -> None:
-        self._check_sound(body)
-        fell = self._ground_offset - float(body.position[2])
-        if fell > self._ground_offset + _LARGEST_FALL:
-            raise SimulationError(
-                f"the robot fell {fell:.2f} m in {_SETTLE_S} s: there is no collider under it. Start it above the "
-                f"floor (--ground-offset, now {self._ground_offset:g} m), and check that its floor has a collider"
-            )
 
     def _check_sound(self, body: BodyState) -> None:
         numbers = np.concatenate([body.position, body.quaternion, body.linear, body.angular])

@@ -6,7 +6,7 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Literal, Self
+from typing import Literal
 
 import mujoco
 import numpy as np
@@ -277,12 +277,6 @@ class MujocoSimulator(Simulator):
     def close(self) -> None:
         """Release the model; closing twice does nothing."""
         self._closed = True
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def _check_open(self) -> None:
         if self._closed:

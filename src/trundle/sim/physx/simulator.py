@@ -8,9 +8,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING
 
-from trundle.errors import InputError, SimulationError, WorldWarning
+from trundle.errors import SimulationError, WorldWarning
 from trundle.geometry import Pose2D, Pose3D, Twist2D
 from trundle.geometry.solids import Solid
 from trundle.robots import Robot, WheelSpeeds
@@ -20,8 +20,8 @@ from trundle.sim.physx.body import RobotBody, tilt_of
 from trundle.sim.physx.engine import check_installation
 from trundle.sim.physx.odometry import WheelOdometry
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
-from trundle.sim.simulator import Simulator
 from trundle.sim.state import Contact, RobotState, Substep
+from trundle.sim.usd_simulator import SETTLE_S, UsdSimulator
 from trundle.usd import GROUND_OFFSET, TIMESTEP
 from trundle.values import check_seed
 from trundle.worlds import World
@@ -30,8 +30,8 @@ from trundle.worlds.usd import need_usd
 if TYPE_CHECKING:
     from trundle.sim.physx.stage import RunningStage
 
-_SETTLE_S, _SHORT_SETTLE_S = 0.5, 0.05
-"""Time in which a robot comes to rest that was put above the floor, and one that was put on it [s]."""
+_SHORT_SETTLE_S = 0.05
+"""Time in which a robot comes to rest that was put on the floor [s]."""
 
 _FAR = 10.0
 """Distance from everything at which the robot first settles [m]."""
@@ -39,11 +39,8 @@ _FAR = 10.0
 _LARGEST_TILT = 0.05
 """Largest tilt of a robot on a level floor [rad]."""
 
-_LARGEST_FALL = 0.1
-"""Largest drop while settling [m]; a robot that falls farther has no floor under it."""
 
-
-class PhysxSimulator(Simulator):
+class PhysxSimulator(UsdSimulator):
     """Drives a robot through a stage in NVIDIA PhysX.
 
     The limits of the robot are applied at every physics step, and its wheels are driven by PhysX's velocity drives.
@@ -86,10 +83,7 @@ class PhysxSimulator(Simulator):
         assets_root: str | None = None,
         ground_offset: float = GROUND_OFFSET,
     ) -> None:
-        if not 0.0 < physics_dt <= 0.02:
-            raise InputError(f"physics_dt {physics_dt} s is out of range; use more than 0 and at most 0.02")
-        if not 0.0 <= ground_offset <= 10.0:
-            raise InputError(f"ground_offset {ground_offset} m is out of range; use 0 to 10")
+        super().__init__(robot, physics_dt=physics_dt, ground_offset=ground_offset)
         check_installation()
         need_usd("backend physx")
         from trundle.sim.physx.contacts import ContactReader
@@ -97,9 +91,6 @@ class PhysxSimulator(Simulator):
         from trundle.sim.physx.stage import RunningStage
 
         files = choose_files(robot, environment=environment, robot_usd=robot_usd, assets_root=assets_root)
-        self._robot = robot
-        self._physics_dt = physics_dt
-        self._ground_offset = ground_offset
         self._ramp = CommandRamp(robot, physics_dt)
         self._field = MoverField(world, robot) if world.movers else None
         seen: World | None = world
@@ -111,7 +102,7 @@ class PhysxSimulator(Simulator):
         self._lidars = LidarSet(robot, lidar, self._beams.cast)
         self._beams.prepare(self._lidars.heights)
         self._stage: RunningStage | None = None
-        self._settle_s = _SETTLE_S
+        self._settle_s = SETTLE_S
         self._has_warned = False
         self._pairs = 1
         self._odometry = WheelOdometry(robot, physics_dt)
@@ -145,7 +136,7 @@ class PhysxSimulator(Simulator):
         """
         _, high = world.bounds
         self._body.stand(self._running.attachment, Pose2D(high[0] + _FAR, high[1] + _FAR))
-        self._settle(_SETTLE_S)
+        self._settle(SETTLE_S)
         self._body.keep_rest(self._running.attachment)
         self._settle_s = _SHORT_SETTLE_S
 
@@ -158,28 +149,7 @@ class PhysxSimulator(Simulator):
         attachment = self._running.attachment
         for _ in range(round(duration / self._physics_dt)):
             attachment.step(self._physics_dt)
-        fell = -self._body.pose(attachment).position[2]
-        if fell > _LARGEST_FALL:
-            raise SimulationError(
-                f"the robot fell {fell + self._ground_offset:.2f} m in {duration} s: there is no collider under it. "
-                f"Start it above the floor (ground_offset, now {self._ground_offset:g} m), and check that its floor "
-                "has a collider"
-            )
-
-    @property
-    def robot(self) -> Robot:
-        """The simulated robot."""
-        return self._robot
-
-    @property
-    def world(self) -> World | None:
-        """The world, with what was added since the reset; None in an environment whose solids were not read."""
-        return self._world
-
-    @property
-    def timestep(self) -> float:
-        """Length of a physics step [s]."""
-        return self._physics_dt
+        self._check_stands(self._body.pose(attachment).position[2], duration)
 
     def watch_substeps(self, watch: Callable[[Substep], None] | None) -> bool:
         """Call `watch` after every physics step from now on, or no longer (None)."""
@@ -314,12 +284,6 @@ class PhysxSimulator(Simulator):
                 stage.close()
         finally:
             self._folder.cleanup()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def _check_open(self) -> RunningStage:
         if self._stage is None:

@@ -212,11 +212,15 @@ def _check_machine() -> str:
         missing = [name for name in ("cmake", os.environ.get("CXX", "c++")) if shutil.which(name) is None]
         if missing:
             raise UnavailableError(f"there is no {' and no '.join(missing)} to compile the kernels for Python 3.12")
-    return _find_python()
+    return find_python()
 
 
-def _find_python() -> str:
-    """Return a Python 3.12 of PATH or pyenv, tried by running it: a shim may be there for a version that is not."""
+def find_python() -> str:
+    """Return a Python 3.12 of PATH or pyenv, tried by running it: a shim may be there for a version that is not.
+
+    Raises:
+        UnavailableError: If there is none with headers, venv and ssl.
+    """
     found = [Path(entry, "python3.12") for entry in os.get_exec_path()]
     pyenv = Path(os.environ.get("PYENV_ROOT") or Path.home() / ".pyenv")
     found += sorted((pyenv / "versions").glob("3.12*/bin/python3.12"), reverse=True)

@@ -70,7 +70,7 @@ def main():
     navigator.goThroughPoses([make_pose(navigator, 4.5, 4.5), make_pose(navigator, 6.0, 4.5)])
     say("through", **finish(navigator))
     here = navigator.getFeedback().current_pose
-    navigator.followPath(navigator.getPath(here, make_pose(navigator, 4.0, 4.5), use_start=True))
+    navigator.followPath(navigator.smoothPath(navigator.getPath(here, make_pose(navigator, 4.0, 4.5), use_start=True)))
     say("followed", **finish(navigator))
     navigator.spin(spin_dist=1.57)
     say("spun", **finish(navigator), turned=navigator.getFeedback().angular_distance_traveled)

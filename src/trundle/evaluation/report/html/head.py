@@ -8,7 +8,13 @@ from html import escape
 import numpy as np
 
 from trundle.evaluation.report.html.charts import count_text, interval_bar, outcome_bar, share_axis
-from trundle.evaluation.report.summary import count_complete, count_outcomes, describe_missing, stopped_as_dict
+from trundle.evaluation.report.summary import (
+    count_complete,
+    count_handed_over,
+    count_outcomes,
+    describe_missing,
+    stopped_as_dict,
+)
 from trundle.evaluation.report.text import clean
 from trundle.evaluation.statistics.figures import BY_NAME, write_number, write_share
 from trundle.evaluation.statistics.gates import Gate, GateResult
@@ -81,6 +87,10 @@ def tiles(table: Table) -> str:
     if len(clearance):
         entries.append(("closest pass", f"{write_number(float(clearance.min()))} m", "of those that arrived"))
     entries += _sensing_tiles(table)
+    handed = count_handed_over(table)
+    if handed:
+        reasons = ", ".join(f"{count:,} {name}" for name, count in handed.items())
+        entries.append(("handed over", f"{sum(handed.values()):,}", f"by batch to kinematic: {escape(reasons)}"))
     scores = BY_NAME["barn_score"].values(table)
     if BY_NAME["barn_score"].is_used(scores):
         entries.append(("BARN score", write_number(float(np.nanmean(scores))), "mean of all runs; at most 0.5"))

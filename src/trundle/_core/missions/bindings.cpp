@@ -1,0 +1,17 @@
+// Names and arguments of these kernels in Python; driver.hpp and measures.hpp say what they do.
+#include "missions/driver.hpp"
+#include "missions/measures.hpp"
+
+void bind_missions(nanobind::module_ &m) {
+  using namespace trundle;
+  using nanobind::arg;
+  nb::class_<MissionDriver>(m, "MissionDriver")
+      .def(nb::init<In<std::uint8_t, 2>, In<std::uint8_t, 2>, double, In<double, 1>, In<double, 1>, In<double, 2>,
+                    In<double, 2>, In<double, 1>, In<double, 1>, In<double, 1>, In<double, 1>>(),
+           arg("costs"), arg("free"), arg("resolution"), arg("origin"), arg("inflation"), arg("outline"),
+           arg("padded"), arg("limits"), arg("pursuit"), arg("goal"), arg("progress"))
+      .def("drive", &MissionDriver::drive, arg("starts"), arg("goals"), arg("time_limits"), arg("paths"),
+           arg("backward"), arg("path_ends"), arg("checks"), arg("along"), arg("check_ends"), arg("threads"));
+  m.def("polyline_distances", &polyline_distances, arg("points"), arg("corners"));
+  m.def("outline_distances", &outline_distances, arg("outlines"), arg("polygons"));
+}

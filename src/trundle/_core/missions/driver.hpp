@@ -1,0 +1,75 @@
+// `MissionDriver`: whole drives along planned paths, each from its start to its goal or to where it needs more.
+//
+// Each control period has the decisions of the navigator with regulated pure pursuit, and the motion of the kinematic
+// simulator, with their operations in their order. What they would do beyond following the path (recover, give up, touch
+// something) ends a drive as handed over: Python drives that mission from its start.
+#pragma once
+
+#include "missions/progress.hpp"
+#include "missions/pure_pursuit.hpp"
+#include "shared/arrays.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace trundle {
+
+class MissionDriver {
+ public:
+  enum Ending : std::int64_t { kArrived, kTimedOut, kTouched, kBlocked, kLost, kStood, kBeyond };
+
+  // `limits`: forward, reverse and turning speed, both accelerations, wheel radius, track width, the wheels' largest
+  // speed, the length of a substep and the number of them in a control period, and the length of that.
+  // `goal`: tolerances of position and yaw, and the speeds below which the robot stands.
+  // `progress`: radius, angle and time allowance.
+  MissionDriver(In<std::uint8_t, 2> costs, In<std::uint8_t, 2> free, double resolution, In<double, 1> origin,
+                In<double, 1> inflation, In<double, 2> outline, In<double, 2> padded, In<double, 1> limits,
+                In<double, 1> pursuit, In<double, 1> goal, In<double, 1> progress);
+
+  // Drive missions. Of all paths one after the other: their poses and the directions of their legs (one more than there
+  // are, for each path), and the poses that are checked with how far along each is; `path_ends` and `check_ends` have
+  // where those of each mission end. A goal without a yaw has none that is a number.
+  //
+  // Returns the rows (x, y, yaw, v, w, and the command v, w) of all missions, where those of each end, and how each
+  // ended, with its control periods without a valid command.
+  nb::tuple drive(In<double, 2> starts, In<double, 2> goals, In<double, 1> time_limits, In<double, 2> paths,
+                  In<bool, 1> backward, In<std::int64_t, 1> path_ends, In<double, 2> checks, In<double, 1> along,
+                  In<std::int64_t, 1> check_ends, std::int64_t threads) const;
+
+ private:
+  struct Mission {
+    missions::Pose start, goal;
+    bool any_yaw;
+    double time_limit;
+    const double *path;
+    const bool *backward;
+    std::size_t poses;
+    const double *check, *along;
+    std::size_t checked;
+  };
+  struct Driven {
+    std::vector<double> rows;
+    std::int64_t ending = kBeyond, standing = 0;
+  };
+  struct Wheels {
+    double ramp_v = 0.0, ramp_w = 0.0, v = 0.0, w = 0.0;
+  };
+
+  void drive_one(const Mission &mission, Driven &driven) const;
+  bool is_reached(const Mission &mission, const missions::Pose &pose, const missions::Twist &twist) const;
+  void accelerate(Wheels &wheels, const missions::Twist &target) const;
+  bool move(missions::Pose &pose, Wheels &wheels, const missions::Twist &command, missions::Touching &touching) const;
+
+  std::vector<std::uint8_t> costs_, free_;
+  missions::Outline footprint_, padded_;
+  std::optional<missions::Ground> ground_;
+  missions::SpeedLimits limits_;
+  missions::PursuitSettings pursuit_;
+  double wheel_radius_, track_width_, wheel_speed_, timestep_, period_;
+  std::int64_t substeps_;
+  double xy_tolerance_, yaw_tolerance_, stopped_v_, stopped_w_;
+  double progress_radius_, progress_angle_, progress_allowance_;
+};
+
+}  // namespace trundle

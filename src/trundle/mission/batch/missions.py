@@ -1,0 +1,336 @@
+"""`MissionBatch`: drives missions along their plans in a kernel, with the decisions of a `Navigator`."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from trundle._core import MissionDriver, chebyshev_field
+from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
+from trundle.costmap import LETHAL
+from trundle.errors import InputError, PlanningError
+from trundle.geometry import FloatArray, Goal, Pose2D, Twist2D
+from trundle.mission.batch.needs import world_needs_python
+from trundle.mission.episode import Episode, Outcome
+from trundle.mission.metrics import Measure
+from trundle.mission.observers import RunInfo
+from trundle.mission.running import endings
+from trundle.mission.running.endings import Ending
+from trundle.mission.running.episode_maker import make_episode
+from trundle.mission.running.preparation import allowed_time, describe_run, prepare, standing_at
+from trundle.mission.running.run_log import AgentTotals, RunLog
+from trundle.mission.scenario import Setting
+from trundle.mission.trajectory import Trajectory
+from trundle.navigation import Navigator
+from trundle.path import Path
+from trundle.planning import PathCheck
+from trundle.sim.kinematic import TIMESTEP
+from trundle.sim.ramp import count_steps
+from trundle.worlds import World
+
+_ARRIVED = 0
+_HANDED_OVER = {
+    2: "contact",
+    3: "blocked",
+    4: "no progress along the path",
+    5: "no progress",
+    6: "contact of a robot that stands",
+}
+"""Endings of the kernel with which a drive is handed over."""
+
+_MOST_KERNELS = 2
+_MOST_PERIODS, _LONGEST_M = 1_000_000, 10_000.0
+"""What the kernel takes of a mission at most, in control periods and path [m]; its memory is bounded by them."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BatchMission:
+    """A mission to drive.
+
+    Attributes:
+        setting: Its world, robot and navigator.
+        measure: Measures its surroundings for the metrics; None means that they are not measured.
+    """
+
+    setting: Setting
+    measure: Measure | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class HandedOver:
+    """A mission that needs more than the kernel has: it is driven from its start, step by step.
+
+    Attributes:
+        reason: What it needs, in a few words: "blocked".
+    """
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Planned:
+    """A mission with its plan."""
+
+    mission: BatchMission
+    navigator: Navigator
+    info: RunInfo
+    began_s: float
+
+    @property
+    def course(self) -> tuple[Path, PathCheck]:
+        """The path, and its check.
+
+        Raises:
+            InputError: If there is none.
+        """
+        path, check = self.navigator.path, self.navigator.path_check
+        if path is None or check is None:
+            raise InputError("the mission has no path")
+        return path, check
+
+
+class MissionBatch:
+    """Drives missions from the start to the end: one call of a kernel for all that share a costmap and a robot.
+
+    Each is driven as `trundle.run` drives it in a `KinematicSimulator`, with the same commands. Where a mission needs
+    more than to follow its path (a step of recovery, a contact, giving up), it is handed over.
+
+    Args:
+        threads: How many of them are driven at a time.
+    """
+
+    def __init__(self, threads: int = 1) -> None:
+        self._threads = threads
+        self._kernels: list[tuple[tuple[object, ...], bytes, MissionDriver]] = []
+        self._world: tuple[World, str] | None = None
+
+    def drive(self, missions: Sequence[BatchMission]) -> list[Episode | HandedOver | PlanningError]:
+        """Plan and drive missions.
+
+        Returns:
+            For each its episode; that it is handed over; or why the robot cannot stand at one of its ends.
+
+        Raises:
+            InputError: If the control period is no multiple of the simulator's substep.
+        """
+        ends: list[Episode | HandedOver | PlanningError | _Planned] = [
+            _plan(mission, self._needs_of(mission.setting.world)) for mission in missions
+        ]
+        groups: dict[int, tuple[MissionDriver, list[int]]] = {}
+        for number, planned in enumerate(ends):
+            if isinstance(planned, _Planned):
+                kernel = self._kernel_for(planned.navigator)
+                groups.setdefault(id(kernel), (kernel, []))[1].append(number)
+        for kernel, numbers in groups.values():
+            group = [planned for number in numbers if isinstance(planned := ends[number], _Planned)]
+            for number, end in zip(numbers, _drive(kernel, group, self._threads), strict=True):
+                ends[number] = end
+        return [end for end in ends if not isinstance(end, _Planned)]
+
+    def _needs_of(self, world: World) -> str:
+        """What of a world has to be simulated in Python; it is kept for the next missions there."""
+        if self._world is None or self._world[0] is not world:
+            self._world = world, world_needs_python(world)
+        return self._world[1]
+
+    def _kernel_for(self, navigator: Navigator) -> MissionDriver:
+        """The kernel for a navigator's costmap and settings; it is kept for the next missions."""
+        costmap = navigator.costmap
+        parts = (costmap, navigator.controller, navigator.goal_checker, navigator.progress_checker)
+        for kept, _, kernel in self._kernels:
+            if all(one is other for one, other in zip(kept, parts, strict=True)):
+                return kernel
+        numbers = kernel_numbers(navigator)
+        key = b"".join(array.tobytes() for array in numbers)
+        for kept, its_key, kernel in self._kernels:
+            if kept[0] is costmap and its_key == key:
+                return kernel
+        blocked = (costmap.data >= LETHAL).view(np.uint8)
+        origin = np.array(costmap.origin.as_tuple())
+        kernel = MissionDriver(costmap.data, chebyshev_field(blocked), costmap.resolution, origin, *numbers)
+        self._kernels = [*self._kernels[-_MOST_KERNELS + 1 :], (parts, key, kernel)]
+        return kernel
+
+
+def _plan(mission: BatchMission, needs: str) -> _Planned | Episode | HandedOver | PlanningError:
+    """Plan a mission, as a session does before its first step."""
+    began_s = clock.perf_counter()
+    setting = mission.setting
+    scenario, start, goals = setting.scenario, setting.start, setting.goals
+    if needs:
+        return HandedOver(needs)
+    navigator = setting.navigator
+    if type(navigator.controller) is not RegulatedPurePursuit or len(goals) != 1:
+        return HandedOver("it does not drive to one goal by regulated_pure_pursuit")
+    navigator.reset(seed=scenario.seed)
+    try:
+        paths, unreachable = prepare(navigator, start, goals, through=None)
+    except PlanningError as error:
+        return error
+    limit_s = scenario.time_limit_s
+    if limit_s is None:
+        limit_s = allowed_time(navigator, setting.robot, start, goals, paths)
+    info = describe_run(
+        navigator.info(),
+        navigator.dt,
+        setting.robot,
+        scenario.title,
+        start,
+        goals,
+        paths,
+        limit_s,
+        scenario.seed,
+        setting.world,
+    )
+    planned = _Planned(mission, navigator, info, began_s)
+    if unreachable is not None:
+        is_touching = bool(navigator.costmap.footprint_collides(start.as_tuple())[0])
+        return (
+            HandedOver("contact") if is_touching else _give_up(_Planned(mission, navigator, info, began_s), unreachable)
+        )
+    if navigator.path is None:
+        return HandedOver("a plan that takes long")
+    if limit_s / navigator.dt > _MOST_PERIODS or navigator.path.length > _LONGEST_M:
+        return HandedOver("a long drive")
+    return planned
+
+
+def _drive(kernel: MissionDriver, group: Sequence[_Planned], threads: int) -> list[Episode | HandedOver]:
+    courses = [planned.course for planned in group]
+    rows, ends, results = kernel.drive(
+        np.array([planned.info.start.as_tuple() for planned in group]),
+        np.array([_goal_numbers(planned.info.goals[0]) for planned in group]),
+        np.array([planned.info.time_limit_s for planned in group]),
+        np.concatenate([path.poses for path, _ in courses]),
+        np.concatenate([np.append(path.backward, False) for path, _ in courses]),
+        np.cumsum([len(path.poses) for path, _ in courses]),
+        np.concatenate([check.poses for _, check in courses]),
+        np.concatenate([check.along for _, check in courses]),
+        np.cumsum([len(check.poses) for _, check in courses]),
+        threads,
+    )
+    driven: list[Episode | HandedOver] = []
+    first = 0
+    for planned, end, (ending, standing) in zip(group, ends.tolist(), results.tolist(), strict=True):
+        if ending in _HANDED_OVER:
+            driven.append(HandedOver(_HANDED_OVER[ending]))
+        else:
+            driven.append(_conclude(planned, rows[first:end], standing, arrived=ending == _ARRIVED))
+        first = end
+    return driven
+
+
+def _conclude(planned: _Planned, rows: FloatArray, standing: int, *, arrived: bool) -> Episode:
+    """The episode of a drive, of its rows (x, y, yaw, v, w, and the command v, w)."""
+    info = planned.info
+    steps = count_steps(info.dt, TIMESTEP)
+    time = np.arange(0.0, len(rows) * steps, steps) * TIMESTEP
+    log = RunLog.of(_trajectory(time, rows), (planned.course[0],))
+    totals = AgentTotals()
+    if standing:
+        totals.standing_reasons["no valid control"] += standing
+    state = replace(standing_at(Pose2D(*rows[-1, :3].tolist()))[0], time=float(time[-1]))
+    ending = endings.at_goal(state, None) if arrived else endings.timed_out(info.goals, info.time_limit_s)
+    return _make_episode(planned, log, totals, ending)
+
+
+def _give_up(planned: _Planned, error: PlanningError) -> Episode:
+    """The episode of a mission without a path."""
+    state, estimate = standing_at(planned.info.start)
+    log = RunLog()
+    log.add(state, Twist2D(), estimate, 0, None)
+    return _make_episode(planned, log, AgentTotals(), (Outcome.NO_PATH, str(error)), complete=error.complete)
+
+
+def _make_episode(
+    planned: _Planned, log: RunLog, totals: AgentTotals, ending: Ending, *, complete: bool | None = None
+) -> Episode:
+    totals.add(planned.navigator.report())
+    outcome, message = ending
+    return make_episode(
+        planned.info,
+        log,
+        totals,
+        outcome,
+        message,
+        goals_reached=int(outcome is Outcome.ARRIVED),
+        behaviors=(),
+        directives=(),
+        world=planned.info.world,
+        boxes=(),
+        wall_s=clock.perf_counter() - planned.began_s,
+        measure=planned.mission.measure,
+        complete=complete,
+    )
+
+
+def _trajectory(time: FloatArray, rows: FloatArray) -> Trajectory:
+    x, y, yaw, v, w, commanded_v, commanded_w = rows.T
+    none = np.zeros(len(time), dtype=np.int64)
+    return Trajectory(time, x, y, yaw, v, w, commanded_v, commanded_w, x, y, yaw, goal=none, path=none)
+
+
+def _goal_numbers(goal: Goal) -> tuple[float, float, float]:
+    return goal.pose.x, goal.pose.y, math.nan if goal.yaw_free else goal.pose.yaw
+
+
+def kernel_numbers(navigator: Navigator) -> tuple[FloatArray, ...]:
+    """What the kernel takes of a costmap's inflation, the robot, and the settings of a navigator.
+
+    Raises:
+        InputError: If the control period is no multiple of the simulator's substep.
+    """
+    costmap, robot, controller = navigator.costmap, navigator.robot, navigator.controller
+    if not isinstance(controller, RegulatedPurePursuit):
+        raise InputError("only regulated_pure_pursuit is driven in batches")
+    limits, drive, settings = robot.limits, robot.drive, controller.settings
+    goal, progress = navigator.goal_checker, navigator.progress_checker
+    return (
+        np.array([costmap.inscribed_radius, costmap.cost_scaling_factor, costmap.inflation_radius]),
+        np.ascontiguousarray(robot.planar.outline),
+        np.ascontiguousarray(robot.planar.padded(settings.footprint_padding).outline),
+        np.array(
+            [
+                limits.linear_speed,
+                limits.linear_speed if limits.reverse_speed is None else limits.reverse_speed,
+                limits.angular_speed,
+                limits.linear_acceleration,
+                limits.angular_acceleration,
+                drive.wheel_radius,
+                drive.track_width,
+                math.inf if drive.max_wheel_speed is None else drive.max_wheel_speed,
+                TIMESTEP,
+                count_steps(navigator.dt, TIMESTEP),
+                navigator.dt,
+            ]
+        ),
+        np.array(
+            [
+                math.inf if settings.desired_linear_vel is None else settings.desired_linear_vel,
+                settings.lookahead_dist,
+                settings.min_lookahead_dist,
+                settings.rotate_to_heading_min_angle,
+                settings.rotate_to_heading_angular_vel,
+                settings.regulated_linear_scaling_min_radius,
+                settings.regulated_linear_scaling_min_speed,
+                settings.cost_scaling_dist,
+                settings.approach_velocity_scaling_dist,
+                settings.min_approach_linear_velocity,
+                settings.approach_deceleration,
+                settings.acceleration_of(robot),
+                settings.footprint_padding,
+            ]
+        ),
+        np.array([goal.xy_tolerance, goal.yaw_tolerance, goal.stopped_linear, goal.stopped_angular]),
+        np.array(
+            [
+                progress.required_movement_radius,
+                progress.required_movement_angle,
+                progress.movement_time_allowance,
+            ]
+        ),
+    )

@@ -1,0 +1,64 @@
+"""`needs_python`: what of a scenario the kernel of missions does not have."""
+
+from __future__ import annotations
+
+from trundle.geometry.solids import Mesh
+from trundle.mission.fields import MapOptions, ScenarioFields
+from trundle.mission.goal_fields import make_goal
+from trundle.navigation.waypoint import tasks_of
+from trundle.worlds import World
+
+BATCH = "batch"
+"""The backend of a suite whose missions are driven by the kernel."""
+
+CONTROLLER = "regulated_pure_pursuit"
+
+_NOT_SET = (
+    "agent",
+    "localizer",
+    "speed_mask",
+    "assumed",
+    "unmapped",
+    "map_errors",
+    "movers",
+    "actuation",
+    "latency",
+    "odometry",
+    "lidar_errors",
+    "start_error",
+    "rules",
+    "directives",
+    "through",
+    "replan_interval_s",
+)
+"""Fields that a scenario for the kernel does not have: with each of them more happens than following one path."""
+
+
+def needs_python(scenario: ScenarioFields) -> tuple[str, ...]:
+    """Return what of a scenario has to be driven step by step in Python, by field; nothing where all of it need not."""
+    needs = [name for name in _NOT_SET if getattr(scenario, name)]
+    if scenario.controller.is_python or scenario.controller.name != CONTROLLER:
+        needs.insert(0, f"controller {scenario.controller.short_name}")
+    if scenario.lidar or scenario.backend.options:
+        needs.append("lidar" if scenario.lidar else "options of the backend")
+    if scenario.collision_monitor:
+        needs.append("collision_monitor")
+    goals = scenario.goals or ()
+    if len(goals) > 1 or any(tasks_of(make_goal(goal)) for goal in goals):
+        needs.append("several goals or tasks")
+    walls = scenario.map_options or MapOptions()
+    if walls.unknown == "solid" and scenario.unknown != "blocked":
+        needs.append("map_options: unknown solid where the robot may drive")
+    return tuple(needs)
+
+
+def world_needs_python(world: World) -> str:
+    """Return what of a world has to be simulated in Python; empty where nothing has.
+
+    The kernel looks for contacts in the cells of the map, which hold all of a solid, but not of a mesh's hull.
+    """
+    if world.movers:
+        return "the world has movers"
+    if any(isinstance(solid.shape, Mesh) for solid in world.solids):
+        return "the world has meshes"
+    return ""

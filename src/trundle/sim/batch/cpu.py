@@ -1,0 +1,143 @@
+"""`CpuEngine`: the state of a batch in NumPy arrays, computed by the kernel; what another device has to offer too."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle._core import Batch
+from trundle.geometry import FloatArray
+from trundle.sim.batch.arrays import BatchModel
+
+Mask = npt.NDArray[np.bool_]
+
+
+class BatchEngine(Protocol):
+    """Holds the state of a batch on some device, and computes it there. Arrays are the device's."""
+
+    poses: Any
+    motions: Any
+    wheels: Any
+    lengths: Any
+    steps: Any
+    contacts: Any
+    places: Any
+    ranges: Any
+
+    def takes(self, *values: object) -> bool:
+        """Return whether one of these is an array of the device, which is no host array."""
+        ...
+
+    def reset(self, robots: Any, **given: Any) -> None:
+        """Put robots at rest with arrays of the device, which have a row for each robot of the batch."""
+        ...
+
+    def put(self, chosen: npt.NDArray[np.int64] | None, **given: npt.NDArray) -> None:
+        """Put robots at rest, with checked arrays of the host that have a row for each of the chosen ones."""
+        ...
+
+    def drive(self, commands: Any, robots: Any, substeps: int) -> None:
+        """Drive substeps, and find what is touched first."""
+        ...
+
+    def scan(self, robots: Any) -> None:
+        """Turn the lidars of some robots once, or of all if None."""
+        ...
+
+    def scan_exactly(self) -> FloatArray:
+        """Turn all lidars once, and return the ranges in float64."""
+        ...
+
+    def off_map(self) -> Any:
+        """Return which robots are beyond their map."""
+        ...
+
+    def synchronize(self) -> None:
+        """Wait for the device, and raise what it has found."""
+        ...
+
+
+class CpuEngine:
+    """Computes a batch on the processor.
+
+    Args:
+        model: What the robots share.
+        count: Number of robots.
+        threads: Number of threads.
+    """
+
+    def __init__(self, model: BatchModel, count: int, threads: int) -> None:
+        self._batch = Batch(*model)
+        self._model, self._count, self._threads = model, count, threads
+        self.poses = np.zeros((count, 3))
+        self.wheels = np.zeros((count, 2))
+        self.lengths = np.zeros(count)
+        self.steps = np.zeros(count, dtype=np.int64)
+        self.contacts = np.zeros((count, 4), dtype=np.int64)
+        self.places = np.full((count, 2), (0, -1), dtype=np.int64)
+        self.motions = np.zeros((count, 6))
+        self.ranges = np.full((count, len(model.angles)), np.inf, dtype=np.float32)
+        self._errors = np.zeros((count, 2))
+        self._keys = np.zeros(count, dtype=np.uint64)
+        self._everyone = np.ones(count, dtype=bool)
+        self._standing = np.zeros((count, 2))
+
+    def takes(self, *_values: object) -> bool:
+        """Return that none is: the processor has arrays of the host."""
+        return False
+
+    def reset(self, robots: Any, **given: Any) -> None:
+        """Is never asked for; see `takes`."""
+        raise NotImplementedError
+
+    def put(self, chosen: npt.NDArray[np.int64] | None, **given: npt.NDArray) -> None:
+        """Put robots at rest, and find what they touch there."""
+        rows = slice(None) if chosen is None else chosen
+        self.poses[rows] = given["poses"]
+        self.places[rows, 0], self.places[rows, 1] = given["maps"], given["recordings"]
+        self._errors[rows, 0], self._errors[rows, 1] = given["noise"], given["dropouts"]
+        self._keys[rows] = given["seeds"]
+        for array in (self.wheels, self.lengths, self.steps, self.motions):
+            array[rows] = 0
+        self.drive(self._standing, None if chosen is None else mask_of(chosen, self._count), 0)
+
+    def drive(self, commands: FloatArray, robots: Mask | None, substeps: int) -> None:
+        """Drive substeps, and find what is touched first."""
+        active = self._everyone if robots is None else robots
+        state = (self.poses, self.motions, self.wheels, self.lengths, self.steps, self.contacts)
+        self._batch.drive(*state, commands, self.places, active, substeps, self._threads)
+
+    def scan(self, robots: Mask | None) -> None:
+        """Turn the lidars of some robots once, or of all if None."""
+        self._scan_into(self.ranges, self._everyone if robots is None else robots)
+
+    def scan_exactly(self) -> FloatArray:
+        """Turn all lidars once, and return the ranges in float64."""
+        ranges = np.full(self.ranges.shape, np.inf)
+        self._scan_into(ranges, self._everyone)
+        return ranges
+
+    def off_map(self) -> Mask:
+        """Return which robots are beyond their map."""
+        maps, model = self.places[:, 0], self._model
+        x, y, yaw = model.frames[maps].T
+        dx, dy = self.poses[:, 0] - x, self.poses[:, 1] - y
+        cos, sin = np.cos(yaw), np.sin(yaw)
+        col, row = (cos * dx + sin * dy) / model.resolution, (cos * dy - sin * dx) / model.resolution
+        rows, cols = model.shapes[maps].T
+        return (col < 0.0) | (row < 0.0) | (col > cols) | (row > rows)
+
+    def synchronize(self) -> None:
+        """Do nothing: the processor is done when a call returns."""
+
+    def _scan_into(self, ranges: npt.NDArray[Any], active: Mask) -> None:
+        self._batch.scan(ranges, self.poses, self.steps, self.places, active, self._errors, self._keys, self._threads)
+
+
+def mask_of(chosen: npt.NDArray[np.int64], count: int) -> Mask:
+    """Return a bool for each robot of a batch: whether it is chosen."""
+    mask = np.zeros(count, dtype=bool)
+    mask[chosen] = True
+    return mask

@@ -1,0 +1,240 @@
+"""Kernels that find what footprints touch: a thread for a substep of a robot."""
+
+# pyright: reportAttributeAccessIssue=false, reportInvalidTypeForm=false, reportOperatorIssue=false
+# pyright: reportCallIssue=false, reportIndexIssue=false, reportArgumentType=false
+
+import warp as wp
+
+from trundle.sim.batch.warp.arithmetic import EXACT, ONE, TOUCH, ZERO, clamped, far, greater, lesser, sin_cos
+from trundle.sim.batch.warp.model import NOTHING_BAD, Model, mover_at, placed_corner, to_cells, turned
+
+wp.set_module_options(EXACT)
+
+
+@wp.func
+def has_room(model: Model, number: wp.int32, x: wp.float64, y: wp.float64, room: wp.float64):
+    offset, rows, cols = model.shapes[number, 0], model.shapes[number, 1], model.shapes[number, 2]
+    if not (x >= ZERO and y >= ZERO and x < wp.float64(cols) and y < wp.float64(rows)):
+        return False
+    free = wp.int32(model.cells[offset + wp.int32(y) * cols + wp.int32(x)])
+    return wp.float64(free - 1) * model.resolution >= room
+
+
+@wp.func
+def is_surely_free(model: Model, number: wp.int32, pose: wp.vec3d):
+    base = to_cells(model, number, pose[0], pose[1])
+    if has_room(model, number, base[0], base[1], model.radius):
+        return True
+    turn = sin_cos(pose[2] - model.frames[number, 2])
+    for i in range(4):
+        disc = model.cover[i]
+        x = base[0] + (turn[1] * disc[0] - turn[0] * disc[1]) / model.resolution
+        y = base[1] + (turn[0] * disc[0] + turn[1] * disc[1]) / model.resolution
+        if not has_room(model, number, x, y, model.cover_radius):
+            return False
+    return True
+
+
+@wp.func
+def first_overlap(model: Model, number: wp.int32, pose: wp.vec3d, edges: wp.array2d(dtype=wp.vec3d), thread: wp.int32):
+    """(row, col) of the first blocked cell that the footprint overlaps, or (−1, −1); as `first_overlap` in C++.
+
+    `edges` is memory for the corners of the footprint and the slopes of the edges that lead to them.
+    """
+    offset, row_count, col_count = model.shapes[number, 0], model.shapes[number, 1], model.shapes[number, 2]
+    rows, cols = wp.float64(row_count), wp.float64(col_count)
+    touch = TOUCH / model.resolution
+    base = to_cells(model, number, pose[0], pose[1])
+    turn = sin_cos(pose[2] - model.frames[number, 2])
+    corners = model.outline.shape[0]
+    low, high = far(), -far()
+    last_corner = turned(turn, model.outline[corners - 1])
+    before_x = base[0] + last_corner[0] / model.resolution
+    before_y = base[1] + last_corner[1] / model.resolution
+    for i in range(corners):
+        corner = turned(turn, model.outline[i])
+        x = base[0] + corner[0] / model.resolution
+        y = base[1] + corner[1] / model.resolution
+        slope = wp.float64(0.0)
+        if before_y > y:
+            slope = (before_x - x) / (before_y - y)
+        elif y > before_y:
+            slope = (x - before_x) / (y - before_y)
+        edges[i, thread] = wp.vec3d(x, y, slope)
+        low = lesser(low, y)
+        high = greater(high, y)
+        before_x = wp.float64(x)
+        before_y = wp.float64(y)
+    first_row = wp.int32(clamped(wp.floor(low + touch), ZERO, rows))
+    last_row = wp.int32(clamped(wp.ceil(high - touch), ZERO, rows)) - 1
+    row = first_row
+    while row <= last_row:
+        left, right = far(), -far()
+        below = wp.float64(row)
+        above = below + ONE
+        from_x = wp.float64(edges[corners - 1, thread][0])
+        from_y = wp.float64(edges[corners - 1, thread][1])
+        for i in range(corners):
+            other = wp.vec3d(edges[i, thread])
+            ax = wp.float64(from_x)
+            ay = wp.float64(from_y)
+            bx = wp.float64(other[0])
+            by = wp.float64(other[1])
+            if from_y > other[1]:
+                ax = other[0]
+                ay = other[1]
+                bx = from_x
+                by = from_y
+            if below >= wp.floor(greater(ay, -ONE)) and below <= wp.floor(lesser(by, rows)):
+                start = wp.float64(ax)
+                end = wp.float64(bx)
+                if ay < below:
+                    start = ax + (below - ay) * other[2]
+                if by > above:
+                    end = ax + (above - ay) * other[2]
+                left = lesser(left, lesser(start, end))
+                right = greater(right, greater(start, end))
+            from_x = wp.float64(other[0])
+            from_y = wp.float64(other[1])
+        if left <= right:
+            col = wp.int32(clamped(wp.floor(left + touch), ZERO, cols))
+            end_col = wp.int32(clamped(wp.ceil(right - touch), ZERO, cols))
+            while col < end_col:
+                free = wp.int32(model.cells[offset + row * col_count + col])
+                if free == 0:
+                    return wp.vec2i(row, col)
+                col += free
+        row += 1
+    return wp.vec2i(-1, -1)
+
+
+@wp.func
+def overlaps_disc(model: Model, turn: wp.vec2d, x: wp.float64, y: wp.float64, radius: wp.float64):
+    """Whether a disc overlaps the footprint."""
+    count = model.outline.shape[0]
+    a = turned(turn, model.outline[count - 1])
+    inside = wp.bool(True)
+    nearest = far()
+    for i in range(count):
+        b = turned(turn, model.outline[i])
+        ex = b[0] - a[0]
+        ey = b[1] - a[1]
+        if not (ex * (y - a[1]) - ey * (x - a[0]) > ZERO):
+            inside = False
+        share = clamped(((x - a[0]) * ex + (y - a[1]) * ey) / (ex * ex + ey * ey), ZERO, ONE)
+        dx = a[0] + share * ex - x
+        dy = a[1] + share * ey - y
+        nearest = lesser(nearest, dx * dx + dy * dy)
+        a = b
+    if inside:
+        return True
+    return radius - wp.sqrt(nearest) > TOUCH
+
+
+@wp.func
+def overlaps_polygon(
+    model: Model, heading: wp.vec2d, first: wp.int32, end: wp.int32, turn: wp.vec2d, dx: wp.float64, dy: wp.float64
+):
+    """Whether no edge of the footprint or of a mover's polygon separates the two."""
+    count = model.outline.shape[0]
+    a = turned(heading, model.outline[count - 1])
+    for i in range(count):
+        b = turned(heading, model.outline[i])
+        ex = b[0] - a[0]
+        ey = b[1] - a[1]
+        nearest = far()
+        for k in range(first, end):
+            c = placed_corner(model, k, turn, dx, dy)
+            nearest = lesser(nearest, ey * (c[0] - a[0]) - ex * (c[1] - a[1]))
+        if -nearest <= TOUCH * wp.sqrt(ex * ex + ey * ey):
+            return False
+        a = b
+    a = placed_corner(model, end - 1, turn, dx, dy)
+    for k in range(first, end):
+        b = placed_corner(model, k, turn, dx, dy)
+        ex = b[0] - a[0]
+        ey = b[1] - a[1]
+        nearest = far()
+        for i in range(count):
+            c = turned(heading, model.outline[i])
+            nearest = lesser(nearest, ey * (c[0] - a[0]) - ex * (c[1] - a[1]))
+        if -nearest <= TOUCH * wp.sqrt(ex * ex + ey * ey):
+            return False
+        a = b
+    return True
+
+
+@wp.kernel
+def touch(
+    model: Model,
+    active: wp.array(dtype=wp.bool),
+    substeps: wp.int32,
+    fault: wp.array(dtype=wp.int64),
+    passed: wp.array2d(dtype=wp.vec3d),
+    places: wp.array2d(dtype=wp.int64),
+    steps: wp.array(dtype=wp.int64),
+    edges: wp.array2d(dtype=wp.vec3d),
+    found: wp.array2d(dtype=wp.vec3i),
+):
+    """Find what the footprint touches after each substep; a cell before movers, the movers by their numbers."""
+    substep, i = wp.tid()
+    if not active[i] or fault[0] != NOTHING_BAD:
+        return
+    pose = passed[substep, i]
+    number = wp.int32(places[i, 0])
+    recording = wp.int32(places[i, 1])
+    found[substep, i] = wp.vec3i(0, 0, 0)
+    if not is_surely_free(model, number, pose):
+        cell = first_overlap(model, number, pose, edges, substep * active.shape[0] + i)
+        if cell[0] >= 0:
+            found[substep, i] = wp.vec3i(1, cell[0], cell[1])
+            return
+    if recording < 0:
+        return
+    # After the last substep the robot's clock stands at `steps`.
+    time = wp.float64(steps[i] - wp.int64(wp.max(substeps - 1 - substep, 0))) * model.timestep
+    present = model.recordings[recording]
+    heading = sin_cos(pose[2])
+    for mover in range(present[0], present[1]):
+        at = mover_at(model, mover, time)
+        dx = at[0] - pose[0]
+        dy = at[1] - pose[1]
+        reach = model.radius + model.radii[mover]
+        if dx * dx + dy * dy < reach * reach:
+            own = model.corner_ranges[mover]
+            hit = wp.bool(False)
+            if own[0] == own[1]:
+                hit = overlaps_disc(model, heading, dx, dy, model.radii[mover])
+            else:
+                hit = overlaps_polygon(model, heading, own[0], own[1], sin_cos(at[2]), dx, dy)
+            if hit:
+                found[substep, i] = wp.vec3i(2, mover, 0)
+                return
+
+
+@wp.kernel
+def settle(
+    active: wp.array(dtype=wp.bool),
+    rows: wp.int32,
+    before: wp.int32,
+    number_of_first: wp.int32,
+    fault: wp.array(dtype=wp.int64),
+    found: wp.array2d(dtype=wp.vec3i),
+    contacts: wp.array2d(dtype=wp.int64),
+):
+    """Keep the first contact of a step, of which `before` substeps were looked at already."""
+    i = wp.tid()
+    if not active[i] or fault[0] != NOTHING_BAD:
+        return
+    if before > 0 and contacts[i, 0] != wp.int64(0):
+        return
+    for k in range(4):
+        contacts[i, k] = wp.int64(0)
+    for substep in range(rows):
+        thing = found[substep, i]
+        if thing[0] != 0:
+            contacts[i, 0] = wp.int64(thing[0])
+            contacts[i, 1] = wp.int64(thing[1])
+            contacts[i, 2] = wp.int64(thing[2])
+            contacts[i, 3] = wp.int64(before + number_of_first + substep)
+            return

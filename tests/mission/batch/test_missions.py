@@ -1,0 +1,185 @@
+"""Missions in the kernel against the same ones step by step in Python: `Session` with the kinematic simulator."""
+
+import numpy as np
+import pytest
+
+from trundle.maps import OccupancyGrid
+from trundle.mission import Episode, Outcome, Scenario, sample_tight_ends
+from trundle.mission.batch.missions import BatchMission, HandedOver, MissionBatch
+from trundle.mission.batch.needs import needs_python
+from trundle.mission.metrics import measure_truth
+from trundle.path import Path
+from trundle.robots import Robot
+
+TOLERANCE = 1e-9
+"""Of poses [m, rad] and commands [m/s, rad/s]; on one machine they are equal bit for bit."""
+
+SMALL = {"name": "warehouse", "options": {"size": [14, 11]}, "seed": 3}
+
+
+def scenario(**settings) -> Scenario:
+    return Scenario.make(**{"world": SMALL, "backend": "kinematic", "robot": "nova_carter"} | settings)
+
+
+def in_python(chosen: Scenario) -> Episode:
+    with chosen.build() as mission:
+        return mission.run()
+
+
+def in_kernel(chosen: Scenario):
+    (end,) = MissionBatch().drive([BatchMission(chosen.prepare(), measure_truth)])
+    return end
+
+
+def assert_alike(one: Episode, other: Episode) -> None:
+    assert (one.outcome, one.message, one.goals_reached) == (other.outcome, other.message, other.goals_reached)
+    assert len(one.trajectory) == len(other.trajectory)
+    for name in one.trajectory.columns():
+        ours, theirs = getattr(one.trajectory, name), getattr(other.trajectory, name)
+        assert np.abs(ours - theirs).max() <= TOLERANCE, name
+    assert np.array_equal(one.paths[0].poses, other.paths[0].poses)
+    assert one.metrics.min_clearance_m == pytest.approx(other.metrics.min_clearance_m, abs=TOLERANCE)
+    assert one.metrics.standing_reasons == other.metrics.standing_reasons
+
+
+def test_commands_are_those_of_the_navigator_in_10_000_control_periods():
+    periods, seed = 0, 0
+    while periods < 10_000:
+        chosen = scenario(
+            world={"name": ("office", "warehouse", "cylinders")[seed % 3], "seed": seed},
+            robot=("nova_carter", "turtlebot3_burger", "jackal")[seed % 2],
+            planner="hybrid_astar" if seed % 4 == 1 else "auto",
+            seed=seed,
+        )
+        driven, found = in_python(chosen), in_kernel(chosen)
+        seed += 1
+        if isinstance(found, HandedOver):
+            assert driven.behaviors or driven.outcome is not Outcome.ARRIVED
+            continue
+        assert_alike(found, driven)
+        periods += len(driven.trajectory) - 1
+    assert seed < 60
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"control_frequency": 10.0},
+        {"controller": {"name": "regulated_pure_pursuit", "options": {"desired_linear_vel": 0.4}}},
+        {
+            "controller": {
+                "name": "regulated_pure_pursuit",
+                "options": {"lookahead_dist": 1.5, "footprint_padding": 0.2},
+            }
+        },
+        {"goal_tolerance": 0.05, "goal_yaw_tolerance": 0.02},
+        {"inflation_radius": 0.3, "cost_scaling_factor": 3.0},
+        {"smoother": "constrained"},
+        {"time_limit_s": 6.0},
+        {"planner": {"name": "hybrid_astar", "options": {"in_place": False}}},
+    ],
+    ids=lambda settings: next(iter(settings)),
+)
+def test_settings_have_the_same_effect(settings):
+    chosen = scenario(seed=2, **settings)
+    assert_alike(in_kernel(chosen), in_python(chosen))
+
+
+def wall(doorway: bool) -> OccupancyGrid:
+    cells = np.zeros((80, 120), dtype=np.int8)
+    cells[:2] = cells[-2:] = cells[:, :2] = cells[:, -2:] = cells[:, 58:62] = 100
+    if doorway:
+        cells[10:30, 58:62] = 0
+    return OccupancyGrid(cells, 0.05)
+
+
+@pytest.fixture
+def on_a_map(tmp_path):
+    def make(doorway: bool, **settings) -> Scenario:
+        wall(doorway).save(tmp_path / "map.yaml")
+        ends = {"start": (1.0, 2.0, 0.0), "goal": (5.0, 2.0)}
+        return scenario(world=None, map=str(tmp_path / "map.yaml"), **ends | settings)
+
+    return make
+
+
+def test_a_goal_without_a_yaw_is_reached_in_any(on_a_map):
+    chosen = on_a_map(True)
+    found = in_kernel(chosen)
+    assert found.outcome is Outcome.ARRIVED
+    assert_alike(found, in_python(chosen))
+
+
+def test_a_mission_without_a_path_ends_as_in_python(on_a_map):
+    chosen = on_a_map(False)
+    found, driven = in_kernel(chosen), in_python(chosen)
+    assert (found.outcome, found.message, found.complete) == (driven.outcome, driven.message, driven.complete)
+    assert found.outcome is Outcome.NO_PATH
+    assert np.array_equal(found.trajectory.poses, driven.trajectory.poses)
+    assert not found.paths
+
+
+def through_the_wall(costmap, start, goal):
+    return Path(np.array([(1.0, 2.0, 0.0), (5.0, 2.0, 0.0)]))
+
+
+def test_a_robot_that_is_blocked_is_handed_over(on_a_map):
+    assert in_kernel(on_a_map(False, planner=through_the_wall)) == HandedOver("blocked")
+
+
+def test_a_mission_whose_start_is_blocked_gives_the_error_of_python(on_a_map):
+    chosen = on_a_map(False, start=(3.0, 2.0, 0.0))
+    with pytest.raises(Exception, match="start") as raised:
+        in_python(chosen)
+    assert str(in_kernel(chosen)) == str(raised.value)
+
+
+def test_missions_of_one_batch_have_the_bits_of_each_alone_in_any_number_of_threads():
+    settings = [scenario(seed=seed).prepare() for seed in range(6)]
+    alone = [MissionBatch().drive([BatchMission(setting)])[0] for setting in settings]
+    together = MissionBatch(threads=3).drive([BatchMission(setting) for setting in reversed(settings)])[::-1]
+    for one, other in zip(alone, together, strict=True):
+        assert one.outcome is Outcome.ARRIVED
+        assert np.array_equal(one.trajectory.poses, other.trajectory.poses)
+        assert one.message == other.message
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_drives_between_ends_without_room_for_a_turn_are_alike(seed):
+    prepared = scenario(seed=seed).prepare()
+    start, goal = sample_tight_ends(prepared.navigator.costmap, seed)
+    chosen = scenario(seed=seed, start=start.as_tuple(), goal=goal.as_tuple())
+    assert_alike(in_kernel(chosen), in_python(chosen))
+
+
+def away_from_the_wall(costmap, start, goal):
+    return Path(np.array([(start.x + 0.02, start.y, 0.0), (goal.x, goal.y, 0.0)]))
+
+
+@pytest.mark.parametrize("gap", [0.002, 0.008])
+def test_a_robot_that_stands_closer_to_a_wall_than_its_padding_drives_off_alike(on_a_map, gap):
+    rear = -Robot.load("nova_carter").planar.outline[:, 0].min()
+    ends = {"start": (0.1 + rear + gap, 2.0, 0.0), "goal": (2.0 + rear, 2.0)}
+    chosen = on_a_map(False, planner=away_from_the_wall, **ends)
+    found, driven = in_kernel(chosen), in_python(chosen)
+    assert driven.outcome is Outcome.ARRIVED
+    assert_alike(found, driven)
+
+
+@pytest.mark.parametrize(
+    ("settings", "named"),
+    [
+        ({"controller": "mppi"}, "controller mppi"),
+        ({"lidar": True}, "lidar"),
+        ({"collision_monitor": True}, "collision_monitor"),
+        ({"latency": {"command_delay_s": 0.1}}, "latency"),
+        ({"movers": [{"crowd": "person", "count": 1}]}, "movers"),
+        ({"goals": [(1.0, 1.0), (2.0, 2.0)]}, "several goals"),
+        ({"replan_interval_s": 1.0}, "replan_interval_s"),
+        ({"rules": {"arrival_radius": 1.0}}, "rules"),
+        ({"actuation": {"wheel_radius": 1.1}}, "actuation"),
+    ],
+)
+def test_what_needs_python_is_named(settings, named):
+    assert not needs_python(scenario())
+    assert any(named in need for need in needs_python(scenario(**settings)))
