@@ -1,11 +1,22 @@
 """The adapters for Stable-Baselines3 and RSL-RL."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
 from trundle.errors import InputError
 
 OPTIONS = {"world": "office", "worlds": 1, "robot": "jackal", "beams": 24, "max_time_s": 4.0, "threads": 1}
+
+
+@pytest.mark.parametrize(("adapter", "library"), [("sb3", "stable_baselines3"), ("rsl_rl", "rsl_rl")])
+def test_without_the_library_the_import_says_how_to_install_it(adapter, library):
+    code = f"import sys; sys.modules[{library!r}] = None; import trundle.gym.{adapter}"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert "MissingExtraError" in done.stderr.strip().splitlines()[-1]
+    assert "Install it with: pip install" in done.stderr
 
 
 def test_stable_baselines_learns_on_it():

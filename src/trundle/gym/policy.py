@@ -49,8 +49,8 @@ def policy_metadata(
         reach=reach,
         lidars=tuple(lidars),
         period=episodes.settings.period_s,
-        scale=episodes.command_scale,
-        offset=episodes.command_offset,
+        scale=episodes.command_scale.tolist(),
+        offset=episodes.command_offset.tolist(),
         normalisation=normalisation or {},
         states=states or {},
     )

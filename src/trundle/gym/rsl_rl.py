@@ -5,11 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import torch
-from rsl_rl.env import VecEnv
-from tensordict import TensorDict
 
+from trundle.errors import MissingExtraError
 from trundle.gym.vector_env import NavigationVectorEnv
+
+try:
+    import torch  # pyright: ignore[reportMissingImports]
+    from rsl_rl.env import VecEnv  # pyright: ignore[reportMissingImports]
+    from tensordict import TensorDict  # pyright: ignore[reportMissingImports]
+except ModuleNotFoundError as error:
+    raise MissingExtraError("trundle.gym.rsl_rl", str(error.name), "pip install rsl-rl-lib tensordict torch") from None
 
 
 class RslRlVecEnv(VecEnv):

@@ -6,10 +6,14 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from stable_baselines3.common.vec_env import VecEnv
 
-from trundle.errors import InputError
+from trundle.errors import InputError, MissingExtraError
 from trundle.gym.vector_env import NavigationVectorEnv
+
+try:
+    from stable_baselines3.common.vec_env import VecEnv  # pyright: ignore[reportMissingImports]
+except ModuleNotFoundError as error:
+    raise MissingExtraError("trundle.gym.sb3", str(error.name), "pip install stable-baselines3") from None
 
 
 class Sb3VecEnv(VecEnv):

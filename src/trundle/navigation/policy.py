@@ -57,7 +57,7 @@ class Policy(Agent):
         self._lidars = _choose_lidars(self.file, robot)
         own = AgentInfo("policy") if navigator is None else navigator.info()
         self.goal_checker = GoalChecker() if own.goal_checker is None else own.goal_checker
-        name = f"policy {self.file.path.name}"
+        name = self.file.path.name
         self._info = replace(own, controller=name, planner="none", goal_checker=self.goal_checker, plugins=())
         self.dt = min(CONTROL_PERIOD_S, self.file.period)
         self.reset()
