@@ -25,10 +25,10 @@ from benchmarks.localization.conditions import spoil_scan
 from benchmarks.localization.drives import load_robot
 from benchmarks.mapping.slam import align, aligned_error
 from scipy import ndimage
-from trundle.mapping.placing import move_pose_graph
 
 import trundle
 from trundle import Mapper, Navigator, Observation, OccupancyGrid, Pose2D, Robot, World, draw_map, sample_mission
+from trundle.mapping.merging import move_pose_graph
 from trundle.navigation.status import NavigationStatus
 
 FINE_M = 0.02

@@ -170,6 +170,26 @@ def test_a_map_beyond_memory_is_refused_and_nothing_is_written(trundle: Trundle,
     assert list((tmp_path / "out").iterdir()) == []
 
 
+def test_what_was_mapped_is_kept_where_its_map_is_beyond_memory(
+    trundle: Trundle, bags: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as small:
+        small.setattr("trundle.mapping.drawing.MAX_CELLS", 1000)
+        done = trundle("map", "from-bag", bags / "round", "-o", "out/far.yaml")
+    assert done.code == 2
+    assert "use a coarser resolution; trundle map from-graph" in done.err
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["far.posegraph"]
+    assert trundle("map", "from-graph", "out/far.posegraph", "-o", "out/far.yaml").code == 0
+
+
+def test_a_pose_graph_with_poses_kilometres_apart_is_refused(trundle: Trundle, bags: Path, tmp_path: Path) -> None:
+    graph = make_graph()
+    save_pose_graph(replace(graph, poses=graph.poses * (3e4, 3e4, 1.0)), tmp_path / "far.posegraph")
+    done = trundle("map", "continue", "far.posegraph", bags / "round", "-o", "out/far.yaml")
+    assert done.code == 2
+    assert "lie too far apart" in done.err
+
+
 def test_foreign_and_damaged_pose_graphs_are_refused(trundle: Trundle, bags: Path, tmp_path: Path) -> None:
     (tmp_path / "theirs.posegraph").write_bytes(b"\x16\0\0\0\0\0\0\0serialization::archive\x11\0")
     done = trundle("map", "continue", "theirs.posegraph", bags / "round", "-o", "site.yaml")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import heapq
+import math
 from collections import OrderedDict, defaultdict
 from dataclasses import dataclass
 
@@ -10,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle._core import SurfaceMap
+from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.mapping.nodes import Nodes
 from trundle.mapping.pose_graph import LOOP
@@ -125,7 +127,14 @@ class Submaps:
         surface = SurfaceMap(CELL_M)
         for node in range(submap.first, submap.last + 1):
             one = self._nodes.key_surface(node)
-            surface.add(one.points, one.normals, np.array(self.seen_from_middle(submap, node).as_tuple()), 1)
+            seen = self.seen_from_middle(submap, node)
+            try:
+                surface.add(one.points, one.normals, np.array(seen.as_tuple()), 1)
+            except ValueError:
+                raise InputError(
+                    f"the poses {submap.middle} and {node} of the pose graph follow each other, and lie too far apart "
+                    f"({math.hypot(seen.x, seen.y):.0f} m)"
+                ) from None
         table, corner = surface.table(CELL_M)
         resolution = CELL_M
         if max(table.shape) > 400:

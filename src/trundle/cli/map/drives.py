@@ -207,10 +207,12 @@ def write(
     robot: Robot | None,
     facts: dict[str, object],
     remarks: list[str],
+    is_new: bool = True,
 ) -> int:
     """Draw the map of a pose graph, check it, write everything, and say what a person should look at.
 
-    Everything is made before anything is written; each file is written whole or not at all.
+    Everything is made before anything is written; each file is written whole or not at all. Of a map that is too large
+    to draw, a new pose graph is kept.
 
     Args:
         graph: The graph, which is put where --origin says.
@@ -219,6 +221,7 @@ def write(
         robot: The robot that must fit through the doors; None where it is unknown.
         facts: What is printed before.
         remarks: What was left out of recordings, and why.
+        is_new: Whether the graph is in no file yet.
 
     Returns:
         The exit code: 0, or 1 if the map has errors, or a part is not in it.
@@ -234,7 +237,13 @@ def write(
         raise InputError(f"there is no scan to make a map of: {'; '.join(remarks) or 'the pose graph is empty'}")
     if given.origin is not None:
         graph = move_pose_graph(graph, options.parse_pose("--origin", given.origin))
-    grid = draw_map(graph, resolution=given.resolution)
+    try:
+        grid = draw_map(graph, resolution=given.resolution)
+    except InputError as error:
+        if not is_new:
+            raise
+        save_pose_graph(graph, targets.graph)
+        raise InputError(f"{error}; trundle map from-graph {targets.graph} draws what was mapped") from None
     picture = draw_drive(grid, graph, title=targets.map_file.name)
     save_pose_graph(graph, targets.graph)
     grid.save(targets.map_file)

@@ -47,4 +47,4 @@ def from_graph(
     if second is not None:
         graph = merge_pose_graphs(graph, load_pose_graph(second), machine or make_unknown_robot(0.0, 0.0))
         facts["merged with"] = second
-    return drives.write(graph, targets, of_map, robot=machine, facts=facts, remarks=[])
+    return drives.write(graph, targets, of_map, robot=machine, facts=facts, remarks=[], is_new=second is not None)
