@@ -7,7 +7,7 @@ from typing import Any
 
 from trundle.errors import InputError
 from trundle.gym.episodes import Episodes
-from trundle.navigation.policy_file import OBSERVATIONS, metadata_for
+from trundle.navigation.policies.policy_file import OBSERVATIONS, metadata_for
 
 
 def policy_metadata(

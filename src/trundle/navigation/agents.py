@@ -26,7 +26,7 @@ AGENTS: Registry[Agent] = Registry(
         "explorer": "trundle.navigation.exploration.explorer:Explorer",
         "navigator": "trundle.navigation.navigator:choose_navigator",
     },
-    model="trundle.navigation.policy:Policy",
+    model="trundle.navigation.policies.policy:Policy",
     contract=Contract(
         {"reset": "*, seed", "set_goal": "goal", "update": "observation, estimate"},
         ("status",),

@@ -1,0 +1,1 @@
+"""Learned policies in ONNX files, as agents."""
