@@ -24,6 +24,10 @@ NAVIGATE = ("ros2", "navigate", "warehouse", *NETWORK)
         (("--localizer", "odometry"), "--localizer odometry needs --start X,Y,YAW"),
         (("--start", "900,0,0"), "the start (900, 0) lies outside of the map"),
         (("--start", "0,0,0", "--goal", "900,0"), "the goal (900, 0) lies outside of the map"),
+        (
+            ("--start", "0,0,0", *("--goal", "1,1") * 1001),
+            "--goal is given 1001 times; a drive takes at most 1000",
+        ),
         (("--backend", "kinematic"), "--backend is for simulated robots"),
         (("--odometry", "scale=0.1"), "--odometry is for simulated robots"),
         (("--localizer", "amlc"), "amcl"),

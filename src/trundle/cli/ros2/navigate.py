@@ -107,6 +107,7 @@ def navigate(
     Args:
         source: The YAML of a map or of a scenario, a world by name, or a world's file; left out with slam.
     """
+    from trundle.mission.steering.goal_directives import MOST_GOALS
     from trundle.ros2.names import Names
     from trundle.ros2.profile import Profile
     from trundle.ros2.remote.bag_bridge import BagBridge
@@ -131,6 +132,8 @@ def navigate(
     )
     if locates == "odometry" and how.start is None:
         raise InputError("--localizer odometry needs --start X,Y,YAW: nothing else says where the robot is")
+    if len(how.goals) > MOST_GOALS:
+        raise InputError(f"--goal is given {len(how.goals)} times; a drive takes at most {MOST_GOALS} goals")
     if map_file is not None and scenario.known_map:
         raise InputError("--save-map is for a map that is made: give --localizer slam, and no map")
     recorded = None if bag is None else _open_bag(bag, given, scenario, settings.distro)
