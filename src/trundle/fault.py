@@ -18,6 +18,7 @@ from trundle.errors import InputError, PlanningError, SimulationError
 
 LIBRARIES = frozenset(
     [
+        "PIL",
         "av",
         "carb",
         "cloudpickle",
@@ -39,7 +40,6 @@ LIBRARIES = frozenset(
         "ovstage",
         "pandas",
         "physx_usd_schemas",
-        "PIL",
         "pxr",
         "pyarrow",
         "pydantic",
@@ -48,7 +48,11 @@ LIBRARIES = frozenset(
         "rclpy",
         "rich",
         "rosbags",
+        "rsl_rl",
         "scipy",
+        "stable_baselines3",
+        "tensordict",
+        "torch",
         "trimesh",
         "warp",
         "websockets",
