@@ -6,7 +6,7 @@ import os
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -215,22 +215,25 @@ class _Run:
         """The nodes write the rows themselves, shard by shard."""
         from trundle.evaluation.cluster import run_on_cluster
 
-        shards = run_on_cluster(
-            partial(SuiteRunner, self._suite),
-            todo,
-            out=self.out,
-            address=address,
-            versions=self._versions,
-            mixed=self._mixed,
-            workers=self._workers,
-            until=self._until,
-        )
-        for shard in shards:
-            for index in shard.errors:
-                self._given_up.note(index, "error")
-            self._in_flight_s += tuple(shard.in_flight_s)
-            self._tally.add(shard.outcomes)
-            self._interim.look()
+        # Closed here, also by Ctrl-C: what runs there goes on for as long as the exception holds this frame.
+        with closing(
+            run_on_cluster(
+                partial(SuiteRunner, self._suite),
+                todo,
+                out=self.out,
+                address=address,
+                versions=self._versions,
+                mixed=self._mixed,
+                workers=self._workers,
+                until=self._until,
+            )
+        ) as shards:
+            for shard in shards:
+                for index in shard.errors:
+                    self._given_up.note(index, "error")
+                self._in_flight_s += tuple(shard.in_flight_s)
+                self._tally.add(shard.outcomes)
+                self._interim.look()
 
     def note_end(self, *, was_interrupted: bool) -> None:
         """Note in the folder why episodes are missing, if any are."""

@@ -6,7 +6,7 @@ import time
 import uuid
 from array import array
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import islice
@@ -45,7 +45,7 @@ def run_on_cluster(
     shard: int = SHARD,
     workers: int | None = None,
     until: float | None = None,
-) -> Iterator[ShardDone]:
+) -> Generator[ShardDone, None, None]:
     """Run episodes on all nodes of a cluster; their rows are parts in the folder when this yields their counts.
 
     Each node has one actor, which holds all its CPUs and runs a pool of as many workers. Where the iterator is closed,
