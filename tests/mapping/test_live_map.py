@@ -33,10 +33,10 @@ def test_a_correction_leaves_nothing_of_what_was_drawn_before(robot: Robot) -> N
     nodes, live = graph_of(robot, [ring(share) for share in (0.0, 0.1, 0.2)]), LiveMap(0.05)
     before = live.draw(nodes)
     nodes.poses[1] = nodes.poses[1] + (0.3, -0.2, 0.1)
-    corrected, anew = live.draw(nodes), LiveMap(0.05).draw(nodes)
-    assert corrected.origin == anew.origin
-    assert (corrected.data == anew.data).all()
-    assert before.shape != anew.shape or (before.data != anew.data).any()
+    corrected, fresh = live.draw(nodes), LiveMap(0.05).draw(nodes)
+    assert corrected.origin == fresh.origin
+    assert (corrected.data == fresh.data).all()
+    assert before.shape != fresh.shape or (before.data != fresh.data).any()
 
 
 def test_what_moves_by_less_than_a_cell_shows_is_not_drawn_again(robot: Robot) -> None:

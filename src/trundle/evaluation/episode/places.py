@@ -85,7 +85,7 @@ class KeptPlace:
         """
         costmap = self.costmap(scenario.part(CostmapSettings), scenario.assumed)
         choices = (scenario.planner, scenario.controller, scenario.smoother)
-        # A plug-in may keep something from one mission to the next, and is made anew for each.
+        # A plug-in may keep something from one mission to the next, and is made again for each.
         is_own = all(choice is None or _is_own(choice) for choice in choices) and scenario.recovery == _RECOVERY
         if scenario.backend.name != BATCH or not is_own or needs_python(scenario):
             return scenario.prepare(self.place, costmap=costmap)

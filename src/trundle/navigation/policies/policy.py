@@ -110,7 +110,7 @@ class Policy(Agent):
             return self._turn_to_yaw(pose, observation.twist, goal)
         if observation.time >= self._due_s - 1e-6:
             late = observation.time - self._due_s
-            # Periods follow one another without drift; after a pause they begin anew.
+            # Periods follow one another without drift; after a pause they begin again.
             self._due_s = (self._due_s if late < self.file.period else observation.time) + self.file.period
             self._action = self._ask(observation.twist, pose, goal)
         return self._slow_down(self._action, math.hypot(goal.x - pose.x, goal.y - pose.y))

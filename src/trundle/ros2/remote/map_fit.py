@@ -39,7 +39,7 @@ class MapFit:
         self._judged: deque[tuple[float, float]] = deque(maxlen=SCANS)
 
     def reset(self) -> None:
-        """Forget what was judged: the pose was told anew."""
+        """Forget what was judged: the pose was told again."""
         self._judged.clear()
 
     def judge(self, scans: tuple[Scan, ...], pose: Pose2D) -> None:
