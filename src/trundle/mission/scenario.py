@@ -194,7 +194,7 @@ class Scenario(ScenarioFields):
         """Prepare it, and start its simulator; see `prepare` for the errors."""
         setting = self.prepare()
         sim = wrap_backend(self, start_backend(self, setting.world, setting.robot))
-        return Mission(**{field.name: getattr(setting, field.name) for field in fields(setting)}, sim=sim)
+        return setting.with_simulator(sim)
 
     def assumed_robot(self, robot: Robot) -> Robot:
         """What its software takes a robot for: the robot itself, unless `assumed` says otherwise."""
@@ -267,6 +267,10 @@ class Setting:
     agent: Agent
     start: Pose2D
     goals: tuple[Goal, ...]
+
+    def with_simulator(self, sim: Simulator) -> Mission:
+        """Return the mission that is driven in a simulator, which it closes."""
+        return Mission(**{field.name: getattr(self, field.name) for field in fields(self)}, sim=sim)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

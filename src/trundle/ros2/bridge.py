@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -142,4 +142,4 @@ def build_mission(scenario: Scenario, profile: Profile) -> Mission:
         if is_inside and not checker.find(np.array([start.as_tuple()])):
             setting = scenario.model_copy(update={"start": start.as_tuple()}).prepare(place)
     sim = wrap_backend(setting.scenario, start_backend(setting.scenario, setting.world, setting.robot))
-    return Mission(**{field.name: getattr(setting, field.name) for field in fields(setting)}, sim=sim)
+    return setting.with_simulator(sim)

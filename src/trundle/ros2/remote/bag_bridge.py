@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from trundle.geometry import FloatArray, wrap_angle
 from trundle.messages.qos import LATCHED
-from trundle.mission import End, Episode, Mission, Observer, RunInfo, Scenario, Session, Step
+from trundle.mission import End, Episode, Observer, RunInfo, Scenario, Session, Step
 from trundle.mission.simulation import SessionOptions
 from trundle.observation import Scan
 from trundle.recordings.drive import RecordedDrive
@@ -96,7 +96,7 @@ class BagBridge(NetworkRuns):
             lidars = _name_lidars(drive, profile, setting.robot)
             robot = BagRobot(drive, setting.robot, localizer, self._end, truth=truth, begins=begins, lidars=lidars)
             self._opened.enter_context(robot)
-            mission = Mission(**{one.name: getattr(setting, one.name) for one in fields(setting)}, sim=robot)
+            mission = setting.with_simulator(robot)
             self.context = BridgeContext(self.wire, profile, SimulationClock(), mission, driver)
             self.wire.now = lambda: self.context.clock.now
             self.summary = BagSummary(robot)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import time as system
 from collections.abc import Callable, Sequence
-from dataclasses import fields
 from typing import TYPE_CHECKING
 
 from trundle.control import CollisionMonitor, MonitorSettings
-from trundle.mission import Mission, Observer, Scenario
+from trundle.mission import Observer, Scenario
 from trundle.mission.scenario import Setting
 from trundle.ros2.inlet import Record
 from trundle.ros2.names import Names
@@ -89,7 +88,7 @@ class RemoteBridge(NetworkRuns):
             world = setting.world if scenario.known_map else None
             robot = RemoteRobot(setting.robot, world, inputs, commands, self.localizer)
             self._opened.enter_context(robot)
-            mission = Mission(**{one.name: getattr(setting, one.name) for one in fields(setting)}, sim=robot)
+            mission = setting.with_simulator(robot)
             self.context = BridgeContext(wire, profile, SimulationClock(), mission, driver)
             wire.now = lambda: inputs.now
             monitor = GuardedMonitor(guard, _monitor(setting), system.monotonic)
