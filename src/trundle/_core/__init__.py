@@ -2,7 +2,11 @@
 
 from trundle._core._kernels import (
     Batch,
+    BatchCrowds,
     BinaryGrid,
+    CrowdFloor,
+    CrowdModel,
+    CrowdRun,
     HybridAStar,
     LeastCost,
     MissionDriver,
@@ -76,7 +80,11 @@ from trundle._core._kernels import (
 
 __all__ = [
     "Batch",
+    "BatchCrowds",
     "BinaryGrid",
+    "CrowdFloor",
+    "CrowdModel",
+    "CrowdRun",
     "HybridAStar",
     "LeastCost",
     "MissionDriver",
