@@ -9,10 +9,6 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from trundle.errors import WorldError
-from trundle.geometry import FloatArray, wrap_angles
-from trundle.geometry.solids import Solid, solids_bounds
-from trundle.worlds.movers.crowd import Crowd
 from support.crowd_forces import (
     RobotMotion,
     border_force,
@@ -23,8 +19,12 @@ from support.crowd_forces import (
     repulsion,
     swings_into,
 )
-from trundle.worlds.movers.mover import Mover, outline_of, radius_of, top_of
 from support.floor_oracle import IndexArray, WalkableFloor
+from trundle.errors import WorldError
+from trundle.geometry import FloatArray, wrap_angles
+from trundle.geometry.solids import Solid, solids_bounds
+from trundle.worlds.movers.crowd import Crowd
+from trundle.worlds.movers.mover import Mover, outline_of, radius_of, top_of
 
 PERIOD_S = 0.05
 """Crowds are stepped at this period; between two steps they move straight at constant speed."""

@@ -284,11 +284,10 @@ def record_movers(settings: NavigationSettings, robot: Robot, world: World) -> l
         return []
     crowds = [mover for mover in world.movers if isinstance(mover, Crowd)]
     live = any(crowd.sees_robot for crowd in crowds)
-    seeds = [SPLITS.index(settings.split) * 1000 + number for number in range(_RECORDINGS if crowds and not live else 1)]
+    count = _RECORDINGS if crowds and not live else 1
+    seeds = [SPLITS.index(settings.split) * 1000 + number for number in range(count)]
     return [
-        MoverRecording.of_world(
-            world, robot, duration_s=settings.max_time_s, seed=seed, period_s=0.1, live_crowds=live
-        )
+        MoverRecording.of_world(world, robot, duration_s=settings.max_time_s, seed=seed, period_s=0.1, live_crowds=live)
         for seed in seeds
     ]
 

@@ -21,7 +21,8 @@ HALL = World.generate("warehouse", seed=3, size=(20.0, 14.0), low_objects=False)
 GRID = OccupancyGrid.from_world(HALL, z_range=CARTER.z_range)
 PERIOD = 0.05
 PEOPLE = (Crowd("people", 7, speed=1.4), Crowd("blind", 15, sees_robot=False), Crowd("forklifts", 1, kind="forklift"))
-CART = Mover("cart", forklift_body(), AlongPath(((-7.0, 0.0), (7.0, 0.0)), 0.8, repeat="back_and_forth"), may_cross=True)
+ALONG = AlongPath(((-7.0, 0.0), (7.0, 0.0)), 0.8, repeat="back_and_forth")
+CART = Mover("cart", forklift_body(), ALONG, may_cross=True)
 
 
 def live(*crowds, movers=(), world=HALL, seconds=20.0):

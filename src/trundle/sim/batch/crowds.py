@@ -27,9 +27,7 @@ class RobotCrowds:
         kernel: The kernel's state of them, None without live crowds.
     """
 
-    def __init__(
-        self, model: BatchModel, recordings: Sequence[MoverRecording], count: int, threads: int
-    ) -> None:
+    def __init__(self, model: BatchModel, recordings: Sequence[MoverRecording], count: int, threads: int) -> None:
         live = [(number, each.crowds) for number, each in enumerate(recordings) if each.crowds is not None]
         self._walks = {number: crowds.walk for number, crowds in live}
         self._threads = threads

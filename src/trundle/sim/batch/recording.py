@@ -16,7 +16,7 @@ from trundle.sim.movers import MoverField
 from trundle.values import as_array, check_kind, check_number
 from trundle.worlds import World
 from trundle.worlds.movers.crowd import Crowd
-from trundle.worlds.movers.mover import Mover, outline_of
+from trundle.worlds.movers.mover import Mover, outline_of, radius_of
 from trundle.worlds.movers.walk import PERIOD_S, CrowdWalk
 
 _MOST_SAMPLES = 10_000_000
@@ -43,7 +43,8 @@ class MoverRecording:
 
     Positions are interpolated between them; after the last one the movers stand.
 
-    They do not react to robots, but for live crowds. Lidars and footprints meet the outline of a mover whatever their height.
+    They do not react to robots, but for live crowds. Lidars and footprints meet the outline of a mover whatever their
+    height.
 
     Attributes:
         outlines: The convex outline of each mover in its frame [m], counter-clockwise, shape (N, 2), or the radius [m]
@@ -145,10 +146,8 @@ def _live(crowds: Sequence[Crowd], movers: Sequence[Mover], world: World, durati
 
 def _shape_of(body: tuple[Solid, ...]) -> FloatArray | float:
     """The radius of an upright cylinder about the origin that contains the body, seen from above, else its outline."""
-    outline = outline_of(body)
-    reach = float(np.hypot(outline[:, 0], outline[:, 1]).max())
+    reach = radius_of(body)
     for part in body:
-        if isinstance(part.shape, Cylinder) and part.pose.is_upright() and part.pose.position[:2] == (0.0, 0.0):
-            if part.shape.radius >= reach - 1e-9:
-                return part.shape.radius
-    return outline
+        if isinstance(part.shape, Cylinder) and part.pose.is_upright() and part.shape.radius >= reach - 1e-9:
+            return part.shape.radius  # then its axis is at the origin
+    return outline_of(body)

@@ -328,9 +328,7 @@ def _choose_lidars(robot: Robot, choice: LidarChoice) -> tuple[str, ...]:
     return names
 
 
-def _find_device(
-    name: str, threads: int, crowds: RobotCrowds
-) -> Callable[[BatchModel, int], BatchEngine]:
+def _find_device(name: str, threads: int, crowds: RobotCrowds) -> Callable[[BatchModel, int], BatchEngine]:
     """Return what makes the state of a batch on a device.
 
     Raises:

@@ -92,14 +92,11 @@ class CrowdWalk:
 
     def words(self, seed: int) -> npt.NDArray[np.uint64]:
         """Return the random words that the kernel starts from with a seed, shape (crowds, 4)."""
-        return np.array(
-            [
-                np.random.SeedSequence(
-                    [seed if crowd.seed is None else crowd.seed, zlib.crc32(crowd.name.encode())]
-                ).generate_state(4, np.uint64)
-                for crowd in self._crowds
-            ]
-        )
+        words = np.empty((len(self._crowds), 4), dtype=np.uint64)
+        for row, crowd in zip(words, self._crowds, strict=True):
+            key = [seed if crowd.seed is None else crowd.seed, zlib.crc32(crowd.name.encode())]
+            row[:] = np.random.SeedSequence(key).generate_state(4, np.uint64)
+        return words
 
     def movers_at(self, step: int) -> FloatArray:
         """Return (x, y, vx, vy) of the others at a step of the crowds, shape (M, 4)."""

@@ -20,6 +20,7 @@ _BASE, _EXTRA, _DECAY_M = 10.0, 60.0, 0.4  # what a cell costs: paths keep off s
 _NEAR_M = 1.2  # solids that are farther than this from the disc are not felt [m]
 _AHEAD_M = 0.3  # how far along its path somebody looks [m]
 
+
 def make_floor(
     solids: Sequence[Solid], bounds: tuple[float, float, float, float], radius: float, top: float
 ) -> CrowdFloor | None:
