@@ -14,6 +14,7 @@ from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
 from trundle.costmap import LETHAL
 from trundle.errors import InputError, PlanningError
 from trundle.geometry import FloatArray, Goal, Pose2D, Twist2D
+from trundle.mission.batch.meetings import Drive, find_meetings
 from trundle.mission.batch.needs import world_needs_python
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.metrics import Measure
@@ -129,7 +130,16 @@ class MissionBatch:
             group = [planned for number in numbers if isinstance(planned := ends[number], _Planned)]
             for number, end in zip(numbers, _drive(kernel, group, self._threads), strict=True):
                 ends[number] = end
-        return [end for end in ends if not isinstance(end, _Planned)]
+        done = [end for end in ends if not isinstance(end, _Planned)]
+        among = {
+            number: Drive(mission.setting, end.trajectory)
+            for number, (mission, end) in enumerate(zip(missions, done, strict=True))
+            if isinstance(end, Episode) and mission.setting.world.movers
+        }
+        for number, reason in zip(among, find_meetings(list(among.values()), self._threads), strict=True):
+            if reason:
+                done[number] = HandedOver(reason)
+        return done
 
     def _needs_of(self, world: World) -> str:
         """What of a world has to be simulated in Python; it is kept for the next missions there."""
@@ -163,6 +173,8 @@ def _plan(mission: BatchMission, needs: str) -> _Planned | Episode | HandedOver 
     scenario, start, goals = setting.scenario, setting.start, setting.goals
     if needs:
         return HandedOver(needs)
+    if setting.world.movers and scenario.lidar:
+        return HandedOver("movers that lidars see")
     navigator = setting.navigator
     if type(navigator.controller) is not RegulatedPurePursuit or len(goals) != 1:
         return HandedOver("it does not drive to one goal by regulated_pure_pursuit")

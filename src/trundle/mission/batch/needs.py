@@ -20,7 +20,6 @@ _NOT_SET = (
     "assumed",
     "unmapped",
     "map_errors",
-    "movers",
     "actuation",
     "latency",
     "odometry",
@@ -41,6 +40,8 @@ def needs_python(scenario: ScenarioFields) -> tuple[str, ...]:
         needs.insert(0, f"controller {scenario.controller.short_name}")
     if scenario.lidar or scenario.backend.options:
         needs.append("lidar" if scenario.lidar else "options of the backend")
+    if scenario.movers and scenario.lidar:
+        needs.append("movers that lidars see")
     if scenario.collision_monitor:
         needs.append("collision_monitor")
     goals = scenario.goals or ()
@@ -57,8 +58,6 @@ def world_needs_python(world: World) -> str:
 
     The kernel looks for contacts in the cells of the map, which hold all of a solid, but not of a mesh's hull.
     """
-    if world.movers:
-        return "the world has movers"
     if any(isinstance(solid.shape, Mesh) for solid in world.solids):
         return "the world has meshes"
     return ""
