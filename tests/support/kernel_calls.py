@@ -15,9 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from support.mppi_oracle import arguments_of
+from support.mppi_values import arguments_of
 from trundle import _core
 
+KERNELS = sorted(name for name in vars(_core) if not name.startswith("_"))
 THREADS, CALLS = 4, 150
 RNG = np.random.default_rng(0)
 SIDE = 24

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self, TypeAlias, cast
+from typing import Annotated, Literal, Self, TypeAlias
 
 import numpy as np
 from pydantic import BeforeValidator, Field, field_validator, model_validator
@@ -277,20 +277,6 @@ class ScenarioFields(CostmapSettings, RunSettings):
     seed: Annotated[int, Field(ge=0)] = 0
     resolution: Positive = 0.05
     time_limit_s: Positive | None = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _move_latency(cls, given: Any) -> Any:
-        """Take `actuation: {latency_s: …}` of older versions as `latency: {command_delay_s: …}`."""
-        if not isinstance(given, dict):
-            return given
-        values = cast("dict[str, Any]", given)
-        actuation = values.get("actuation")
-        if not isinstance(actuation, dict) or "latency_s" not in actuation or values.get("latency") is not None:
-            return values
-        actuation = dict(cast("dict[str, Any]", actuation))
-        latency = {"command_delay_s": actuation.pop("latency_s")}
-        return {**values, "latency": latency, "actuation": actuation or None}
 
     @model_validator(mode="after")
     def _check(self) -> Self:
