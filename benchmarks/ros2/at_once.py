@@ -64,7 +64,8 @@ class Runs:
                 for line in lines[:-1]:
                     print(f"{kind}: {line}", flush=True)
                 try:
-                    self.figures.setdefault(kind, []).append(json.loads(lines[-1]))
+                    figures = json.loads(lines[-1])
+                    self.figures.setdefault(kind, []).append(figures)
                 except (IndexError, ValueError):
                     self.failed.append(f"{kind} {' '.join(arguments)}: {' | '.join(lines[-4:]) or 'nothing was said'}")
                     print(f"FAILED {self.failed[-1]}", flush=True)
