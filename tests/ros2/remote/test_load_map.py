@@ -56,7 +56,8 @@ def test_a_goal_goes_on_on_another_map(navigate: Navigate, client: Client, tmp_p
         "for the map",
     )
     episode = remote.wait_for_end(60.0)
-    assert remote.bridge.drive is not None and remote.bridge.drive.arrived, episode.message
+    assert remote.bridge.drive is not None
+    assert remote.bridge.drive.arrived, episode.message
     assert remote.robot.pose.distance_to(Pose2D(5.5, 2.5)) < 0.35
     assert not remote.robot.contacts
     assert np.array_equal(remote.bridge.mission.navigator.grid.data, loaded.data)
