@@ -92,11 +92,12 @@ def test_a_pose_is_set_and_searched_only_where_there_is_a_localizer(driving: Any
 
 
 def test_what_a_server_cannot_do_is_not_offered(driving: Any, played: Any) -> None:
-    names = ("#restart", "#next", "#box", "#speed")
+    locate(played)
+    names = ("#restart", "#next", "#box", "#speed", "#find-pose")
     driving.wait_for_selector("#pause:not([disabled])")
     assert all(driving.locator(name).is_visible() for name in names)
-    played.begin(state="running", lacks=["restart", "box", "speed"])
-    played.run()
+    played.begin(state="running", lacks=["restart", "box", "speed", "find"])
+    locate(played)
     driving.wait_for_selector("#box", state="hidden")
     assert not any(driving.locator(name).is_visible() for name in names)
     assert all(driving.locator(name).is_visible() for name in ("#pause", "#goal", "#end"))

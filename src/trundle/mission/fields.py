@@ -293,13 +293,13 @@ class ScenarioFields(CostmapSettings, RunSettings):
         if self.lidar and "lidar" in self.backend.options:
             raise ValueError("lidar is given twice: take it out of the backend's options")
         if not self.known_map and not self.lidar and "lidar" not in self.backend.options:
-            raise ValueError("a robot that does not know the map needs lidars: give lidar: true")
+            raise ValueError("a robot that does not know the map needs lidars: give lidar: true, or --lidar")
         if not self.known_map and (self.keepout is not None or self.speed_mask is not None):
             raise ValueError("keepout and speed_mask are areas of a map: they need known_map: true")
         if not self.known_map and self.map_errors is not None:
             raise ValueError("map_errors are errors of the robot's map: they need known_map: true")
         if self.lidar_errors is not None and not self.lidar and "lidar" not in self.backend.options:
-            raise ValueError("lidar_errors are errors of simulated lidars: give lidar: true")
+            raise ValueError("lidar_errors are errors of simulated lidars: give lidar: true, or --lidar")
         if self.start_error is not None and self.localizer is None:
             raise ValueError(
                 "start_error is what a localizer is told of the start: give a localizer, such as localizer: amcl"

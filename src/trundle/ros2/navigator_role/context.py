@@ -68,6 +68,7 @@ class Beliefs:
         now: The latest `Belief`.
         find: Where a frame that is none of map, odom and base is in the base; None where nobody says that.
         map: The map that it has: the one that it was given, or the one that its localizer makes; None without one.
+        stands: Where the simulator has the robot, map frame.
     """
 
     def __init__(self, context: BridgeContext) -> None:
@@ -76,9 +77,11 @@ class Beliefs:
         self.now = Belief(0.0, mission.start, mission.start, mission.navigator.costmap)
         self.find: Callable[[str], Pose2D | None] = lambda frame: None
         self.map = mission.grid if mission.scenario.known_map else None
+        self.stands = mission.start
 
     def take(self, step: Step, time: float) -> None:
         """Take what the robot believes at the end of a control period, at this time on the network's clock [s]."""
+        self.stands = step.state.pose
         pose = step.state.pose if step.estimate is None else step.estimate.pose
         costmap = self.now.costmap if step.costmap is None else step.costmap
         if step.map is not None:

@@ -13,6 +13,7 @@ import numpy as np
 from trundle.costmap import Costmap
 from trundle.errors import InputError, PlanningError, TrundleError, UnknownNameError
 from trundle.geometry import FloatArray, Goal, Pose2D, wrap_angles
+from trundle.mission import Mission
 from trundle.navigation.route_planner import join_legs
 from trundle.path import Path
 from trundle.planning import Planner, create_planner, planner_names
@@ -69,9 +70,7 @@ class PlanServer:
 
     def __init__(self, kit: Kit) -> None:
         self._kit = kit
-        mission = kit.context.mission
-        self._robot, self._grid = mission.navigator.robot, mission.navigator.grid
-        self._planner = create_planner(mission.scenario.planner, self._robot, self._grid)
+        self._use(kit.context.mission)
         self._changed = threading.Condition()
         self._next: _Query | None = None
         self._current: _Query | None = None
@@ -84,6 +83,8 @@ class PlanServer:
         Raises:
             UnknownNameError: If there is no such planner.
         """
+        if self._kit.context.mission is not self._mission:  # another map was loaded
+            self._use(self._kit.context.mission)
         if planner_id not in _PLUGINS:
             if planner_id not in planner_names():  # nothing is imported by a name that comes over the network
                 raise UnknownNameError("planner", planner_id, planner_names())
@@ -101,6 +102,12 @@ class PlanServer:
             self._changed.notify_all()
         if replaced is not None:
             self._abort(replaced, "UNKNOWN", "another plan was asked for")
+
+    def _use(self, mission: Mission) -> None:
+        """Plan for the robot of a mission, on its map."""
+        self._mission = mission
+        self._robot, self._grid = mission.navigator.robot, mission.navigator.grid
+        self._planner = create_planner(mission.scenario.planner, self._robot, self._grid)
 
     def cancel(self, goal: ActionGoal) -> bool:
         """End the plan for a goal, and return whether there is one."""

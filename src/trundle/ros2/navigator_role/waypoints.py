@@ -8,6 +8,7 @@ from typing import Any
 from trundle.errors import InputError, TrundleError
 from trundle.geometry import Pose2D
 from trundle.mission import SetGoal, Step, TaskEnd
+from trundle.mission.steering.directives import Directive
 from trundle.mission.steering.goal_directives import MOST_GOALS
 from trundle.ros2.actions import ActionGoal
 from trundle.ros2.bad_input import BadInputError
@@ -97,6 +98,7 @@ class TourTask(Task):
         later: Calls something in the listening thread.
         drive: Gives the run a waypoint.
         kit: What actions work with.
+        by: Who gives them.
     """
 
     def __init__(
@@ -106,13 +108,18 @@ class TourTask(Task):
         later: Callable[[Callable[[], None]], None],
         drive: Callable[[Pose2D, TourTask], None],
         kit: Kit,
+        by: str,
     ) -> None:
         super().__init__(goal, tour, later)
-        self._tour, self._drive, self._kit = tour, drive, kit
+        self._tour, self._drive, self._kit, self._by = tour, drive, kit, by
 
     def begin_tour(self) -> None:
         """Drive to the first waypoint."""
         self._drive(self._tour.target, self)
+
+    def again(self) -> tuple[Directive, str]:
+        """Return what gives the next run the present waypoint."""
+        return SetGoal(self._tour.target), self._by
 
     def refuse(self, error: TrundleError) -> None:
         """Leave out a waypoint that cannot be reached."""
@@ -173,7 +180,7 @@ class FollowWaypoints:
         def drive(pose: Pose2D, task: TourTask) -> None:
             steering.put(SetGoal(pose), by=self._name, watcher=task)
 
-        task = TourTask(goal, Tour(kit, poses, first, int(loops)), kit.tasks.later, drive, kit)
+        task = TourTask(goal, Tour(kit, poses, first, int(loops)), kit.tasks.later, drive, kit, self._name)
         kit.tasks.drive.adopt(task)
         task.begin_tour()
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time as system
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Self
 
 from trundle.geometry import Pose2D, Twist2D
 from trundle.observation import Observation
@@ -125,6 +124,10 @@ class RemoteRobot(Simulator):
         """What the robot's clock is ahead of the time of the run [s]."""
         return self._time.offset
 
+    def use_world(self, world: World) -> None:
+        """Be in the world of another map from now on."""
+        self._world = world
+
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
         """Begin a run where the robot is: it is not moved."""
         self._time.begin()
@@ -144,12 +147,6 @@ class RemoteRobot(Simulator):
     def close(self) -> None:
         """Stop the robot."""
         self._commands.stop()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     # One control period ---------------------------------------------------------------------------------------------
 
