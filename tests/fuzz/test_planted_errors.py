@@ -34,6 +34,7 @@ from trundle.maps.rasterise import SolidRaster
 from trundle.planning import GridSearch
 from trundle.planning.constrained_smoother import ConstrainedSmoother
 from trundle.planning.hybrid_astar import HybridAStarPlanner
+from trundle.worlds.movers import walk
 
 Function = Callable[..., Any]
 
@@ -152,6 +153,13 @@ class ShortSightedBatch(_core.Batch):
         ranges *= 1.0 - 1e-5
 
 
+class LateCrowd(_core.CrowdRun):
+    """Shows where its members were a moment ago."""
+
+    def at(self, time: float) -> Any:
+        return super().at(time - 1e-6)
+
+
 class HastyDriver(_core.MissionDriver):
     """Commands a little more than the navigator."""
 
@@ -254,6 +262,7 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "points to a polyline": ("missions", fuzz_missions, "polyline_distances", scaled(1e-6)),
     "motion of many": ("batch", fuzz_batch, "Batch", lambda _: SlowBatch),
     "scans of many": ("batch", fuzz_batch, "Batch", lambda _: ShortSightedBatch),
+    "crowds": ("crowds", walk, "CrowdRun", lambda _: LateCrowd),
     "lone hits": ("rays", fuzz_rays, "find_lone_hits", one_more),
     "what has moved": ("rays", fuzz_rays, "find_moved", part(0, lambda velocities: velocities * 1.001)),
     "points round a robot": ("rays", fuzz_rays, "points_around", part(0, lambda places: places + 1e-6)),

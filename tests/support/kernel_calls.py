@@ -113,6 +113,13 @@ MANY = _core.Batch(
     *(np.array([20]), np.linspace(-3.0, 3.0, 20), np.zeros((0, 2)), np.zeros(0, np.int64), np.zeros(0)),
     *(np.zeros((0, 1, 3)), np.array([0]), 1.0),
 )
+WALLED = np.pad(np.full((40, 60), 10, np.uint8), 1, constant_values=255)
+FLOOR = _core.CrowdFloor(WALLED, np.zeros_like(WALLED), 0.0, 0.0, 0.1, 1.0, 3)
+PEOPLE = _core.CrowdModel(
+    *([FLOOR], np.array([6]), np.tile(np.array([0.2, 1.2, 1.0, 0.0]), (6, 1)), np.tile(OUTLINE, (6, 1))),
+    *(np.full(6, len(OUTLINE)), np.zeros(0)),
+)
+WORDS, FAR, NOBODY = np.arange(4, dtype=np.uint64)[None], np.array([9.0, 9.0, 0.0, 0.0, 0.3]), np.zeros((0, 4))
 DRIVER = _core.MissionDriver(
     *(np.zeros((60, 60), np.uint8), _core.chebyshev_field(np.zeros((60, 60), np.uint8)), 0.1, np.zeros(3)),
     *(np.array([0.1, 10.0, 0.5]), OUTLINE, OUTLINE * 1.05, np.array([1, 1, 2, 1, 2, 0.1, 0.3, 99, 0.01, 5, 0.05])),
@@ -130,6 +137,20 @@ def drive_many() -> Any:
     )
     MANY.drive(*state, np.ones((20, 2)), *MANY_PLACES, 5, 2)
     return state
+
+
+def walked() -> _core.CrowdRun:
+    run = _core.CrowdRun(PEOPLE)
+    assert run.reset(WORDS, FAR, NOBODY) == -1
+    for _ in range(40):
+        run.step(FAR, NOBODY)
+    return run
+
+
+def crowded() -> tuple[_core.BatchCrowds, Any]:
+    crowds = _core.BatchCrowds([PEOPLE], np.array([0]), np.array([0]), [np.zeros((1, 0, 4))], 5)
+    where = np.arange(5), np.zeros(5, np.int64), np.full((5, 3), 9.0), 0.3
+    return crowds, crowds.place(*where, np.arange(20, dtype=np.uint64).reshape(5, 1, 4), 2)
 
 
 def scan_many() -> Any:
@@ -217,6 +238,16 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "Batch": lambda: type(MANY).__name__,
     "Batch.drive": drive_many,
     "Batch.scan": scan_many,
+    "BatchCrowds": lambda: type(crowded()[0]).__name__,
+    "BatchCrowds.place": lambda: crowded()[1],
+    "BatchCrowds.members": lambda: crowded()[0].members(3, 0.02),
+    "CrowdFloor": lambda: type(FLOOR).__name__,
+    "CrowdModel": lambda: type(PEOPLE).__name__,
+    "CrowdRun": lambda: type(walked()).__name__,
+    "CrowdRun.reset": lambda: _core.CrowdRun(PEOPLE).reset(WORDS, FAR, NOBODY),
+    "CrowdRun.step": lambda: walked().step(FAR, NOBODY),
+    "CrowdRun.at": lambda: walked().at(2.03),
+    "CrowdRun.index": lambda: walked().index,
     "MissionDriver": lambda: type(DRIVER).__name__,
     "MissionDriver.drive": lambda: DRIVER.drive(
         *(WAY[:1], WAY[2:], np.array([30.0]), WAY, np.zeros(3, bool), np.array([3])),

@@ -265,24 +265,30 @@ def make_map(
 
 
 def _record(settings: NavigationSettings, robot: Robot, world: World | None) -> list[MoverRecording]:
-    if settings.movers and world is None:
-        raise InputError("movers need a world: give World.from_map(grid) instead of the map")
     if world is None:
+        if settings.movers or settings.crowd:
+            raise InputError("movers and crowds need a world: give World.from_map(grid) instead of the map")
         return []
-    if settings.movers:
-        crowd = Crowd("people", settings.movers, sees_robot=False)
-        world = replace(world, movers=(*world.movers, crowd))
-    return record_movers(settings, robot, world)
+    blind = (Crowd("people", settings.movers, sees_robot=False),) if settings.movers else ()
+    seeing = (Crowd("crowd", settings.crowd),) if settings.crowd else ()
+    return record_movers(settings, robot, replace(world, movers=(*world.movers, *blind, *seeing)))
 
 
 def record_movers(settings: NavigationSettings, robot: Robot, world: World) -> list[MoverRecording]:
-    """Record the movers of a world for episodes of the longest time, once for each of several seeds of its crowds."""
+    """Record the movers of a world for episodes of the longest time.
+
+    Crowds that do not see the robot are recorded once for each of several seeds. Where one does, all of the world's are
+    computed in each episode.
+    """
     if not world.movers:
         return []
-    crowded = any(isinstance(mover, Crowd) for mover in world.movers)
-    seeds = [SPLITS.index(settings.split) * 1000 + number for number in range(_RECORDINGS if crowded else 1)]
+    crowds = [mover for mover in world.movers if isinstance(mover, Crowd)]
+    live = any(crowd.sees_robot for crowd in crowds)
+    count = _RECORDINGS if crowds and not live else 1
+    seeds = [SPLITS.index(settings.split) * 1000 + number for number in range(count)]
     return [
-        MoverRecording.of_world(world, robot, duration_s=settings.max_time_s, seed=seed, period_s=0.1) for seed in seeds
+        MoverRecording.of_world(world, robot, duration_s=settings.max_time_s, seed=seed, period_s=0.1, live_crowds=live)
+        for seed in seeds
     ]
 
 

@@ -81,12 +81,11 @@ def mover_outlines(episodes: Episodes, robot: int) -> list[FloatArray]:
     if number < 0:
         return []
     recording = episodes.arena.recordings[number]
-    sample = min(int(episodes.sim.times[robot] / recording.period), recording.tracks.shape[1] - 1)
     ring = np.linspace(0.0, math.tau, 16, endpoint=False)
     disc = np.column_stack([np.cos(ring), np.sin(ring)])
     return [
-        Pose2D(*track[sample]).transform_points(disc * shape if isinstance(shape, float) else shape)
-        for shape, track in zip(recording.outlines, recording.tracks, strict=True)
+        Pose2D(*pose).transform_points(disc * shape if isinstance(shape, float) else shape)
+        for shape, pose in zip(recording.outlines, episodes.sim.movers(robot), strict=True)
     ]
 
 

@@ -54,7 +54,8 @@ class NavigationSettings:
         resolution: Edge of a cell of maps made of worlds [m].
         lidar: Which lidars observe: True for all of the robot's, or names. If None, the first.
         beams: Beams of each lidar. If None, the lidar's own number.
-        movers: How many people walk in each world. They do not react to the robot.
+        movers: How many people walk in each world that do not react to the robot.
+        crowd: How many more walk there that see the robot and give way to it.
         path_points: How many points of the path ahead are observed, 0.5 m apart; 0 for none.
         costmap_cells: Cells along an edge of the observed local costmap; 0 for none.
         critic: Whether `critic` is observed: what a robot without a map cannot know.
@@ -83,6 +84,7 @@ class NavigationSettings:
     lidar: LidarChoice | None = None
     beams: int | None = 180
     movers: int = 0
+    crowd: int = 0
     path_points: int = 0
     costmap_cells: int = 0
     critic: bool = False
@@ -102,6 +104,7 @@ class NavigationSettings:
         check_count("seed", self.seed, 0, 99_999)
         check_count("worlds", self.worlds, 1, 10_000)
         check_count("movers", self.movers, 0, 500)
+        check_count("crowd", self.crowd, 0, 500)
         check_count("path_points", self.path_points, 0, 200)
         check_count("costmap_cells", self.costmap_cells, 0, 512)
         if self.beams is not None:
