@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "layers/evidence.hpp"
+#include "shared/directions.hpp"
 #include "shared/registers.hpp"
 
 namespace trundle {
@@ -130,6 +131,7 @@ std::vector<Beam> read_beams(const Sensor &sensor, const In<double, 1> &angles, 
   std::vector<Beam> beams;
   beams.reserve(angles.size());
   const double body_reach = reach_of(sensor);
+  const Directions *still = sensor.stride == 0 ? &directions_of(angles.data(), angles.size(), sensor.poses[2]) : nullptr;
   for (std::size_t i = 0; i < angles.size(); ++i) {
     const double range = ranges.data()[i], angle = angles.data()[i];
     const bool endless = range == std::numeric_limits<double>::infinity();
@@ -140,7 +142,8 @@ std::vector<Beam> read_beams(const Sensor &sensor, const In<double, 1> &angles, 
       continue;
     }
     const double *pose = sensor.poses + i * sensor.stride;
-    const double dx = std::cos(pose[2] + angle), dy = std::sin(pose[2] + angle);
+    const double dx = still ? still->cos[i] : std::cos(pose[2] + angle);
+    const double dy = still ? still->sin[i] : std::sin(pose[2] + angle);
     const double x = pose[0] / resolution - col, y = pose[1] / resolution - row;
     const double start = std::min(limit.raytrace_min / resolution, kMostReach);
     const double end = std::min(endless ? limit.range_max : range, limit.raytrace_max) / resolution;

@@ -8,6 +8,7 @@
 
 #include "rays/kernels.hpp"
 #include "rays/lone_hits.hpp"
+#include "shared/directions.hpp"
 
 namespace trundle {
 namespace {
@@ -59,11 +60,11 @@ nb::tuple place_scan(In<double, 1> ranges, In<double, 1> angles, In<double, 1> m
     points.reserve(2 * count);
     const double *m = mount.data(), *at = base.data(), *side = body.data();
     const double cos = std::cos(at[2]), sin = std::sin(at[2]);
+    const Directions &beams = directions_of(angles.data(), count, m[2]);
     for (std::size_t i = 0; i < count; ++i) {
       const double range = seen[i];
       if (range >= range_min && range <= range_max) {
-        const double angle = angles.data()[i] + m[2];
-        const double x = m[0] + range * std::cos(angle), y = m[1] + range * std::sin(angle);
+        const double x = m[0] + range * beams.cos[i], y = m[1] + range * beams.sin[i];
         bool within = body.shape(0) > 0;
         for (std::size_t j = 0; j < body.shape(0) && within; ++j) {
           within = x * side[3 * j] + y * side[3 * j + 1] <= side[3 * j + 2];
