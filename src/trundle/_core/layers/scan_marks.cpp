@@ -188,19 +188,23 @@ TRUNDLE_INLINE std::uint8_t add_cells(const EvidenceRule &rule, const std::uint8
   return any;
 }
 
-TRUNDLE_INLINE bool is_blank(const std::uint8_t *drawn) {
+// Whether a block has only cells that no beam passed, or that are surely free already: nothing changes there.
+TRUNDLE_INLINE bool stays(const std::uint8_t *drawn, const std::uint8_t *evidence) {
   std::uint8_t any = 0;
-  for (std::ptrdiff_t i = 0; i < kBlock; ++i) any |= drawn[i];
+  for (std::ptrdiff_t i = 0; i < kBlock; ++i) {
+    const std::uint8_t passed = drawn[i] ^ kPassed, free = evidence[i] ^ 1;
+    any |= drawn[i] == 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(passed | free);
+  }
   return any == 0;
 }
 
-// What a scan does to a row of cells, block by block: far away, most blocks lie between two beams.
+// What a scan does to a row of cells, block by block: most lie between two beams, or in space that is known to be free.
 TRUNDLE_INLINE bool add_row(const EvidenceRule &rule, const std::uint8_t *drawn, std::uint8_t *evidence,
                             std::uint8_t *changed, std::ptrdiff_t count) {
   std::uint8_t any = 0;
   std::ptrdiff_t i = 0;
   for (; i + kBlock <= count; i += kBlock) {
-    if (is_blank(drawn + i)) {
+    if (stays(drawn + i, evidence + i)) {
       std::memset(changed + i, 0, kBlock);
     } else {
       any |= add_cells(rule, drawn + i, evidence + i, changed + i, kBlock);
