@@ -840,6 +840,27 @@ def outline_clearances(
     shape (E, 3).
     """
 
+def stopping_poses(
+    x: float,
+    y: float,
+    yaw: float,
+    v: float,
+    w: float,
+    goal_v: float,
+    goal_w: float,
+    forward: float,
+    reverse: float,
+    turning: float,
+    acceleration: float,
+    angular_acceleration: float,
+    dt: float,
+    turn_step: float,
+) -> npt.NDArray[np.float64]:
+    """Return poses of a robot that drives a command for `dt` [s] and then brakes, the first one included, shape (K, 3).
+
+    It is at (x, y, yaw), moves at (v, w), and turns by `turn_step` [rad] at most from pose to pose.
+    """
+
 def place_scan(
     ranges: npt.NDArray[np.float64],
     angles: npt.NDArray[np.float64],

@@ -276,7 +276,7 @@ class CollisionMonitor:
 
     def _braking(self, command: Twist2D, twist: Twist2D) -> FloatArray:
         """Poses of one control period and then braking, from where the robot is, shape (K, 3)."""
-        return np.array([_HERE.as_tuple(), *stopping_poses(_HERE, twist, command, self._robot.limits, _TICK_S)])
+        return stopping_poses(_HERE, twist, command, self._robot.limits, _TICK_S)
 
     def _intends(self, command: Twist2D) -> bool:
         return self._intent is not None and self._intent.begins_with(command)
