@@ -9,7 +9,8 @@ import numpy as np
 
 from fuzz.loop import attempt, rng_of, spoil
 from support.distance_oracle import distances_to_polyline, polygon_distances
-from trundle._core import MissionDriver, chebyshev_field, outline_distances, polyline_distances
+from support.stopping_oracle import stopping_poses as stop_slowly
+from trundle._core import MissionDriver, chebyshev_field, outline_distances, polyline_distances, stopping_poses
 from trundle.costmap import Costmap
 from trundle.geometry import Goal, Pose2D
 from trundle.geometry.footprint import convex_hull
@@ -61,9 +62,21 @@ def check_distances(generator: random.Random) -> None:
     assert np.abs(outline_distances(outlines, polygons) - polygon_distances(outlines, polygons)).max() < 1e-12
 
 
+def check_stops(generator: random.Random) -> None:
+    """A robot that drives a command and brakes, from any motion."""
+    rng = rng_of(generator)
+    pose, speeds = rng.uniform(-3, 3, 3).tolist(), (rng.uniform(-2, 2, 4) * generator.choice((0.0, 1.0, 1e3))).tolist()
+    limits = (1.2, generator.choice((0.0, 0.5)), 2.0, generator.choice((1e-3, 2.5)), generator.choice((0.5, 8.0)))
+    arguments = (*pose, *speeds, *limits, generator.choice((0.05, 1.0)), generator.choice((np.inf, 0.03)))
+    if generator.random() < 0.4:
+        attempt(stopping_poses, spoil(generator, arguments))
+        return
+    assert np.allclose(stopping_poses(*arguments), stop_slowly(*arguments), rtol=1e-9, atol=1e-9)
+
+
 def one_round(generator: random.Random) -> None:
-    """Drive, or measure."""
-    generator.choice((drive, check_distances))(generator)
+    """Drive, stop, or measure."""
+    generator.choice((drive, check_stops, check_distances))(generator)
 
 
 def drive(generator: random.Random) -> None:

@@ -254,6 +254,9 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
         *(WAY, np.array([0.0, 3.0, 6.0]), np.array([3]), 2),
     ),
     "polyline_distances": lambda: _core.polyline_distances(POSES[:, :2].copy(), WAY[:, :2].copy()),
+    "stopping_poses": lambda: _core.stopping_poses(
+        *(1.0, 2.0, 0.3, 0.8, 0.1, 1.0, 0.4, 1.2, 0.5, 2.0, 2.5, 8.0, 0.05, 0.03)
+    ),
     "outline_distances": lambda: _core.outline_distances(OUTLINE[None] + POSES[:, None, :2], OUTLINE[None]),
     "HybridAStar": lambda: _core.HybridAStar(**HYBRID).bytes,
     "HybridAStar.plan": lambda: HYBRID_ASTAR.plan(
@@ -287,6 +290,10 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
         np.zeros((1, 3)),
         0.1,
         12.0,
+    ),
+    "place_scan": lambda: _core.place_scan(
+        *(np.full(90, 2.0), np.linspace(-3.0, 3.0, 90), np.array((0.1, 0.0, 0.0)), np.array((1.0, 2.0, 0.5))),
+        *(np.array([(1.0, 0.0, 0.4), (-1.0, 0.0, 0.4)]), 0.1, 12.0, np.zeros(3), *np.zeros((2, 0)), np.zeros(3)),
     ),
     "find_moved": lambda: _core.find_moved(
         *(RIM + 0.3, np.zeros(3), np.linspace(-3.0, 3.0, 60), np.full(60, 9.0)),

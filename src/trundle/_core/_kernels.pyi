@@ -943,6 +943,47 @@ def outline_clearances(
     shape (E, 3).
     """
 
+def stopping_poses(
+    x: float,
+    y: float,
+    yaw: float,
+    v: float,
+    w: float,
+    goal_v: float,
+    goal_w: float,
+    forward: float,
+    reverse: float,
+    turning: float,
+    acceleration: float,
+    angular_acceleration: float,
+    dt: float,
+    turn_step: float,
+) -> npt.NDArray[np.float64]:
+    """Return poses of a robot that drives a command for `dt` [s] and then brakes, the first one included, shape (K, 3).
+
+    It is at (x, y, yaw), moves at (v, w), and turns by `turn_step` [rad] at most from pose to pose.
+    """
+
+def place_scan(
+    ranges: npt.NDArray[np.float64],
+    angles: npt.NDArray[np.float64],
+    mount: npt.NDArray[np.float64],
+    base: npt.NDArray[np.float64],
+    body: npt.NDArray[np.float64],
+    range_min: float,
+    range_max: float,
+    sensor: npt.NDArray[np.float64],
+    earlier_ranges: npt.NDArray[np.float64],
+    earlier_angles: npt.NDArray[np.float64],
+    earlier_sensor: npt.NDArray[np.float64],
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Return hits of a scan, shape (N, 2); angles of its beams, ascending; and how far each and those beside it saw.
+
+    Hits lie in the frame of the pose `base`; lone ones (see `find_lone_hits`) and those in the body are left out. The
+    sensor's pose is `mount` in the base and `sensor` in that frame. The body has a row (x, y of the normal, reach along
+    it) for each side. The scan before may be empty.
+    """
+
 def find_lone_hits(
     ranges: npt.NDArray[np.float64],
     angles: npt.NDArray[np.float64],

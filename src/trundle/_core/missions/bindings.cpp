@@ -13,5 +13,8 @@ void bind_missions(nanobind::module_ &m) {
       .def("drive", &MissionDriver::drive, arg("starts"), arg("goals"), arg("time_limits"), arg("paths"),
            arg("backward"), arg("path_ends"), arg("checks"), arg("along"), arg("check_ends"), arg("threads"));
   m.def("polyline_distances", &polyline_distances, arg("points"), arg("corners"));
+  m.def("stopping_poses", &stopping_poses, arg("x"), arg("y"), arg("yaw"), arg("v"), arg("w"), arg("goal_v"),
+        arg("goal_w"), arg("forward"), arg("reverse"), arg("turning"), arg("acceleration"), arg("angular_acceleration"),
+        arg("dt"), arg("turn_step"));
   m.def("outline_distances", &outline_distances, arg("outlines"), arg("polygons"));
 }
