@@ -119,6 +119,7 @@ DRIVER = _core.MissionDriver(
     np.array([0.5, 0.5, 10.0]),
 )
 WAY = np.array([(1.0, 1.0, 0.0), (4.0, 1.0, 0.0), (4.0, 4.0, 1.5)])
+ONE_WAY = WAY[0], WAY[2], 30.0, WAY, np.zeros(3, bool), WAY, np.array([0.0, 3.0, 6.0]), np.array([0.5, 7.0, 20.0])
 MANY_PLACES = np.tile(np.array([0, -1]), (20, 1)), np.ones(20, bool)
 
 
@@ -129,6 +130,14 @@ def drive_many() -> Any:
     )
     MANY.drive(*state, np.ones((20, 2)), *MANY_PLACES, 5, 2)
     return state
+
+
+def step_mission(periods: int = 20) -> Any:
+    run = DRIVER.begin(*ONE_WAY)
+    for _ in range(periods):
+        run.decide()
+        run.move(0.2, 0.1)
+    return run
 
 
 def scan_many() -> Any:
@@ -221,6 +230,11 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
         *(WAY[:1], WAY[2:], np.array([30.0]), WAY, np.zeros(3, bool), np.array([3])),
         *(WAY, np.array([0.0, 3.0, 6.0]), np.array([3]), 2),
     ),
+    "MissionDriver.begin": lambda: type(DRIVER.begin(*ONE_WAY)).__name__,
+    "MissionRun": lambda: type(step_mission(0)).__name__,
+    "MissionRun.decide": lambda: step_mission().decide(),
+    "MissionRun.move": lambda: step_mission().result(),
+    "MissionRun.result": lambda: step_mission().result(),
     "polyline_distances": lambda: _core.polyline_distances(POSES[:, :2].copy(), WAY[:, :2].copy()),
     "outline_distances": lambda: _core.outline_distances(OUTLINE[None] + POSES[:, None, :2], OUTLINE[None]),
     "HybridAStar": lambda: _core.HybridAStar(**HYBRID).bytes,
