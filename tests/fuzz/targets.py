@@ -81,7 +81,9 @@ TARGETS = {
         1000,
     ),
     "missions": Target(
-        fuzz_missions.one_round, ("MissionDriver", "outline_distances", "polyline_distances", "stopping_poses"), 60
+        fuzz_missions.one_round,
+        ("MissionDriver", "MissionRun", "outline_distances", "polyline_distances", "stopping_poses"),
+        60,
     ),
     "batch": Target(fuzz_batch.one_round, ("Batch",), 300),
     "localization": Target(

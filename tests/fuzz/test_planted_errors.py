@@ -169,6 +169,21 @@ class HastyDriver(_core.MissionDriver):
         return rows, ends, results
 
 
+class OverhastyDriver(_core.MissionDriver):
+    """Sends a little more than it is given, where it is stepped."""
+
+    def begin(self, *arguments: Any) -> Any:
+        run = super().begin(*arguments)
+
+        class Run:
+            decide, result = run.decide, run.result
+
+            def move(self, v: float, w: float) -> None:
+                run.move(v * (1.0 + 1e-6), w)
+
+        return Run()
+
+
 class DriftingTracker(_core.ScanTracker):
     """Predicts too far."""
 
@@ -258,6 +273,7 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "free squares": ("rays", fuzz_rays, "chebyshev_field", one_more),
     "rays to outlines": ("rays", fuzz_rays, "cast_outline_rays", scaled(1e-2)),
     "whole missions": ("missions", fuzz_missions, "MissionDriver", lambda _: HastyDriver),
+    "missions in steps": ("missions", fuzz_missions, "MissionDriver", lambda _: OverhastyDriver),
     "outlines to polygons": ("missions", fuzz_missions, "outline_distances", scaled(1e-6)),
     "points to a polyline": ("missions", fuzz_missions, "polyline_distances", scaled(1e-6)),
     "stopping": ("missions", fuzz_missions, "stopping_poses", scaled(1e-6)),

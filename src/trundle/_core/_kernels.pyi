@@ -399,6 +399,38 @@ class MissionDriver:
             without a valid command, shape (N, 2). Endings are 0 arrived, 1 timed out, 2 touches something, 3 blocked,
             4 no progress along the path, 5 no progress, 6 the footprint touches something while it is checked.
         """
+    def begin(
+        self,
+        start: npt.NDArray[np.float64],
+        goal: npt.NDArray[np.float64],
+        time_limit: float,
+        path: npt.NDArray[np.float64],
+        backward: npt.NDArray[np.bool_],
+        check: npt.NDArray[np.float64],
+        along: npt.NDArray[np.float64],
+        patience: npt.NDArray[np.float64],
+    ) -> MissionRun:
+        """Begin one mission, to be stepped: `drive` says what it takes.
+
+        `patience` is the radius [m], angle [rad] and time of standing [s] after which a robot that is held may be
+        stuck, shape (3,).
+        """
+
+class MissionRun:
+    """A mission in progress, whose commands somebody may change on their way; made by `MissionDriver.begin`."""
+
+    def decide(self) -> tuple[int, float, float, float, float, float, float, float]:
+        """Decide on the next command.
+
+        Returns:
+            How the drive ends instead, 8 where it goes on; x, y, yaw, v and w now; and v and w of the command.
+        """
+
+    def move(self, v: float, w: float) -> None:
+        """Drive one control period with what is sent instead of the command [m/s, rad/s]."""
+
+    def result(self) -> tuple[npt.NDArray[np.float64], int]:
+        """Rows so far, as of `MissionDriver.drive`, shape (R, 7), and the periods without a valid command."""
 
 class MppiState:
     """Where the robot is now [m, rad], its speeds [m/s, rad/s], and their rates of change during the last period."""

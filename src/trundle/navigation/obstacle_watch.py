@@ -16,6 +16,8 @@ LONG_DETOUR_M = 3.0
 """A detour longer than what is left of the path by more than this [m] is taken after a wait."""
 STAND_OFF_M = 1.2
 """Room that the robot leaves to what was seen to move and blocks its path [m], so that it can turn and drive off."""
+STANDING_WITHIN = 0.5, 7.0
+"""A robot stands at one place as long as it moves and turns by less than this [m, rad]."""
 _BACK_UP_EVERY_S = 5.0
 _THOROUGH_EVERY_S = 10.0
 
@@ -39,7 +41,7 @@ class ObstacleWatch:
     def __init__(self, wait_s: float, patience_s: float, mover_patience_s: float = 0.0) -> None:
         self._wait_s, self._back_up_s = wait_s, max(wait_s, PLAN_EVERY_S)
         self._patience_s, self._mover_patience_s = patience_s, max(patience_s, mover_patience_s)
-        self._progress = ProgressChecker(required_movement_angle=7.0)
+        self._progress = ProgressChecker(*STANDING_WITHIN)
         self.reset()
 
     def reset(self) -> None:
