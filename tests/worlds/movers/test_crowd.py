@@ -263,6 +263,25 @@ def test_those_who_block_each_other_back_out_of_a_jam():
     assert np.median(stays) < 13.0  # 15 s where each tries another random place
 
 
+def test_who_is_pushed_to_and_fro_in_a_jam_is_stuck_as_well():
+    crowd = Crowd("people", 1, area=(-6.0, -3.0, 6.0, 3.0))
+    walk = walk_of((crowd,), ())
+    walk.reset(1, ROBOT._replace(x=-100.0))
+    goal = walk._goals[0].copy()
+    for step in range(80):
+        walk._from[0, 0] += 0.04 if step % 2 else -0.04  # 0.8 m/s, and it gets nowhere
+        walk._choose_goals(walk._from[:, :2], None)
+    assert not np.array_equal(walk._goals[0], goal)
+
+
+def test_who_waits_for_a_robot_that_closes_a_corridor_walks_away_from_it():
+    corridor = (-12.0, -0.6, 12.0, 0.6)
+    for seed in range(6):
+        crowd = Crowd("people", 1, area=corridor)
+        places = drive(walk_of((crowd,), ()), seed, 60.0)[::20, 0, :2]
+        assert longest_stay(places) <= 6
+
+
 def longest_stay(places):
     """Longest time [s] within 0.5 m of one place; places are 1 s apart."""
     longest = 0
