@@ -6,8 +6,10 @@ import math
 from collections import deque
 from collections.abc import Sequence
 
+import numpy as np
+
 from trundle.control import ProgressChecker
-from trundle.geometry import Pose2D
+from trundle.geometry import FloatArray, Pose2D
 from trundle.observation import Track
 
 PLAN_EVERY_S, SELDOM_S = 0.5, 4.0
@@ -127,6 +129,7 @@ class ObstacleWatch:
 
 
 KEPT_S = 60.0
+_RECENT_S = 5.0
 _EVERY_S = 0.5
 
 
@@ -135,6 +138,9 @@ class MoverMemory:
 
     A track ends soon after its mover stops: beside a shelf, or close to the robot, its hits look like any others. What
     stands there then may still drive off again.
+
+    Attributes:
+        recent: Where they were in the last 5 s: x, y and radius [m], map frame, shape (N, 3).
     """
 
     def __init__(self) -> None:
@@ -144,6 +150,7 @@ class MoverMemory:
         """Forget everything: the robot is somewhere else."""
         self._seen: deque[tuple[float, float, float, float]] = deque()
         self._noted_at = -math.inf
+        self.recent: FloatArray = np.zeros((0, 3))
 
     def note(self, tracks: Sequence[Track], time: float) -> None:
         """Take the tracks of now [s]; twice a second their places are kept."""
@@ -155,6 +162,8 @@ class MoverMemory:
             return
         self._noted_at = time
         self._seen.extend((time, track.x, track.y, track.radius) for track in tracks if track.confirmed)
+        if self._seen:
+            self.recent = np.array([place for at, *place in self._seen if at >= time - _RECENT_S]).reshape(-1, 3)
 
     def was_near(self, x: float, y: float, within_m: float) -> bool:
         """Whether something that moves was within this distance of a point in the last minute."""
