@@ -130,7 +130,7 @@ def test_a_time_limit_is_an_outcome(trundle: Trundle, room_map: Path) -> None:
     assert (Path(done.json["run_dir"]) / "overlay.png").is_file()
 
 
-@pytest.mark.parametrize("door_m", [0.0, 0.4])
+@pytest.mark.parametrize("door_m", [0.0, pytest.param(0.4, marks=pytest.mark.slow)])
 def test_a_goal_that_cannot_be_reached_is_an_outcome(trundle: Trundle, tmp_path: Path, door_m: float) -> None:
     """Behind a wall, or behind a door that the robot is too wide for."""
     room(door_m=door_m).save(tmp_path / "door.yaml")

@@ -10,6 +10,7 @@ from trundle.costmap import Costmap
 from trundle.errors import TrundleError
 from trundle.geometry import Pose2D
 from trundle.mission import Step
+from trundle.ros2.actions import ActionGoal
 from trundle.ros2.bad_input import BadInputError, check_pose
 from trundle.ros2.navigator_role.tasks import Tasks
 from trundle.ros2.outputs.output import observed
@@ -170,6 +171,31 @@ class Kit:
         if why:
             self.context.wire.warn(f"{action}: refused", f"a goal of {action} is refused: {why}")
         return not why
+
+
+class ServedAction:
+    """An action of the navigator, which takes goals while navigation is active.
+
+    Args:
+        kit: What actions work with.
+        name: Name of the action on the network.
+    """
+
+    def __init__(self, kit: Kit, name: str) -> None:
+        self._kit, self._name = kit, name
+
+    def accepts(self, request: Any) -> bool:
+        """Return whether navigation is active; what is wrong with a goal is in its result."""
+        return self._kit.is_accepting(self._name)
+
+    def cancel(self, goal: ActionGoal) -> bool:
+        """Stop, if the robot drives for this goal."""
+        return self._kit.tasks.drive.cancel(goal, self._name)
+
+    def _report(self, what: str, error: TrundleError, kind: str) -> None:
+        """Report what is refused, by its kind where the error has none."""
+        kind = error.kind if isinstance(error, BadInputError) else kind
+        self._kit.context.wire.warn(f"{self._name}: {kind}", f"a {what} of {self._name} is refused: {error}")
 
 
 def seconds_of(duration: Any) -> float:

@@ -20,9 +20,8 @@ from trundle.planning import Planner, create_planner, planner_names
 from trundle.planning.cancellation import Cancellation
 from trundle.planning.motions import sample_between
 from trundle.ros2.actions import ActionGoal
-from trundle.ros2.bad_input import BadInputError
 from trundle.ros2.navigator_role.codes import planning_code
-from trundle.ros2.navigator_role.context import FrameError, Kit, poses_of
+from trundle.ros2.navigator_role.context import FrameError, Kit, ServedAction, poses_of
 
 _PLUGINS = ("", "GridBased")
 """Names of Nav2's planner plugin that mean the planner in use."""
@@ -176,7 +175,7 @@ class PlanServer:
         query.goal.abort(**self._kit.failure(query.action, name, message))
 
 
-class ComputePath:
+class ComputePath(ServedAction):
     """Serves ComputePathToPose, or ComputePathThroughPoses.
 
     Args:
@@ -187,12 +186,9 @@ class ComputePath:
     """
 
     def __init__(self, kit: Kit, server: PlanServer, name: str, *, through: bool) -> None:
-        self._kit, self._server, self._name, self._through = kit, server, name, through
+        super().__init__(kit, name)
+        self._server, self._through = server, through
         self._action = "ComputePathThroughPoses" if through else "ComputePathToPose"
-
-    def accepts(self, request: Any) -> bool:
-        """Return whether navigation is active."""
-        return self._kit.is_accepting(self._name)
 
     def accepted(self, goal: ActionGoal) -> None:
         """Make the plan."""
@@ -203,8 +199,7 @@ class ComputePath:
             goal.abort(**kit.failure(self._action, "TF_ERROR", str(error)))
             return
         except InputError as error:
-            kind = error.kind if isinstance(error, BadInputError) else "bad goal"
-            kit.context.wire.warn(f"{self._name}: {kind}", f"a goal of {self._name} is refused: {error}")
+            self._report("goal", error, "bad goal")
             code = "UNKNOWN" if ends_of(goal.request, self._through) else "NO_VIAPOINTS_GIVEN"
             goal.abort(**kit.failure(self._action, code, str(error)))
             return
