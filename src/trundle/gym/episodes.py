@@ -172,7 +172,7 @@ class Episodes:
         """
         arrays = self.arrays
         try:
-            given = arrays.copy(arrays.cast(arrays.put(actions), "float64"))
+            given = arrays.cast(arrays.put(actions), "float64")
         except (TypeError, ValueError):
             raise InputError(f"actions must be numbers of shape ({self.count}, 2)") from None
         if tuple(given.shape) != (self.count, 2):
@@ -227,7 +227,8 @@ class Episodes:
         terminated = arrived | contact | off_map
         truncated = late & ~terminated
         terms = self._terms(given, before, away, arrived, contact | off_map, active)
-        self.distances, self._last_actions = away, given
+        # In place: what RSL-RL makes in its inference mode cannot be changed outside of that.
+        self.distances[:], self._last_actions[:] = away, given
         rewards, info = arrays.copy(self._standing), dict[str, Any]()
         for name, weight in settings.rewards.items():
             term = info[f"reward/{name}"] = terms[name] * weight

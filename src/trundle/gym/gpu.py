@@ -31,7 +31,7 @@ class TorchArrays(Arrays):
     def put(self, values: Any) -> torch.Tensor:
         """Return values of the host as a tensor of the device; a tensor that is there is itself."""
         if isinstance(values, torch.Tensor):
-            return values.to(self.device)
+            return values.detach().to(self.device)
         return torch.from_numpy(np.array(values)).to(self.device)
 
     def host(self, values: Any) -> npt.NDArray[Any]:

@@ -123,7 +123,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             if len(robots):
                 observations, info = self._begin_again(ended, robots, observations, info)
         else:
-            self._ended = ended
+            self._ended[:] = ended
         return observations, outcome.rewards, outcome.terminated, outcome.truncated, info
 
     def render(self) -> tuple[Any, ...] | None:
