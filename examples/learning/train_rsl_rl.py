@@ -1,4 +1,4 @@
-"""Train a recurrent policy with RSL-RL's own runner: pip install ".[gym]" rsl-rl-lib, and ".[gpu]" for --device cuda."""
+"""Train a recurrent policy with RSL-RL's own runner: pip install ".[gym,gpu]" rsl-rl-lib; gpu is for --device cuda."""
 
 import argparse
 

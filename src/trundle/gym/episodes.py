@@ -149,9 +149,7 @@ class Episodes:
         self._factors[robots] = put(factors)
         return {"noise": put(drawn["lidar_noise"]), "dropouts": put(drawn["lidar_dropout"])}
 
-    def _start(
-        self, robots: Any, keys: Any, maps: Any, recordings: Any, drawn: dict[str, Any], attempt: int
-    ) -> None:
+    def _start(self, robots: Any, keys: Any, maps: Any, recordings: Any, drawn: dict[str, Any], attempt: int) -> None:
         arrays = self.arrays
         counts = self._mission_counts[maps]
         picked = self._first_mission[maps] + arrays.cast(uniform(arrays, keys, 10 + attempt) * counts, "int64")
@@ -255,9 +253,7 @@ class Episodes:
         """Return the figures of episodes that have just begun."""
         return self.figures(*(self.arrays.copy(self._nobody) for _ in range(3)))
 
-    def _terms(
-        self, actions: Any, before: Any, away: Any, arrived: Any, contact: Any, active: Any
-    ) -> dict[str, Any]:
+    def _terms(self, actions: Any, before: Any, away: Any, arrived: Any, contact: Any, active: Any) -> dict[str, Any]:
         """What each reward term measures, float64, shape (N,); 0 where a robot is not active."""
         arrays, wanted = self.arrays, self.settings.rewards
         everyone = self._everyone if active is None else active

@@ -45,7 +45,10 @@ def draw_robot(episodes: Episodes, robot: int) -> npt.NDArray[np.uint8]:
     ends = np.concatenate([np.zeros((0, 2)), *(scan.points() for scan in scans_of(episodes, robot))])
     for x, y in pixels(pose.transform_points(ends)):
         draw.ellipse((x - 1.5, y - 1.5, x + 1.5, y + 1.5), fill=_BEAM)
-    (x, y), radius = pixels(episodes.arrays.host(episodes.goals[robot : robot + 1]))[0], episodes.settings.goal_tolerance
+    (x, y), radius = (
+        pixels(episodes.arrays.host(episodes.goals[robot : robot + 1]))[0],
+        episodes.settings.goal_tolerance,
+    )
     ring = max(4.0, radius / grid.resolution * scale)
     draw.ellipse((x - ring, y - ring, x + ring, y + ring), outline=_GOAL, width=3)
     draw.polygon(pixels(pose.transform_points(arena.robot.planar.outline)), fill=_ROBOT)
