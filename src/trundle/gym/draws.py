@@ -7,6 +7,9 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from trundle.gym.arrays import Arrays
 
 
@@ -23,10 +26,21 @@ def episode_keys(seeds: Any, episodes: Any, split: int) -> Any:
     return mix(mix(seeds + 1) + mix(episodes + (1 + split * 2**40)))
 
 
-def uniform(arrays: Arrays, keys: Any, stream: int) -> Any:
-    """Return a number from 0 up to 1 for each key, float64; another one for each stream."""
-    bits = mix(keys + _signed(0xD1B54A32D192ED03 * (stream + 1)))
+def uniform(arrays: Arrays, keys: Any, streams: Any) -> Any:
+    """Return numbers from 0 up to 1 for each key, float64, shape (streams, keys); other ones for each stream.
+
+    Args:
+        arrays: The arrays of the device.
+        keys: int64.
+        streams: int64, of the device; see `stream_numbers`.
+    """
+    bits = mix(keys + streams[:, None])
     return arrays.cast(_shifted(bits, 11), "float64") * 2.0**-53
+
+
+def stream_numbers(*streams: int) -> npt.NDArray[np.int64]:
+    """Return what `uniform` adds to keys for these streams."""
+    return np.array([_signed(0xD1B54A32D192ED03 * (stream + 1)) for stream in streams])
 
 
 def _signed(number: int) -> int:

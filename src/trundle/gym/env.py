@@ -73,7 +73,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         """
         if not self._ready:
             raise InputError("call reset before step")
-        outcome = self.episodes.step(np.asarray(action)[None])
+        outcome = self.episodes.step(self.episodes.check_actions(np.asarray(action)[None]))
         self._observer.scan()
         self._show()
         info = _plain({name: values[0] for name, values in outcome.info.items()})

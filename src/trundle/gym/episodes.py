@@ -12,7 +12,7 @@ import numpy.typing as npt
 from trundle.errors import InputError
 from trundle.gym.arena import Arena
 from trundle.gym.arrays import HOST
-from trundle.gym.draws import episode_keys, uniform
+from trundle.gym.draws import episode_keys, stream_numbers, uniform
 from trundle.gym.lookup import Lookup
 from trundle.gym.settings import SPLITS, NavigationSettings
 from trundle.gym.variation import Variation
@@ -103,6 +103,9 @@ class Episodes:
         self._factors, self._last_actions = full((count, 2), 1.0), full((count, 2), 0.0)
         self._everyone, self._nobody = full(count, 1, "bool"), full(count, 0, "bool")
         self._standing = full(count, 0.0)
+        # Of an episode's map and recording, and of each try's mission and yaw.
+        self._streams = put(stream_numbers(0, 1))
+        self._tries = [put(stream_numbers(10 + attempt, 50 + attempt)) for attempt in range(_TRIES)]
 
     def seed(self, seeds: npt.ArrayLike, robots: Any) -> None:
         """Give robots new seeds; their next episode is their first."""
@@ -120,11 +123,12 @@ class Episodes:
         arrays, number = self.arrays, len(self.arena.grids)
         self._episodes[robots] += 1
         keys = episode_keys(self._seeds[robots], self._episodes[robots], self._split)
-        maps = arrays.lib.clip(arrays.cast(uniform(arrays, keys, 0) * number, "int64"), 0, number - 1)
+        of_map, of_recording = uniform(arrays, keys, self._streams)
+        maps = arrays.lib.clip(arrays.cast(of_map * number, "int64"), 0, number - 1)
         recordings: Any = -1
         if self.arena.recordings:
             counts = self._recording_counts[maps]
-            picked = self._first_recording[maps] + arrays.cast(uniform(arrays, keys, 1) * counts, "int64")
+            picked = self._first_recording[maps] + arrays.cast(of_recording * counts, "int64")
             recordings = arrays.lib.where(counts > 0, picked, -1)
         drawn = self._vary(robots)
         self._start(robots, keys, maps, recordings, drawn, 0)
@@ -151,18 +155,19 @@ class Episodes:
 
     def _start(self, robots: Any, keys: Any, maps: Any, recordings: Any, drawn: dict[str, Any], attempt: int) -> None:
         arrays = self.arrays
+        of_mission, of_yaw = uniform(arrays, keys, self._tries[attempt])
         counts = self._mission_counts[maps]
-        picked = self._first_mission[maps] + arrays.cast(uniform(arrays, keys, 10 + attempt) * counts, "int64")
-        poses = arrays.copy(self._starts[picked])
-        yaws = (uniform(arrays, keys, 50 + attempt) * 2.0 - 1.0) * math.pi
+        picked = self._first_mission[maps] + arrays.cast(of_mission * counts, "int64")
+        poses = self._starts[picked]
+        yaws = (of_yaw * 2.0 - 1.0) * math.pi
         poses[:, 2] = arrays.lib.where(arrays.lib.isnan(poses[:, 2]), yaws, poses[:, 2])
         self.lookup.settle(robots, maps, self._fields[picked])
         self.goals[robots], self.shortest[robots] = self._goals[picked], self._shortest[picked]
         seeds = keys.view(np.uint64) if arrays.on_host else keys
         self.sim.reset(poses, robots=robots, maps=maps, recordings=recordings, seeds=seeds, **drawn)
 
-    def check_actions(self, actions: Any, active: Any) -> Any:
-        """Return actions as float64, shape (N, 2).
+    def check_actions(self, actions: Any, active: Any = None) -> Any:
+        """Return actions as float64, shape (N, 2); those of robots that are not active do not matter.
 
         Raises:
             InputError: If they have another shape, or one is not finite or out of bounds; nothing has moved then. On a
@@ -177,11 +182,12 @@ class Episodes:
             raise InputError(f"actions need shape ({self.count}, 2), got {tuple(given.shape)}")
         allowed = (given >= self._low) & (given <= self._high)
         if not arrays.on_host:
-            bad = arrays.lib.where(active[:, None], math.nan, 0.0)
-            return arrays.lib.where(allowed, given, arrays.cast(bad, "float64"))
+            found = arrays.lib.where(allowed, given, math.nan)
+            return found if active is None else arrays.lib.where(active[:, None], found, 0.0)
         if allowed.all():
             return given
-        bad = ~allowed.all(axis=1) & active
+        bad = ~allowed.all(axis=1)
+        bad &= self._everyone if active is None else active
         if bad.any():
             first = int(np.argmax(bad))
             raise InputError(
@@ -193,15 +199,18 @@ class Episodes:
     def _demand(self) -> str:
         return f"it must be finite and from {self.action_low.tolist()} to {self.action_high.tolist()}: clip it"
 
-    def step(self, actions: Any, active: Any = None) -> Outcome:
-        """Drive a period with an action for each robot; robots that are not active stay as they are.
+    def step(self, given: Any, active: Any = None) -> Outcome:
+        """Drive a period with a checked action for each robot; robots that are not active stay as they are.
+
+        Args:
+            given: What `check_actions` returns.
+            active: A bool for each robot, or None for all.
 
         Raises:
-            InputError: As `check_actions`; on a GPU perhaps by a later step.
+            InputError: If a GPU has found a bad action, perhaps that of an earlier step.
         """
         settings, sim, arrays = self.settings, self.sim, self.arrays
         lib, goals, poses = arrays.lib, self.goals, sim.poses
-        given = self.check_actions(actions, self._everyone if active is None else active)
         commands = given * self._scale + self._offset if settings.scaled_actions else given
         before = arrays.copy(sim.lengths) if "reverse" in settings.rewards else sim.lengths
         if self._variation:

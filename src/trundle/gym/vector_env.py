@@ -109,14 +109,13 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
                 f"the episode of robot {int(begun[0])} has ended, and autoreset is disabled: reset it, "
                 "reset(options={'reset_mask': terminated | truncated})"
             )
-        outcome = self.episodes.step(actions, ~self._ended if len(begun) else None)
-        info = outcome.info
-        if len(begun):
-            self.episodes.reset(begun)
-            info = self._with_fresh(self._ended, info)
+        active = ~self._ended if len(begun) else None
+        given = self.episodes.check_actions(actions, active)
+        self.episodes.reset(begun)  # these stand still in this step, so that its figures are of their new episodes
+        outcome = self.episodes.step(given, active)
         self._observer.scan()
         ended = outcome.terminated | outcome.truncated
-        info = _masked(info, arrays.full(self.num_envs, 1, "bool"))
+        info = _masked(outcome.info, arrays.full(self.num_envs, 1, "bool"))
         observations = self._observer.observe()
         if self._mode is AutoresetMode.SAME_STEP:
             robots = arrays.indices(ended)
@@ -144,20 +143,16 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         final_info = {name: values for name, values in info.items() if not name.startswith("_")}
         self.episodes.reset(robots)
         self._observer.scan(robots)
-        info = self._with_fresh(ended, info)
+        lib, fresh = self.episodes.arrays.lib, self.episodes.start_figures()
+        info = {
+            name: values
+            if name.startswith("_")
+            else lib.where(ended, fresh[name] if name in fresh else lib.zeros_like(values), values)
+            for name, values in info.items()
+        }
         info |= {"final_obs": final, "_final_obs": ended}
         info |= {"final_info": _masked(final_info, ended), "_final_info": ended}
         return self._observer.observe(), info
-
-    def _with_fresh(self, begun: Any, info: dict[str, Any]) -> dict[str, Any]:
-        """Take the figures of new episodes where one has begun: those that it has not are 0."""
-        lib, fresh = self.episodes.arrays.lib, self.episodes.start_figures()
-        return {
-            name: values
-            if name.startswith("_")
-            else lib.where(begun, fresh[name] if name in fresh else lib.zeros_like(values), values)
-            for name, values in info.items()
-        }
 
     def _read_mask(self, options: dict[str, Any] | None) -> npt.NDArray[np.bool_]:
         if not options or "reset_mask" not in options:
