@@ -52,13 +52,15 @@ class Network(nn.Module):
         nn.init.orthogonal_(self.action.weight, 0.01)
         self.action.bias.data = torch.tensor([0.5, 0.0])  # a robot that begins by driving forwards sees more
 
-    def forward(self, seen: torch.Tensor, known: torch.Tensor, begun: torch.Tensor, state: torch.Tensor):
+    def forward(
+        self, seen: torch.Tensor, known: torch.Tensor, begun: torch.Tensor, state: torch.Tensor, count: int = 0
+    ):
         """Follow sequences, shape (steps, robots, …); return mean actions, values and the states."""
-        states = self.follow(self.encoder(seen), begun, state)
+        states = self.follow(self.encoder(seen), begun, state, count)
         return self.action(states), self.value(torch.cat([states, known], dim=-1))[..., 0], states
 
-    def follow(self, encoded: torch.Tensor, begun: torch.Tensor, state: torch.Tensor) -> torch.Tensor:
-        """Run the GRU; each episode is a sequence of its own, filled up to one length, and begins at zero."""
+    def follow(self, encoded: torch.Tensor, begun: torch.Tensor, state: torch.Tensor, count: int) -> torch.Tensor:
+        """Run the GRU; each of `count` parts of episodes is a sequence of its own, filled up to one length."""
         steps, robots = begun.shape
         first = state * ~begun[0, :, None]
         if steps == 1:
@@ -68,7 +70,6 @@ class Network(nn.Module):
         episode = starts.flatten().cumsum(0) - 1
         clock = torch.arange(steps, device=begun.device).expand(robots, steps)
         since = (clock - torch.where(starts, clock, 0).cummax(1).values).flatten()
-        count = int(episode[-1]) + 1
         at = since * count + episode
         rows = encoded.transpose(0, 1).flatten(0, 1)
         filled = encoded.new_zeros(steps * count, WIDTH).index_copy(0, at, rows).view(steps, count, WIDTH)
@@ -188,7 +189,7 @@ env = gymnasium.make_vec(
     **TASK,
 )
 network = Network().to(device)
-optimizer = torch.optim.Adam(network.parameters(), lr=FASTEST_RATE, eps=1e-5)
+optimizer = torch.optim.Adam(network.parameters(), lr=FASTEST_RATE, eps=1e-5, fused=True)
 steps, robots = args.steps, args.envs
 keep = {
     "seen": torch.zeros(steps, robots, SEEN, device=device),
@@ -261,9 +262,13 @@ for update in range(args.updates):
         advantages = (advantages - counted.mean()) / (counted.std() + 1e-6)
     for group in optimizer.param_groups:
         group["lr"] = FASTEST_RATE * max(0.02, 1.0 - done)
+    # Counted here once: to ask the GPU for it in each batch would take longer than the batch.
+    parts_of_episodes = 1 + keep["begun"][1:].sum(0).cpu()
     for _ in range(EPOCHS):
-        for part in torch.randperm(robots, device=device).chunk(PARTS):
-            mean, value, _ = network(*(keep[name][:, part] for name in ("seen", "known", "begun")), first_state[part])
+        for chosen in torch.randperm(robots).chunk(PARTS):
+            part, count = chosen.to(device), int(parts_of_episodes[chosen].sum())
+            batch = [keep[name][:, part] for name in ("seen", "known", "begun")]
+            mean, value, _ = network(*batch, first_state[part], count)
             ratio = (chance_of(keep["actions"][:, part], mean, network.log_std) - keep["chances"][:, part]).exp()
             better, counts_here = advantages[:, part], keep["counts"][:, part]
             gain = torch.minimum(ratio * better, ratio.clamp(1.0 - CLIP, 1.0 + CLIP) * better)

@@ -38,9 +38,16 @@ class Arrays:
         """Return where a mask is true, shape (n,); the host waits for their number."""
         return np.flatnonzero(mask)
 
-    def columns(self, *parts: Any) -> Any:
-        """Return arrays of shape (n,) as columns."""
-        return np.stack(parts, axis=-1)
+    def columns(self, *parts: Any, kind: str = "float64") -> Any:
+        """Return arrays of shape (n,) as columns, numbers of one type."""
+        out = np.empty((len(parts[0]), len(parts)), dtype=kind)  # np.stack takes five times as long for one robot
+        for column, part in enumerate(parts):
+            out[:, column] = part
+        return out
+
+    def clip(self, values: Any, low: float, high: float) -> Any:
+        """Return values cut off at two bounds."""
+        return np.minimum(np.maximum(values, low), high)  # np.clip takes three times as long for one robot
 
 
 HOST = Arrays()

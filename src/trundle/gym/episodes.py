@@ -91,6 +91,7 @@ class Episodes:
         self._split = SPLITS.index(settings.split)
         vary = settings.vary
         self._variation = vary if isinstance(vary, Variation) else Variation.of(vary)
+        self._varies = bool(self._variation)
         self.lookup = Lookup(arena, self.arrays, count)
         self._starts, self._goals, self._shortest, self._fields = (
             put(each) for each in (arena.starts, arena.goals, arena.distances, arena.mission_fields)
@@ -124,7 +125,7 @@ class Episodes:
         self._episodes[robots] += 1
         keys = episode_keys(self._seeds[robots], self._episodes[robots], self._split)
         of_map, of_recording = uniform(arrays, keys, self._streams)
-        maps = arrays.lib.clip(arrays.cast(of_map * number, "int64"), 0, number - 1)
+        maps = arrays.clip(arrays.cast(of_map * number, "int64"), 0, number - 1)
         recordings: Any = -1
         if self.arena.recordings:
             counts = self._recording_counts[maps]
@@ -145,7 +146,7 @@ class Episodes:
 
     def _vary(self, robots: Any) -> dict[str, Any]:
         """Draw what is varied for new episodes; return what the lidars need of it."""
-        if not self._variation:
+        if not self._varies:
             return {}
         host, put = self.arrays.host, self.arrays.put
         drawn = self._variation.draw_many(host(self._seeds[robots]).view(np.uint64), host(self._episodes[robots]))
@@ -213,7 +214,7 @@ class Episodes:
         lib, goals, poses = arrays.lib, self.goals, sim.poses
         commands = given * self._scale + self._offset if settings.scaled_actions else given
         before = arrays.copy(sim.lengths) if "reverse" in settings.rewards else sim.lengths
-        if self._variation:
+        if self._varies:
             commands = commands * self._factors
         try:
             sim.step(commands, settings.period_s, robots=active)

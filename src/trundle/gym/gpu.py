@@ -1,6 +1,6 @@
 """PyTorch's arrays on a GPU, and a batch simulator that speaks in them."""
 
-# pyright: reportMissingImports=false
+# pyright: reportMissingImports=false, reportAttributeAccessIssue=false
 
 from __future__ import annotations
 
@@ -55,9 +55,13 @@ class TorchArrays(Arrays):
         """Return where a mask is true, shape (n,); the host waits for their number."""
         return mask.nonzero()[:, 0]
 
-    def columns(self, *parts: Any) -> torch.Tensor:
-        """Return tensors of shape (n,) as columns."""
-        return torch.stack(parts, dim=-1)
+    def columns(self, *parts: Any, kind: str = "float64") -> torch.Tensor:
+        """Return tensors of shape (n,) as columns, numbers of one type."""
+        return self.cast(torch.stack(parts, dim=-1), kind)
+
+    def clip(self, values: Any, low: float, high: float) -> torch.Tensor:
+        """Return values cut off at two bounds."""
+        return values.clip(low, high)
 
 
 class TorchSimulator:

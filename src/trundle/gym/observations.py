@@ -82,10 +82,10 @@ class Observer:
                 far = (self._points + 1) * POINT_SPACING * 2.0
                 parts = [part for dx, dy in path for part in (cos * dx + sin * dy, cos * dy - sin * dx)]
                 local = arrays.columns(*parts).reshape(len(poses), self._points, 2)
-                found["path"] = arrays.cast(arrays.lib.clip(local, -far, far), "float32")
+                found["path"] = arrays.cast(arrays.clip(local, -far, far), "float32")
             if self._critic:
                 ahead = self._direction(*path[0], cos, sin)
-                ahead[:, 0] = arrays.lib.clip(episodes.distances, 0.0, FARTHEST)
+                ahead[:, 0] = arrays.clip(episodes.distances, 0.0, FARTHEST)
                 found["critic"] = ahead
         if self._cells:
             costs = episodes.lookup.costs_around(poses, self._offsets)
@@ -103,10 +103,10 @@ class Observer:
 
     def _direction(self, x: Any, y: Any, cos: Any, sin: Any) -> Any:
         """Distance of an offset (x, y), map frame, and cosine and sine of its direction in base_link, shape (N, 3)."""
-        lib = self._episodes.arrays.lib
-        distance = lib.hypot(x, y)
-        scale = lib.clip(distance, 1e-9, None)
+        arrays = self._episodes.arrays
+        distance = arrays.lib.hypot(x, y)
+        scale = arrays.clip(distance, 1e-9, np.inf)
         ahead, left = (cos * x + sin * y) / scale, (cos * y - sin * x) / scale
         # Rounding may lead past 1, which is a bound.
-        parts = lib.clip(distance, 0.0, FARTHEST), lib.clip(ahead, -1.0, 1.0), lib.clip(left, -1.0, 1.0)
-        return self._episodes.arrays.cast(self._episodes.arrays.columns(*parts), "float32")
+        parts = arrays.clip(distance, 0.0, FARTHEST), arrays.clip(ahead, -1.0, 1.0), arrays.clip(left, -1.0, 1.0)
+        return arrays.columns(*parts, kind="float32")

@@ -103,7 +103,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         if not self._ready.all():
             raise InputError(f"call reset before step: robot {int(np.argmin(self._ready))} has no episode")
         arrays = self.episodes.arrays
-        begun = arrays.indices(self._ended) if self._mode is not AutoresetMode.SAME_STEP else ()
+        begun: Any = () if self._mode is AutoresetMode.SAME_STEP else arrays.indices(self._ended)
         if self._mode is AutoresetMode.DISABLED and len(begun):
             raise InputError(
                 f"the episode of robot {int(begun[0])} has ended, and autoreset is disabled: reset it, "
