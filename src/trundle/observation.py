@@ -338,8 +338,12 @@ def check_scans(scans: Sequence[Scan]) -> tuple[Scan, ...]:
     Raises:
         InputError: If they are no sequence of scans.
     """
-    if type(scans) is tuple and all(type(scan) is Scan for scan in scans):
-        return scans
+    if type(scans) is tuple:
+        for scan in scans:
+            if type(scan) is not Scan:
+                break
+        else:
+            return scans
     advice = "give a list of them, scans=[scan]"
     check_kind(scans, Sequence, "scans", advice)
     for scan in scans:

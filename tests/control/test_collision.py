@@ -26,7 +26,7 @@ def test_the_stopping_distance_is_the_one_driven(robot, share):
         state = sim.reset(Pose2D(0.0, 0.0))
         for _ in range(40):  # to its top speed, straight
             state = sim.step(Twist2D(limits.linear_speed, 0.0), DT)
-        expected = stopping_poses(state.pose, state.twist, command, limits, DT)
+        _, *expected = stopping_poses(state.pose, state.twist, command, limits, DT).tolist()
         driven = []
         state = sim.step(command, DT)
         driven.append(state.pose.as_tuple())
@@ -50,12 +50,12 @@ def test_a_fast_turn_is_tested_between_its_steps():
     radius = math.hypot(0.105, 0.105)
     command = Twist2D(0.0, robot.limits.angular_speed)
     yaw = -math.pi / 2 - 3.5 * 0.05 * command.w
-    poses = stopping_poses(Pose2D(0.0, 0.0, yaw), command, command, robot.limits, 1.0)
+    _, *poses = stopping_poses(Pose2D(0.0, 0.0, yaw), command, command, robot.limits, 1.0).tolist()
     step = poses[0][2] - yaw
     assert step == pytest.approx(math.radians(8.14), abs=1e-3)
     finer = stopping_poses(Pose2D(0.0, 0.0, yaw), command, command, robot.limits, 1.0, turn_step=math.radians(2))
     assert finer[-1] == pytest.approx(poses[-1])
-    assert np.diff([yaw, *(pose[2] for pose in finer)]).max() <= math.radians(2) + 1e-12
+    assert np.diff(finer[:, 2]).max() <= math.radians(2) + 1e-12
     # A tail's corner points to the cell's corner at (2, 2) halfway between two of the coarse poses.
     meets = yaw + 3.5 * step
     costmap = Costmap.from_grid(grid, robot).update(slice(40, 41), slice(40, 41), 100)

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import random
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from fuzz.loop import attempt, rng_of, spoil
 from support.distance_oracle import distances_to_polyline, polygon_distances
-from trundle._core import MissionDriver, chebyshev_field, outline_distances, polyline_distances
+from support.stopping_oracle import stopping_poses as stop_slowly
+from trundle._core import MissionDriver, chebyshev_field, outline_distances, polyline_distances, stopping_poses
 from trundle.costmap import Costmap
 from trundle.geometry import Goal, Pose2D
 from trundle.geometry.footprint import convex_hull
@@ -25,7 +27,7 @@ from trundle.sim.kinematic import KinematicSimulator
 from trundle.worlds import World
 
 ROBOTS = [Robot.load(name) for name in ("nova_carter", "turtlebot3_burger")]
-ARRIVED, TIMED_OUT = 0, 1
+ARRIVED, TIMED_OUT, DRIVING = 0, 1, 8
 
 
 def make_path(generator: random.Random) -> Path:
@@ -61,9 +63,21 @@ def check_distances(generator: random.Random) -> None:
     assert np.abs(outline_distances(outlines, polygons) - polygon_distances(outlines, polygons)).max() < 1e-12
 
 
+def check_stops(generator: random.Random) -> None:
+    """A robot that drives a command and brakes, from any motion."""
+    rng = rng_of(generator)
+    pose, speeds = rng.uniform(-3, 3, 3).tolist(), (rng.uniform(-2, 2, 4) * generator.choice((0.0, 1.0, 1e3))).tolist()
+    limits = (1.2, generator.choice((0.0, 0.5)), 2.0, generator.choice((1e-3, 2.5)), generator.choice((0.5, 8.0)))
+    arguments = (*pose, *speeds, *limits, generator.choice((0.05, 1.0)), generator.choice((np.inf, 0.03)))
+    if generator.random() < 0.4:
+        attempt(stopping_poses, spoil(generator, arguments))
+        return
+    assert np.allclose(stopping_poses(*arguments), stop_slowly(*arguments), rtol=1e-9, atol=1e-9)
+
+
 def one_round(generator: random.Random) -> None:
-    """Drive, or measure."""
-    generator.choice((drive, check_distances))(generator)
+    """Drive, stop, or measure."""
+    generator.choice((drive, check_stops, check_distances))(generator)
 
 
 def drive(generator: random.Random) -> None:
@@ -87,14 +101,32 @@ def drive(generator: random.Random) -> None:
         *(np.append(path.backward, False), np.array([len(path.poses)]), check.poses, check.along),
         *(np.array([len(check.poses)]), 1),
     )
+    stepped = (
+        *(np.array(start.as_tuple()), np.array(goal.pose.as_tuple()), limit_s, path.poses),
+        *(np.append(path.backward, False), check.poses, check.along, np.array([0.5, 7.0, 20.0])),
+    )
     if generator.random() < 0.7:
         made = attempt(MissionDriver, spoil(generator, model)) if generator.random() < 0.5 else MissionDriver(*model)
         if made is not None:
             attempt(made.drive, spoil(generator, mission))
+            attempt(partial(step, made), spoil(generator, stepped))
         return
     rows, ends, results = MissionDriver(*model).drive(*mission)
     assert ends.tolist() == [len(rows)]
+    ending, again, standing = step(MissionDriver(*model), *stepped)
+    assert np.array_equal(again, rows)
+    assert [ending, standing] == results[0].tolist()
     check_drive(rows, results[0].tolist(), navigator, grid, start, goal, limit_s)
+
+
+def step(driver: MissionDriver, *mission: Any) -> tuple[int, Any, int]:
+    """Drive one mission period by period."""
+    run = driver.begin(*mission)
+    while True:
+        ending, *_, v, w = run.decide()
+        if ending != DRIVING:
+            return ending, *run.result()
+        run.move(v, w)
 
 
 def check_drive(

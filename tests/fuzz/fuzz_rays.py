@@ -12,6 +12,7 @@ from support.lone_hits_oracle import find_lone_hits as find_lone_hits_slowly
 from support.moved_points_oracle import find_moved as find_moved_slowly
 from support.near_points_oracle import outline_clearances as outline_clearances_slowly
 from support.near_points_oracle import points_around as points_around_slowly
+from support.placed_scan_oracle import place_scan as place_scan_slowly
 from trundle._core import (
     cast_grid_rays,
     cast_jumping_rays,
@@ -20,6 +21,7 @@ from trundle._core import (
     find_lone_hits,
     find_moved,
     outline_clearances,
+    place_scan,
     points_around,
 )
 from trundle.geometry import FloatArray
@@ -180,10 +182,18 @@ def check_lone(generator: random.Random) -> None:
         scans += [ranges, generator.choice((1.0, -1.0)) * np.linspace(-math.pi, math.pi, count, endpoint=False)]
     poses = [rng.uniform(-0.3, 0.3, (generator.choice((1, max(1, len(scans[0])))), 3)), rng.uniform(-0.3, 0.3, (1, 3))]
     arguments = (*scans[:2], poses[0], *scans[2:], poses[1], 0.1, 12.0)
+    reach = 0.4
+    body = np.array([(1.0, 0.0, reach), (0.0, 1.0, reach), (-1.0, 0.0, reach), (0.0, -1.0, reach)])
+    base = rng.uniform(-9.0, 9.0, 3)
+    placed = (*scans[:2], rng.uniform(-0.3, 0.3, 3), base, body, 0.1, 12.0, poses[0][0], *scans[2:], poses[1][0])
     if generator.random() < 0.3:
         attempt(find_lone_hits, spoil(generator, arguments))
+        attempt(place_scan, spoil(generator, placed))
         return
     assert find_lone_hits(*arguments).tolist() == find_lone_hits_slowly(*arguments)
+    for found, expected in zip(place_scan(*placed), place_scan_slowly(*placed), strict=True):
+        assert np.shape(found) == np.shape(expected)
+        assert np.allclose(found, expected, rtol=0.0, atol=1e-9)
 
 
 def check_near(generator: random.Random) -> None:

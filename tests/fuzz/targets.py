@@ -76,11 +76,15 @@ TARGETS = {
         fuzz_rays.one_round,
         (
             *("cast_grid_rays", "cast_jumping_rays", "chebyshev_field"),
-            *("cast_outline_rays", "find_moved", "find_lone_hits", "points_around", "outline_clearances"),
+            *("cast_outline_rays", "find_moved", "find_lone_hits", "place_scan", "points_around", "outline_clearances"),
         ),
         1000,
     ),
-    "missions": Target(fuzz_missions.one_round, ("MissionDriver", "outline_distances", "polyline_distances"), 60),
+    "missions": Target(
+        fuzz_missions.one_round,
+        ("MissionDriver", "MissionRun", "outline_distances", "polyline_distances", "stopping_poses"),
+        60,
+    ),
     "batch": Target(fuzz_batch.one_round, ("Batch",), 300),
     "localization": Target(
         fuzz_localization.one_round,

@@ -169,6 +169,21 @@ class HastyDriver(_core.MissionDriver):
         return rows, ends, results
 
 
+class OverhastyDriver(_core.MissionDriver):
+    """Sends a little more than it is given, where it is stepped."""
+
+    def begin(self, *arguments: Any) -> Any:
+        run = super().begin(*arguments)
+
+        class Run:
+            decide, result = run.decide, run.result
+
+            def move(self, v: float, w: float) -> None:
+                run.move(v * (1.0 + 1e-6), w)
+
+        return Run()
+
+
 class DriftingTracker(_core.ScanTracker):
     """Predicts too far."""
 
@@ -258,12 +273,15 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "free squares": ("rays", fuzz_rays, "chebyshev_field", one_more),
     "rays to outlines": ("rays", fuzz_rays, "cast_outline_rays", scaled(1e-2)),
     "whole missions": ("missions", fuzz_missions, "MissionDriver", lambda _: HastyDriver),
+    "missions in steps": ("missions", fuzz_missions, "MissionDriver", lambda _: OverhastyDriver),
     "outlines to polygons": ("missions", fuzz_missions, "outline_distances", scaled(1e-6)),
     "points to a polyline": ("missions", fuzz_missions, "polyline_distances", scaled(1e-6)),
+    "stopping": ("missions", fuzz_missions, "stopping_poses", scaled(1e-6)),
     "motion of many": ("batch", fuzz_batch, "Batch", lambda _: SlowBatch),
     "scans of many": ("batch", fuzz_batch, "Batch", lambda _: ShortSightedBatch),
     "crowds": ("crowds", walk, "CrowdRun", lambda _: LateCrowd),
     "lone hits": ("rays", fuzz_rays, "find_lone_hits", one_more),
+    "places of hits": ("rays", fuzz_rays, "place_scan", part(0, lambda places: places + 1e-6)),
     "what has moved": ("rays", fuzz_rays, "find_moved", part(0, lambda velocities: velocities * 1.001)),
     "points round a robot": ("rays", fuzz_rays, "points_around", part(0, lambda places: places + 1e-6)),
     "clearances of an outline": ("rays", fuzz_rays, "outline_clearances", scaled(1e-6)),

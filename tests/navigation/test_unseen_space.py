@@ -35,7 +35,7 @@ def test_a_command_that_stops_in_seen_space_passes():
 def test_a_command_is_slowed_until_it_stops_in_seen_space(distance):
     command = slowed(seen_up_to(distance), Twist2D(0.8, 0.0), twist=Twist2D())
     assert 0.0 < command.v <= 0.8
-    reached = max(pose[0] for pose in stopping_poses(HERE, Twist2D(), command, SLOW, DT)) + FRONT
+    reached = stopping_poses(HERE, Twist2D(), command, SLOW, DT)[:, 0].max() + FRONT
     assert reached <= HERE.x + FRONT + distance + 1e-9
 
 

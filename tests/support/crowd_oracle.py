@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from support.crowd_forces import (
+    MARGIN_M,
     RobotMotion,
     border_force,
     driving,
@@ -42,7 +43,7 @@ _RETREATS = 12  # places that one who is stuck looks at
 _BLOCKING_M = 0.5  # those who are nearer than this block it
 _THERE_M = 0.4  # a member this near to its goal has reached it, or nearer than its radius if that is larger
 _STUCK_S = 2.0  # one that gets nowhere for so long goes elsewhere
-_SLOW = 0.1  # a member that is slower than this [m/s] waits
+_SOMEWHERE_M = 0.5  # so far is somewhere: by speed, those who are pushed to and fro in a jam never count as stuck
 _SWING_M = 0.2  # bodies that are farther from the robot's circle do not swing into it [m]
 _TURN, _STEER = 4.0, 1.2  # how fast those who step aside, and those who steer, turn [rad/s]
 
@@ -86,7 +87,7 @@ class CrowdOracle:
         ]
         self._from = np.zeros((count, 6))
         self._goals = np.zeros((count, 2))
-        self._waits = np.zeros(count)
+        self._waits, self._was_at = np.zeros(count), np.full((count, 2), np.inf)
         self._preferred = np.zeros(count)
         self._fields = [np.zeros((0, 0, 0), dtype=np.float32)] * len(self._crowds)
         for index, part in enumerate(self._slices):
@@ -165,16 +166,19 @@ class CrowdOracle:
         cell = self._far_cell(floor, self._rngs[index], self._from[number, :2], _LEAST_WALK_M)
         self._go_to(index, number, cell, floor.field_to(cell))
 
-    def _back_out(self, index: int, number: int) -> None:
+    def _back_out(self, index: int, number: int, robot: RobotMotion | None) -> None:
         """Draw where one who is stuck goes: where it gets without passing those next to it, if there is any."""
         floor, here = self._floors[index], self._from[number, :2]
-        apart = np.hypot(*(self._from[:, :2] - here).T)
-        least = self._radii + self._radii[number]
+        others, least = self._from[:, :2], self._radii + self._radii[number]
+        if robot is not None:
+            others = np.vstack([others, (robot.x, robot.y)])
+            least = np.append(least, self._radii[number] + robot.radius + MARGIN_M)
+        apart = np.hypot(*(others - here).T)
         near = (apart < least + _BLOCKING_M) & (apart > 0.0)
         if not near.any():
             self._draw_goal(index, number)
             return
-        discs = np.column_stack([self._from[near, :2], np.minimum(least[near], apart[near] - floor.resolution)])
+        discs = np.column_stack([others[near], np.minimum(least[near], apart[near] - floor.resolution)])
         reached = floor.field_to(floor.cells_of(here[None])[0], discs)
         for choice in self._rngs[index].integers(len(floor.free), size=_RETREATS).tolist():
             cell = floor.free[choice]
@@ -201,7 +205,7 @@ class CrowdOracle:
         """Return the state a period later; its velocities are those of the period between."""
         points, yaws = self._from[:, :2], self._from[:, 2]
         velocities = np.zeros_like(points) if self._step_index == 0 else self._from[:, 3:5]
-        self._choose_goals(points, velocities)
+        self._choose_goals(points, robot)
         directions, forces = self._wishes(points)
         forces += driving(velocities, directions, self._preferred)
         moving = [mover.motion.at(self._step_index * PERIOD_S) for mover in self._movers]
@@ -233,13 +237,17 @@ class CrowdOracle:
         state[:, 5] = (turned - yaws) / PERIOD_S
         return state
 
-    def _choose_goals(self, points: FloatArray, velocities: FloatArray) -> None:
-        slow = np.hypot(velocities[:, 0], velocities[:, 1]) < _SLOW
-        self._waits = np.where(slow, self._waits + PERIOD_S, np.minimum(self._waits, 0.0))
+    def _choose_goals(self, points: FloatArray, robot: RobotMotion | None) -> None:
+        moved = np.hypot(*(points - self._was_at).T) >= _SOMEWHERE_M
+        self._was_at[moved] = points[moved]
+        self._waits = np.where(moved, np.minimum(self._waits, 0.0), self._waits + PERIOD_S)
         there = np.hypot(*(self._goals - points).T) < np.maximum(_THERE_M, self._radii)
         for index, part in enumerate(self._slices):
             for number in np.flatnonzero(there[part] | (self._waits[part] > _STUCK_S)) + part.start:
-                (self._draw_goal if there[number] else self._back_out)(index, int(number))
+                if there[number]:
+                    self._draw_goal(index, int(number))
+                else:
+                    self._back_out(index, int(number), robot if self._sees[number] else None)
                 # Two who block each other do not both try again at the same time, and those who steer turn first.
                 turning = math.pi / _STEER if self._steers[number] else 0.0
                 self._waits[number] = -float(self._rngs[index].uniform(0.0, _STUCK_S)) - turning

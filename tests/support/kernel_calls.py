@@ -15,9 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from support.mppi_oracle import arguments_of
+from support.mppi_values import arguments_of
 from trundle import _core
 
+KERNELS = sorted(name for name in vars(_core) if not name.startswith("_"))
 THREADS, CALLS = 4, 150
 RNG = np.random.default_rng(0)
 SIDE = 24
@@ -126,6 +127,7 @@ DRIVER = _core.MissionDriver(
     np.array([0.5, 0.5, 10.0]),
 )
 WAY = np.array([(1.0, 1.0, 0.0), (4.0, 1.0, 0.0), (4.0, 4.0, 1.5)])
+ONE_WAY = WAY[0], WAY[2], 30.0, WAY, np.zeros(3, bool), WAY, np.array([0.0, 3.0, 6.0]), np.array([0.5, 7.0, 20.0])
 MANY_PLACES = np.tile(np.array([0, -1]), (20, 1)), np.ones(20, bool)
 
 
@@ -150,6 +152,14 @@ def crowded() -> tuple[_core.BatchCrowds, Any]:
     crowds = _core.BatchCrowds([PEOPLE], np.array([0]), np.array([0]), [np.zeros((1, 0, 4))], 5)
     where = np.arange(5), np.zeros(5, np.int64), np.full((5, 3), 9.0), 0.3
     return crowds, crowds.place(*where, np.arange(20, dtype=np.uint64).reshape(5, 1, 4), 2)
+
+
+def step_mission(periods: int = 20) -> Any:
+    run = DRIVER.begin(*ONE_WAY)
+    for _ in range(periods):
+        run.decide()
+        run.move(0.2, 0.1)
+    return run
 
 
 def scan_many() -> Any:
@@ -252,7 +262,15 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
         *(WAY[:1], WAY[2:], np.array([30.0]), WAY, np.zeros(3, bool), np.array([3])),
         *(WAY, np.array([0.0, 3.0, 6.0]), np.array([3]), 2),
     ),
+    "MissionDriver.begin": lambda: type(DRIVER.begin(*ONE_WAY)).__name__,
+    "MissionRun": lambda: type(step_mission(0)).__name__,
+    "MissionRun.decide": lambda: step_mission().decide(),
+    "MissionRun.move": lambda: step_mission().result(),
+    "MissionRun.result": lambda: step_mission().result(),
     "polyline_distances": lambda: _core.polyline_distances(POSES[:, :2].copy(), WAY[:, :2].copy()),
+    "stopping_poses": lambda: _core.stopping_poses(
+        *(1.0, 2.0, 0.3, 0.8, 0.1, 1.0, 0.4, 1.2, 0.5, 2.0, 2.5, 8.0, 0.05, 0.03)
+    ),
     "outline_distances": lambda: _core.outline_distances(OUTLINE[None] + POSES[:, None, :2], OUTLINE[None]),
     "HybridAStar": lambda: _core.HybridAStar(**HYBRID).bytes,
     "HybridAStar.plan": lambda: HYBRID_ASTAR.plan(
@@ -286,6 +304,10 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
         np.zeros((1, 3)),
         0.1,
         12.0,
+    ),
+    "place_scan": lambda: _core.place_scan(
+        *(np.full(90, 2.0), np.linspace(-3.0, 3.0, 90), np.array((0.1, 0.0, 0.0)), np.array((1.0, 2.0, 0.5))),
+        *(np.array([(1.0, 0.0, 0.4), (-1.0, 0.0, 0.4)]), 0.1, 12.0, np.zeros(3), *np.zeros((2, 0)), np.zeros(3)),
     ),
     "find_moved": lambda: _core.find_moved(
         *(RIM + 0.3, np.zeros(3), np.linspace(-3.0, 3.0, 60), np.full(60, 9.0)),

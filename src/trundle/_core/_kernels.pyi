@@ -399,6 +399,38 @@ class MissionDriver:
             without a valid command, shape (N, 2). Endings are 0 arrived, 1 timed out, 2 touches something, 3 blocked,
             4 no progress along the path, 5 no progress, 6 the footprint touches something while it is checked.
         """
+    def begin(
+        self,
+        start: npt.NDArray[np.float64],
+        goal: npt.NDArray[np.float64],
+        time_limit: float,
+        path: npt.NDArray[np.float64],
+        backward: npt.NDArray[np.bool_],
+        check: npt.NDArray[np.float64],
+        along: npt.NDArray[np.float64],
+        patience: npt.NDArray[np.float64],
+    ) -> MissionRun:
+        """Begin one mission, to be stepped: `drive` says what it takes.
+
+        `patience` is the radius [m], angle [rad] and time of standing [s] after which a robot that is held may be
+        stuck, shape (3,).
+        """
+
+class MissionRun:
+    """A mission in progress, whose commands somebody may change on their way; made by `MissionDriver.begin`."""
+
+    def decide(self) -> tuple[int, float, float, float, float, float, float, float]:
+        """Decide on the next command.
+
+        Returns:
+            How the drive ends instead, 8 where it goes on; x, y, yaw, v and w now; and v and w of the command.
+        """
+
+    def move(self, v: float, w: float) -> None:
+        """Drive one control period with what is sent instead of the command [m/s, rad/s]."""
+
+    def result(self) -> tuple[npt.NDArray[np.float64], int]:
+        """Rows so far, as of `MissionDriver.drive`, shape (R, 7), and the periods without a valid command."""
 
 class MppiState:
     """Where the robot is now [m, rad], its speeds [m/s, rad/s], and their rates of change during the last period."""
@@ -941,6 +973,47 @@ def outline_clearances(
     the box round the outlines at all poses, wider by a padding, count. They are where they are at the times [s], shape
     (K,), or stand with times of shape (0,). Sides are the normal of each edge and how far the outline reaches along it,
     shape (E, 3).
+    """
+
+def stopping_poses(
+    x: float,
+    y: float,
+    yaw: float,
+    v: float,
+    w: float,
+    goal_v: float,
+    goal_w: float,
+    forward: float,
+    reverse: float,
+    turning: float,
+    acceleration: float,
+    angular_acceleration: float,
+    dt: float,
+    turn_step: float,
+) -> npt.NDArray[np.float64]:
+    """Return poses of a robot that drives a command for `dt` [s] and then brakes, the first one included, shape (K, 3).
+
+    It is at (x, y, yaw), moves at (v, w), and turns by `turn_step` [rad] at most from pose to pose.
+    """
+
+def place_scan(
+    ranges: npt.NDArray[np.float64],
+    angles: npt.NDArray[np.float64],
+    mount: npt.NDArray[np.float64],
+    base: npt.NDArray[np.float64],
+    body: npt.NDArray[np.float64],
+    range_min: float,
+    range_max: float,
+    sensor: npt.NDArray[np.float64],
+    earlier_ranges: npt.NDArray[np.float64],
+    earlier_angles: npt.NDArray[np.float64],
+    earlier_sensor: npt.NDArray[np.float64],
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Return hits of a scan, shape (N, 2); angles of its beams, ascending; and how far each and those beside it saw.
+
+    Hits lie in the frame of the pose `base`; lone ones (see `find_lone_hits`) and those in the body are left out. The
+    sensor's pose is `mount` in the base and `sensor` in that frame. The body has a row (x, y of the normal, reach along
+    it) for each side. The scan before may be empty.
     """
 
 def find_lone_hits(

@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
+from trundle import _core
 from trundle.costmap import NO_INFORMATION, Costmap
-from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist, shrink_outline
+from trundle.geometry import FloatArray, Pose2D, Twist2D, shrink_outline
 from trundle.robots import Limits
 
 FOOTPRINT_PADDING_M = 0.01
 """Clearance [m] that the footprint keeps while driving, where there is room."""
 
-_SUBSTEP_S = 0.05
-_MOST_STEPS = 1000
-_MOST_PARTS = 180
 _FAR_M = 1e12
-_FASTEST = 1e6  # [m/s] or [rad/s]: numbers stay finite
 _NEAREST_M = 0.1  # larger clearances count the same
 _AS_CLEAR_M = 1e-6
 _DEPTHS_M = (0.04, 0.08, 0.12, 0.16)
@@ -28,40 +23,23 @@ _TURN_STEP_RAD = math.radians(2.0)
 
 def stopping_poses(
     pose: Pose2D, twist: Twist2D, command: Twist2D, limits: Limits, dt: float, *, turn_step: float = math.inf
-) -> list[tuple[float, float, float]]:
-    """Poses (x, y, yaw) of driving `command` for `dt` [s], starting with `twist`, and then braking to a stop.
+) -> FloatArray:
+    """Poses of driving `command` for `dt` [s], starting with `twist`, and then braking to a stop.
 
     Speeds change evenly, as fast as the limits allow, in steps of 0.05 s; each step is an arc at their mean. A step
     that turns by more than `turn_step` [rad] is given in parts of at most that.
 
     A robot that takes longer than 50 s gets longer steps, and one that turns more than once in a step larger parts, so
     that there are 2,000 steps of 180 parts at most. What moves faster than 1e6 m/s or rad/s counts as that.
+
+    Returns:
+        (x, y, yaw), the first where the robot is, shape (N, 3).
     """
-    x, y, yaw = pose.x, pose.y, pose.yaw
-    linear, angular = limits.linear_acceleration, limits.angular_acceleration
-    target = limits.clamp(command)
-    v, w = (max(-_FASTEST, min(_FASTEST, speed)) for speed in (twist.v, twist.w))
-    goal_v, goal_w = target.v, target.w
-    poses: list[tuple[float, float, float]] = []
-    driven = 0.0
-    longest_s = max(dt, (abs(v) + abs(goal_v)) / linear, (abs(w) + abs(goal_w)) / angular)
-    substep = max(_SUBSTEP_S, longest_s / _MOST_STEPS)
-    for _ in range(2 * _MOST_STEPS):
-        step = substep if driven >= dt else min(substep, dt - driven)
-        change_v = min(linear * step, max(-linear * step, goal_v - v))
-        change_w = min(angular * step, max(-angular * step, goal_w - w))
-        mean_v, mean_w = v + 0.5 * change_v, w + 0.5 * change_w
-        parts = max(1, math.ceil(min(abs(mean_w) * step / turn_step, _MOST_PARTS)))
-        for _ in range(parts):
-            x, y, yaw = integrate_twist(x, y, yaw, mean_v, mean_w, step / parts)
-            poses.append((x, y, yaw))
-        v, w = v + change_v, w + change_w
-        driven += step
-        if driven >= dt - 1e-12:
-            if abs(v) < 1e-9 and abs(w) < 1e-9:
-                break
-            goal_v = goal_w = 0.0
-    return poses
+    back = limits.linear_speed if limits.reverse_speed is None else limits.reverse_speed
+    return _core.stopping_poses(
+        *(pose.x, pose.y, pose.yaw, twist.v, twist.w, command.v, command.w, limits.linear_speed, back),
+        *(limits.angular_speed, limits.linear_acceleration, limits.angular_acceleration, dt, turn_step),
+    )
 
 
 def can_stop(
@@ -87,8 +65,8 @@ def can_stop(
         dt: For how long [s].
         padded: The footprint's outline [m], base_link, widened by the clearance to keep, shape (N, 2).
     """
-    poses = [pose.as_tuple(), *stopping_poses(pose, twist, command, limits, dt, turn_step=_TURN_STEP_RAD)]
-    return may_pass(costmap, np.array(poses), padded=padded)
+    poses = stopping_poses(pose, twist, command, limits, dt, turn_step=_TURN_STEP_RAD)
+    return may_pass(costmap, poses, padded=padded)
 
 
 def may_pass(costmap: Costmap, poses: FloatArray, *, padded: FloatArray) -> bool:

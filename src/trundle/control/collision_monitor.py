@@ -133,6 +133,9 @@ class CollisionMonitor:
         self._edges = Edges(robot.planar)
         self._points = SensedPoints(robot.planar)
         self._delayed = DelayedCommands(robot.limits)
+        horizon, step = self.settings.time_before_collision, self.settings.simulation_time_step
+        steps = min(math.ceil(horizon / step - 1e-9), _MOST_STEPS)
+        self._ahead = np.linspace(horizon / steps, horizon, steps) if steps else np.zeros(0)  # tested at these times
         self.reset()
 
     def set_latency(self, latency: Latency) -> None:
@@ -246,7 +249,7 @@ class CollisionMonitor:
             return None
         intended = self._intends(command)
         is_held = now < self._held_until and not intended
-        moving = np.flatnonzero((points.velocities != 0.0).any(axis=1))
+        moving = points.velocities.any(axis=1).nonzero()[0] if points.moves else ()
         if len(moving) < settings.min_points:
             return self._nearest(points.places) if is_held else None
         ahead_s, steps = (_INTENT_S, _INTENT_STEPS) if intended else (settings.moving_time, _MOVER_STEPS)
@@ -273,7 +276,7 @@ class CollisionMonitor:
 
     def _braking(self, command: Twist2D, twist: Twist2D) -> FloatArray:
         """Poses of one control period and then braking, from where the robot is, shape (K, 3)."""
-        return np.array([_HERE.as_tuple(), *stopping_poses(_HERE, twist, command, self._robot.limits, _TICK_S)])
+        return stopping_poses(_HERE, twist, command, self._robot.limits, _TICK_S)
 
     def _intends(self, command: Twist2D) -> bool:
         return self._intent is not None and self._intent.begins_with(command)
@@ -283,11 +286,15 @@ class CollisionMonitor:
         if self._intent is not None and self._intends(command):
             return self._intent.poses(times)
         turns, steps = command.w * times, command.v * times  # as `integrate_twist`, for all times at once
-        small = np.abs(turns) < _STRAIGHT_RAD
-        by = np.where(small, 1.0, turns)
-        along = np.where(small, 1.0 - turns * turns / 6.0, np.sin(by) / by)
-        across = np.where(small, 0.5 * turns, (1.0 - np.cos(by)) / by)
-        return np.column_stack([steps * along, steps * across, turns])
+        if abs(turns[-1]) < _STRAIGHT_RAD:
+            along, across = 1.0 - turns * turns / 6.0, 0.5 * turns
+        else:
+            straight = math.copysign(_STRAIGHT_RAD, command.w)  # before the first of these turns nothing is driven yet
+            by = turns if abs(turns[0]) >= _STRAIGHT_RAD else np.where(np.abs(turns) < _STRAIGHT_RAD, straight, turns)
+            along, across = np.sin(by) / by, (1.0 - np.cos(by)) / by
+        poses = np.empty((len(times), 3))
+        poses[:, 0], poses[:, 1], poses[:, 2] = steps * along, steps * across, turns
+        return poses
 
     def _apart(self, poses: FloatArray, points: Points, padding: float) -> tuple[Points, FloatArray]:
         """The points that come within the polygons at any of some poses, and how far from the footprint they are."""
@@ -296,14 +303,11 @@ class CollisionMonitor:
 
     def _look_ahead(self, command: Twist2D, points: Points) -> _Contact:
         """The first contact of a command that is kept up."""
-        settings = self.settings
-        horizon = settings.time_before_collision
-        steps = min(math.ceil(horizon / settings.simulation_time_step - 1e-9), _MOST_STEPS)
-        if steps < 1 or command == _STAND:
+        times = self._ahead
+        if len(times) == 0 or command == _STAND:
             return _Contact(points)
-        times = np.linspace(horizon / steps, horizon, steps)
         poses = self._poses(command, times)
-        touched = np.flatnonzero(self._edges.clearances(points, poses, 0.0, settings.min_points, times) <= 0.0)
+        (touched,) = (self._edges.clearances(points, poses, 0.0, self.settings.min_points, times) <= 0.0).nonzero()
         if len(touched) == 0:
             return _Contact(points)
         first = slice(touched[0], touched[0] + 1)
@@ -337,4 +341,4 @@ class _Contact:
 
 def _report(command: Twist2D, action: MonitorAction, points: Points, index: int, contact_s: float) -> MonitorReport:
     x, y = points.places[index].tolist()
-    return MonitorReport(command, action, points.names[int(points.lidars[index])], (x, y), contact_s)
+    return MonitorReport(command, action, points.lidar_of(index), (x, y), contact_s)

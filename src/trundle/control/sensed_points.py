@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
+import bisect
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from trundle import _core
-from trundle.costmap.layers.lone_hits import LoneHits
 from trundle.geometry import FloatArray, Footprint, Pose2D
 from trundle.observation import PoseBuffer, Scan
 
 _COMPARE_S = 0.25  # movement is found between scans this far apart [s]
 _KEPT_S = 1.0  # older scans are compared with none any more
-_BEAMS_ASIDE = 3  # an edge may be seen by another beam in the next scan: ranges of so many on each side count
 _BODY_M = 1e-6  # hits within the outline are the robot's own body
-_NOTHING, _NO_TIMES = np.zeros((0, 2)), np.zeros(0)
+_NOTHING, _NO_TIMES, _NO_BEAMS = np.zeros((0, 2)), np.zeros(0), np.zeros(0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,39 +25,57 @@ class Points:
     """Points that scans hit.
 
     Attributes:
-        places: [m], shape (N, 2).
+        places: [m], shape (N, 2), those of one lidar after the other.
         velocities: [m/s], shape (N, 2); 0 for what does not move.
-        lidars: Index in `names` of the lidar that saw each, shape (N,).
+        counts: Number of points of each lidar, in the order of `names`.
         names: Of the lidars.
+        moves: Whether any of them moves.
     """
 
     places: FloatArray
     velocities: FloatArray
-    lidars: npt.NDArray[np.intp]
+    counts: tuple[int, ...]
     names: tuple[str, ...]
+    moves: bool
 
     def within(self, low: FloatArray, high: FloatArray) -> Points:
         """Those in a box, and those that move."""
         x, y = self.places[:, 0], self.places[:, 1]
         kept = (x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1])
         kept |= (self.velocities[:, 0] != 0.0) | (self.velocities[:, 1] != 0.0)
-        return Points(self.places[kept], self.velocities[kept], self.lidars[kept], self.names)
+        ends = itertools.accumulate(self.counts)
+        counts = tuple(int(kept[end - count : end].sum()) for count, end in zip(self.counts, ends, strict=True))
+        return Points(self.places[kept], self.velocities[kept], counts, self.names, self.moves)
+
+    def lidar_of(self, index: int) -> str:
+        """The name of the lidar that saw a point."""
+        return self.names[bisect.bisect_right(list(itertools.accumulate(self.counts)), index)]
 
 
 @dataclass(slots=True, eq=False)
 class _Seen:
     """The hits of one scan, odom frame, in the order of its beams; and how far each beam saw through.
 
-    Edges are hits that have come to where an earlier scan saw through, with their own velocities.
+    Where some of them move, their velocities follow. Edges are hits that have come to where an earlier scan saw through,
+    with their own velocities.
     """
 
     scan: Scan
-    sensor: Pose2D
+    sensor: FloatArray
     points: FloatArray
-    velocities: FloatArray
-    through: tuple[FloatArray, FloatArray]
-    moves: bool = False
-    edges: tuple[FloatArray, FloatArray] = (_NOTHING, _NOTHING)
+    angles: FloatArray
+    through: FloatArray
+    moves: tuple[FloatArray, ...] = ()
+    edges: tuple[FloatArray, ...] = ()
+
+    def find_moved(self, before: _Seen) -> None:
+        """Find what has moved since an older scan."""
+        velocities, moves, edges = _core.find_moved(
+            *(self.points, self.sensor, self.angles, self.through),
+            *(before.points, before.sensor, before.angles, before.through, self.scan.time - before.scan.time),
+        )
+        self.moves = (velocities,) if moves else ()
+        self.edges = (np.ascontiguousarray(edges[:, :2]), np.ascontiguousarray(edges[:, 2:])) if len(edges) else ()
 
 
 class SensedPoints:
@@ -80,13 +97,11 @@ class SensedPoints:
     def __init__(self, footprint: Footprint) -> None:
         self._body = np.add(Edges(footprint).sides, (0.0, 0.0, _BODY_M))
         self._poses = PoseBuffer()
-        self._lone = LoneHits()
         self.clear()
 
     def clear(self) -> None:
         """Forget all scans."""
         self._poses.clear()
-        self._lone.clear()
         self._seen: dict[str, list[_Seen]] = {}
         self.times: dict[str, float] = {}
 
@@ -107,14 +122,13 @@ class SensedPoints:
             if base is None or scan.time > time + 1e-6 or scan.time <= self.times.get(scan.lidar, -math.inf):
                 continue
             self.times[scan.lidar] = scan.time
-            seen = self._place(scan, base)
             kept = self._seen.setdefault(scan.lidar, [])
-            kept.append(seen)
+            kept.append(self._place(scan, base, kept[-1] if kept else None))
             while kept[0].scan.time < scan.time - _KEPT_S:
                 del kept[0]
             before = next((old for old in reversed(kept) if old.scan.time <= scan.time - _COMPARE_S + 1e-6), None)
             if before is not None:
-                _find_moved(seen, before)
+                kept[-1].find_moved(before)
 
     def around(self, time: float, odometry: Pose2D, reach: float, horizon: float, oldest: float) -> Points:
         """What the latest scans hit within `reach` [m] of base_link, where it is now: base_link, [m].
@@ -122,29 +136,32 @@ class SensedPoints:
         What moves is continued at its velocity up to now, and counts farther away: by what it drives in `horizon` [s].
         Scans from before `oldest` [s] do not count.
         """
-        places, velocities, lidars = [_NOTHING], [_NOTHING], [np.zeros(0, dtype=np.intp)]
+        places, velocities, counts, moves = [_NOTHING], [_NOTHING], list[int](), False
         here = np.array(odometry.as_tuple())
-        for index, kept in enumerate(self._seen.values()):
-            seen = kept[-1]
-            if seen.scan.time < oldest:
-                continue
-            moves = (seen.points, seen.velocities if seen.moves else _NOTHING)
-            for points, moved in (moves, seen.edges) if len(seen.edges[0]) else (moves,):
-                near, velocity = _core.points_around(points, moved, here, time - seen.scan.time, reach, horizon)
-                places.append(near)
-                velocities.append(velocity)
-                lidars.append(np.full(len(near), index))
-        return Points(np.concatenate(places), np.concatenate(velocities), np.concatenate(lidars), tuple(self._seen))
+        for kept in self._seen.values():
+            seen, count = kept[-1], 0
+            if seen.scan.time >= oldest:
+                moves = moves or bool(seen.moves or seen.edges)
+                hits = (seen.points, *(seen.moves or (_NOTHING,)))
+                for points, moved in (hits, seen.edges) if seen.edges else (hits,):
+                    near, velocity = _core.points_around(points, moved, here, time - seen.scan.time, reach, horizon)
+                    places.append(near)
+                    velocities.append(velocity)
+                    count += len(near)
+            counts.append(count)
+        return Points(np.concatenate(places), np.concatenate(velocities), tuple(counts), tuple(self._seen), moves)
 
-    def _place(self, scan: Scan, base: Pose2D) -> _Seen:
-        sensor = base @ scan.mount
-        scan = self._lone.without(scan, np.array([sensor.as_tuple()]), put=math.inf)  # saw through, as those beside it
-        mount, at = np.array(scan.mount.as_tuple()), base.as_tuple()
-        placed, _ = _core.pick_beams(
-            *(scan.ranges, scan.angles, mount, np.array((at, at)), self._body),
-            *(scan.range_min, math.nextafter(scan.range_max, math.inf), max(1, len(scan.ranges)), 0.0),
+    def _place(self, scan: Scan, base: Pose2D, before: _Seen | None) -> _Seen:
+        mount = scan.mount
+        sensor = np.array((base @ mount).as_tuple())
+        earlier = (_NO_BEAMS, _NO_BEAMS, sensor)
+        if before is not None:
+            earlier = before.scan.ranges, before.scan.angles, before.sensor
+        placed = _core.place_scan(
+            *(scan.ranges, scan.angles, np.array(mount.as_tuple()), np.array(base.as_tuple()), self._body),
+            *(scan.range_min, scan.range_max, sensor, *earlier),
         )
-        return _Seen(scan, sensor, placed, np.zeros_like(placed), _saw_through(scan))
+        return _Seen(scan, sensor, *placed)
 
 
 class Edges:
@@ -211,29 +228,3 @@ def box_around(footprint: Footprint, poses: FloatArray, padding: float) -> tuple
     """Least and greatest x and y [m] of a footprint at poses of shape (K, 3), wider by a padding [m]."""
     corners = footprint.at_poses(poses)
     return corners.min(axis=(0, 1)) - padding, corners.max(axis=(0, 1)) + padding
-
-
-def _find_moved(seen: _Seen, before: _Seen) -> None:
-    """Set the velocities and the edges of what has moved since an older scan."""
-    seconds = seen.scan.time - before.scan.time
-    own, old = np.array(seen.sensor.as_tuple()), np.array(before.sensor.as_tuple())
-    found = _core.find_moved(seen.points, own, *seen.through, before.points, old, *before.through, seconds)
-    seen.velocities, seen.moves, edges = found
-    seen.edges = (np.ascontiguousarray(edges[:, :2]), np.ascontiguousarray(edges[:, 2:]))
-
-
-def _saw_through(scan: Scan) -> tuple[FloatArray, FloatArray]:
-    """Angles [rad], ascending, and how far the beam there and those beside it saw [m], both of shape (N,).
-
-    It is minus infinity beside a beam that measured nothing.
-    """
-    angles, ranges = scan.angles, np.where(scan.ranges >= scan.range_min, scan.ranges, -np.inf)
-    if len(angles) and angles[0] > angles[-1]:
-        angles, ranges = angles[::-1], ranges[::-1]
-    count = len(ranges)
-    if count < _BEAMS_ASIDE:
-        return angles, np.full_like(ranges, ranges.min(initial=np.inf))
-    around = np.concatenate([ranges[-_BEAMS_ASIDE:], ranges, ranges[:_BEAMS_ASIDE]])
-    of_two = np.minimum(around[:-1], around[1:])
-    of_four = np.minimum(of_two[:-2], of_two[2:])
-    return angles, np.minimum(of_four[:-3], of_four[3:])  # of 2 * _BEAMS_ASIDE + 1, from each on

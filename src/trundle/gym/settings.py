@@ -67,7 +67,8 @@ class NavigationSettings:
         rewards: Weight of each reward term; see `REWARD_TERMS`.
         vary: What differs from episode to episode; see `Variation`.
         threads: Number of threads. If None, TRUNDLE_THREADS, or as many as there are processors.
-        device: Where it computes: "cpu".
+        device: Where it computes: "cpu", or "cuda" or "cuda:1", a GPU of NVIDIA's, with PyTorch's tensors for many
+            robots (extra `gpu`, and PyTorch).
 
     Raises:
         InputError: If a value is out of range.
@@ -109,11 +110,8 @@ class NavigationSettings:
         check_count("costmap_cells", self.costmap_cells, 0, 512)
         if self.beams is not None:
             check_count("beams", self.beams, 1, 100_000)
-        if self.device != "cpu":
-            raise InputError(
-                f"environments compute on the CPU, got device={self.device!r}; use device='cpu', or "
-                "trundle.sim.BatchSimulator, which computes on a GPU"
-            )
+        if not isinstance(self.device, str):
+            raise InputError(f"device must be cpu, cuda or cuda:1, got {self.device!r}")
         check_flag("critic", self.critic)
         check_flag("scaled_actions", self.scaled_actions)
         count_steps(self.period_s, _TIMESTEP)

@@ -58,7 +58,7 @@ class FollowedPath:
         along, poses = self.check.along, self.check.poses
         end = int(along.searchsorted(float(along[self.index]) + _AHEAD_M, side="right"))
         dx, dy = poses[self.index : end, 0] - pose.x, poses[self.index : end, 1] - pose.y
-        self.index += int(np.argmin(dx * dx + dy * dy))
+        self.index += int((dx * dx + dy * dy).argmin())
 
     def left_from(self, pose: Pose2D) -> float:
         """How much of it is left from here [m], where the robot has left it and come back to it farther along."""

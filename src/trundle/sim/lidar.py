@@ -88,10 +88,14 @@ class LidarSet:
         mount = self._mounts[name]
         sensor = pose @ mount
         ranges = self._cast(sensor.x, sensor.y, lidar.z, angles + sensor.yaw, lidar.range_max)
-        hit = ranges <= lidar.range_max
+        missed = ranges > lidar.range_max
         if lidar.noise > 0.0:
-            ranges = ranges + self._rng.normal(0.0, lidar.noise, len(angles))
-        ranges = np.where(hit, np.minimum(np.maximum(ranges, lidar.range_min), lidar.range_max), np.inf)
+            noise = self._rng.standard_normal(len(angles))
+            noise *= lidar.noise
+            ranges = np.add(ranges, noise, out=noise)
+        ranges = np.maximum(ranges, lidar.range_min)
+        np.minimum(ranges, lidar.range_max, out=ranges)
+        ranges[missed] = np.inf
         return make_scan(name, now, mount, lidar.z, angles, ranges, lidar.range_min, lidar.range_max)
 
 

@@ -134,8 +134,7 @@ class Tracker:
     def _take(self, scan: Scan, poses: FloatArray) -> None:
         lidar = self._lidars.setdefault(scan.lidar, len(self._lidars))
         sensor = np.array([*scan.mount.as_tuple(), scan.range_min, scan.range_max])
-        ranges, angles = np.ascontiguousarray(scan.ranges), np.ascontiguousarray(scan.angles)
-        self._kernel.see(lidar, scan.time, ranges, angles, np.ascontiguousarray(poses), sensor)
+        self._kernel.see(lidar, scan.time, scan.ranges, scan.angles, poses, sensor)
 
     def _predict(self, now: float) -> tuple[Track, ...]:
         """Return all that is followed, as it is at a time [s]."""

@@ -21,7 +21,7 @@ constexpr int kRetreats = 12;          // places that one who is stuck looks at
 constexpr double kBlocking = 0.5;      // [m]; those who are nearer than this block it
 constexpr double kThere = 0.4;         // [m]; one this near to its goal is there, or nearer than its radius if larger
 constexpr double kStuckS = 2.0;        // one that gets nowhere for so long goes elsewhere
-constexpr double kSlow = 0.1;          // a member that is slower than this [m/s] waits
+constexpr double kSomewhere = 0.5;     // [m]; by speed, those who are pushed to and fro in a jam never count as stuck
 constexpr double kSwing = 0.2;         // bodies that are farther from the robot's circle do not swing into it [m]
 constexpr double kTurn = 4.0, kSteer = 1.2;  // how fast those who step aside, and those who steer, turn [rad/s]
 
@@ -46,6 +46,8 @@ std::int64_t CrowdState::reset(const CrowdModel &model, const std::uint64_t *wor
   goals_.assign(count, Vec{});
   routes_.assign(count, Route());
   waits_.assign(count, 0.0);
+  const double nowhere = std::numeric_limits<double>::infinity();
+  was_at_.assign(count, Vec{nowhere, nowhere});
   preferred_.assign(count, 0.0);
   index_ = 0;
   std::size_t first = 0;
@@ -106,18 +108,21 @@ void CrowdState::go_to(const Floor &floor, std::size_t number, std::int32_t cell
   routes_[number].discs = std::move(discs);
 }
 
-// Draw where one who is stuck goes: where it gets without passing those next to it, if there is any.
-void CrowdState::back_out(const CrowdModel &model, std::size_t number, StepMemory &memory) {
+// Draw where one who is stuck goes: where it gets without passing those next to it, if there is any. Those are others
+// and, for one who sees it, the robot: two who wait for each other would stand there for ever.
+void CrowdState::back_out(const CrowdModel &model, std::size_t number, const Robot *robot, StepMemory &memory) {
   const Member &member = model.members[number];
   const Floor &floor = *model.floors[member.crowd];
   Draws &draws = draws_[member.crowd];
   const Vec here = from_[number].at;
   std::vector<Disc> discs;
-  for (std::size_t i = 0; i < from_.size(); ++i) {
-    const double apart = distance_of(from_[i].at, here), least = model.members[i].radius + member.radius;
-    if (!(apart < least + kBlocking && apart > 0.0)) continue;
-    discs.push_back({from_[i].at.x, from_[i].at.y, std::min(least, apart - floor.resolution)});
-  }
+  const auto add = [&](Vec other, double least) {
+    const double apart = distance_of(other, here);
+    if (!(apart < least + kBlocking && apart > 0.0)) return;
+    discs.push_back({other.x, other.y, std::min(least, apart - floor.resolution)});
+  };
+  for (std::size_t i = 0; i < from_.size(); ++i) add(from_[i].at, model.members[i].radius + member.radius);
+  if (robot != nullptr) add({robot->x, robot->y}, member.radius + robot->radius + kMargin);
   if (discs.empty()) {
     go_to(floor, number, far_cell(floor, draws, here), {});
     return;
@@ -132,11 +137,12 @@ void CrowdState::back_out(const CrowdModel &model, std::size_t number, StepMemor
   if (chosen >= 0) go_to(floor, number, chosen, std::move(discs));
 }
 
-void CrowdState::choose_goals(const CrowdModel &model, StepMemory &memory) {
+void CrowdState::choose_goals(const CrowdModel &model, const Robot *robot, StepMemory &memory) {
   for (std::size_t i = 0; i < from_.size(); ++i) {
     const Member &member = model.members[i];
-    const bool slow = index_ == 0 || length_of(from_[i].velocity) < kSlow;
-    waits_[i] = slow ? waits_[i] + kPeriod : std::min(waits_[i], 0.0);
+    const bool moved = distance_of(from_[i].at, was_at_[i]) >= kSomewhere;
+    if (moved) was_at_[i] = from_[i].at;
+    waits_[i] = moved ? std::min(waits_[i], 0.0) : waits_[i] + kPeriod;
     const bool there = distance_of(goals_[i], from_[i].at) < std::max(kThere, member.radius);
     if (!there && !(waits_[i] > kStuckS)) continue;
     const Floor &floor = *model.floors[member.crowd];
@@ -144,7 +150,7 @@ void CrowdState::choose_goals(const CrowdModel &model, StepMemory &memory) {
     if (there) {
       go_to(floor, i, far_cell(floor, draws, from_[i].at), {});
     } else {
-      back_out(model, i, memory);
+      back_out(model, i, member.sees ? robot : nullptr, memory);
     }
     // Two who block each other do not both try again at the same time, and those who steer turn first.
     waits_[i] = -draws.uniform(0.0, kStuckS) - (member.steers ? kPi / kSteer : 0.0);
@@ -154,7 +160,7 @@ void CrowdState::choose_goals(const CrowdModel &model, StepMemory &memory) {
 // The state a period later, into `to_`; its velocities are those of the period between.
 void CrowdState::next(const CrowdModel &model, const Robot *robot, const double *movers, StepMemory &memory) {
   const std::size_t count = from_.size();
-  choose_goals(model, memory);
+  choose_goals(model, robot, memory);
   std::vector<Moving> &others = memory.others;
   others.clear();
   for (std::size_t i = 0; i < count; ++i) {

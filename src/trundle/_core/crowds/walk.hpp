@@ -77,15 +77,15 @@ class CrowdState {
   bool place(const CrowdModel &model, std::size_t number, const Robot &robot, const double *movers);
   std::int32_t far_cell(const Floor &floor, Draws &draws, Vec here);
   void go_to(const Floor &floor, std::size_t number, std::int32_t cell, std::vector<Disc> discs);
-  void back_out(const CrowdModel &model, std::size_t number, StepMemory &memory);
-  void choose_goals(const CrowdModel &model, StepMemory &memory);
+  void back_out(const CrowdModel &model, std::size_t number, const Robot *robot, StepMemory &memory);
+  void choose_goals(const CrowdModel &model, const Robot *robot, StepMemory &memory);
   void next(const CrowdModel &model, const Robot *robot, const double *movers, StepMemory &memory);
   Vec steer(const Member &member, const Planar &from, Vec wanted, const Robot *robot, double &turned) const;
   void keep_apart(const CrowdModel &model, StepMemory &memory) const;
 
   std::vector<Draws> draws_;  // of each crowd
   std::vector<Planar> from_, to_;
-  std::vector<Vec> goals_;
+  std::vector<Vec> goals_, was_at_;  // `was_at_`: where the wait of each began
   std::vector<Route> routes_;
   std::vector<double> waits_, preferred_;
   std::int64_t index_ = 0;

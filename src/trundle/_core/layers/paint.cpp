@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "layers/evidence.hpp"
+#include "shared/registers.hpp"
 
 namespace trundle {
 
@@ -23,8 +24,8 @@ struct Lookup {
 };
 
 // Cells of a row of the map, each under one cell of the evidence. Masks of whole bytes, as compilers vectorise these.
-void free_row(const std::uint8_t *__restrict evidence, std::int8_t *__restrict out, std::int64_t count,
-              bool clear_occupied) {
+TRUNDLE_INLINE void free_cells(const std::uint8_t *__restrict evidence, std::int8_t *__restrict out, std::int64_t count,
+                               bool clear_occupied) {
   static_assert(kFree == 0);
   const std::int8_t clearable = clear_occupied ? kOccupied : kUnknown;
   for (std::int64_t c = 0; c < count; ++c) {
@@ -33,6 +34,20 @@ void free_row(const std::uint8_t *__restrict evidence, std::int8_t *__restrict o
     const std::int8_t known = out[c] == kUnknown ? 0 : -1, fixed = out[c] == clearable ? 0 : -1;
     out[c] = static_cast<std::int8_t>(out[c] & (unseen | known) & (unsure | fixed));
   }
+}
+
+#ifdef TRUNDLE_AVX2
+TRUNDLE_TARGET("avx2") void free_row_avx2(const std::uint8_t *evidence, std::int8_t *out, std::int64_t count,
+                                          bool clear_occupied) {
+  free_cells(evidence, out, count, clear_occupied);
+}
+#endif
+
+void free_row(const std::uint8_t *evidence, std::int8_t *out, std::int64_t count, bool clear_occupied) {
+#ifdef TRUNDLE_AVX2
+  if (__builtin_cpu_supports("avx2")) return free_row_avx2(evidence, out, count, clear_occupied);
+#endif
+  free_cells(evidence, out, count, clear_occupied);
 }
 
 // Cells of a row that lies across the evidence; the first has its centre at (u, v).

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "layers/evidence.hpp"
+#include "shared/directions.hpp"
 #include "shared/registers.hpp"
 
 namespace trundle {
@@ -130,6 +131,7 @@ std::vector<Beam> read_beams(const Sensor &sensor, const In<double, 1> &angles, 
   std::vector<Beam> beams;
   beams.reserve(angles.size());
   const double body_reach = reach_of(sensor);
+  const Directions *still = sensor.stride == 0 ? &directions_of(angles.data(), angles.size(), sensor.poses[2]) : nullptr;
   for (std::size_t i = 0; i < angles.size(); ++i) {
     const double range = ranges.data()[i], angle = angles.data()[i];
     const bool endless = range == std::numeric_limits<double>::infinity();
@@ -140,7 +142,8 @@ std::vector<Beam> read_beams(const Sensor &sensor, const In<double, 1> &angles, 
       continue;
     }
     const double *pose = sensor.poses + i * sensor.stride;
-    const double dx = std::cos(pose[2] + angle), dy = std::sin(pose[2] + angle);
+    const double dx = still ? still->cos[i] : std::cos(pose[2] + angle);
+    const double dy = still ? still->sin[i] : std::sin(pose[2] + angle);
     const double x = pose[0] / resolution - col, y = pose[1] / resolution - row;
     const double start = std::min(limit.raytrace_min / resolution, kMostReach);
     const double end = std::min(endless ? limit.range_max : range, limit.raytrace_max) / resolution;
@@ -185,19 +188,23 @@ TRUNDLE_INLINE std::uint8_t add_cells(const EvidenceRule &rule, const std::uint8
   return any;
 }
 
-TRUNDLE_INLINE bool is_blank(const std::uint8_t *drawn) {
+// Whether a block has only cells that no beam passed, or that are surely free already: nothing changes there.
+TRUNDLE_INLINE bool stays(const std::uint8_t *drawn, const std::uint8_t *evidence) {
   std::uint8_t any = 0;
-  for (std::ptrdiff_t i = 0; i < kBlock; ++i) any |= drawn[i];
+  for (std::ptrdiff_t i = 0; i < kBlock; ++i) {
+    const std::uint8_t passed = drawn[i] ^ kPassed, free = evidence[i] ^ 1;
+    any |= drawn[i] == 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(passed | free);
+  }
   return any == 0;
 }
 
-// What a scan does to a row of cells, block by block: far away, most blocks lie between two beams.
+// What a scan does to a row of cells, block by block: most lie between two beams, or in space that is known to be free.
 TRUNDLE_INLINE bool add_row(const EvidenceRule &rule, const std::uint8_t *drawn, std::uint8_t *evidence,
                             std::uint8_t *changed, std::ptrdiff_t count) {
   std::uint8_t any = 0;
   std::ptrdiff_t i = 0;
   for (; i + kBlock <= count; i += kBlock) {
-    if (is_blank(drawn + i)) {
+    if (stays(drawn + i, evidence + i)) {
       std::memset(changed + i, 0, kBlock);
     } else {
       any |= add_cells(rule, drawn + i, evidence + i, changed + i, kBlock);

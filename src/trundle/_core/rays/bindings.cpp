@@ -13,6 +13,9 @@ void bind_rays(nanobind::module_ &m) {
         arg("earlier_sensor"), arg("earlier_angles"), arg("earlier_through"), arg("seconds"));
   m.def("find_lone_hits", &find_lone_hits, arg("ranges"), arg("angles"), arg("sensor"), arg("earlier_ranges"),
         arg("earlier_angles"), arg("earlier_sensor"), arg("range_min"), arg("range_max"));
+  m.def("place_scan", &place_scan, arg("ranges"), arg("angles"), arg("mount"), arg("base"), arg("body"),
+        arg("range_min"), arg("range_max"), arg("sensor"), arg("earlier_ranges"), arg("earlier_angles"),
+        arg("earlier_sensor"));
   m.def("points_around", &points_around, arg("points"), arg("velocities"), arg("pose"), arg("seconds"), arg("reach"),
         arg("horizon"));
   m.def("outline_clearances", &outline_clearances, arg("points"), arg("velocities"), arg("poses"), arg("times"),

@@ -35,6 +35,15 @@ nb::ndarray<nb::numpy, std::int64_t> find_lone_hits(In<double, 1> ranges, In<dou
                                                     In<double, 1> earlier_ranges, In<double, 1> earlier_angles,
                                                     In<double, 2> earlier_sensor, double range_min, double range_max);
 
+// What a scan shows, without its lone hits: its hits in the frame of the base's pose, but for those within the body, in
+// the order of the beams; the angles of the beams, ascending; and how far each of them and those beside it saw, minus
+// infinity beside one that measured nothing. Poses are x, y, yaw: of the sensor in the base, of the base, and of the
+// sensor in the frame of the base's pose, now and at the scan before, whose arrays may be empty. The body is the normal of
+// each of its sides and how far it reaches along it.
+nb::tuple place_scan(In<double, 1> ranges, In<double, 1> angles, In<double, 1> mount, In<double, 1> base,
+                     In<double, 2> body, double range_min, double range_max, In<double, 1> sensor,
+                     In<double, 1> earlier_ranges, In<double, 1> earlier_angles, In<double, 1> earlier_sensor);
+
 // Points within `reach` of a pose (x, y, yaw) and their velocities, seen from it, both rows x, y. Each is continued at its
 // velocity for `seconds`, and counts farther away by what it drives in `horizon`; without velocities all of them stand.
 nb::tuple points_around(In<double, 2> points, In<double, 2> velocities, In<double, 1> pose, double seconds, double reach,

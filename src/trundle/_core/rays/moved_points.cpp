@@ -116,9 +116,11 @@ std::vector<char> seen_through(const Points &points, const Seen &by) {
   const double first = by.angles[0], last = by.angles[by.beams - 1];
   const double spacing = (last - first) / static_cast<double>(std::max<std::size_t>(by.beams - 1, 1));
   const double per_spacing = 1.0 / spacing;
+  std::vector<double> bearings(points.count);
+  bearings_from(by.sensor[0], by.sensor[1], points.xy, 2, points.count, bearings.data());
   for (std::size_t i = 0; i < points.count; ++i) {
     const double dx = points.x(i) - by.sensor[0], dy = points.y(i) - by.sensor[1];
-    double rest = remainder_of(bearing_of(dy, dx) - by.sensor[2] - first);
+    double rest = remainder_of(bearings[i] - by.sensor[2] - first);
     rest = rest < 0.0 ? rest + kTurn : rest;
     const double bearing = rest + first;
     if (bearing - last > 2.0 * spacing) {

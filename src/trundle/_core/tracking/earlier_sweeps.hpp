@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "shared/bearing.hpp"
 #include "tracking/sweep.hpp"
 
 namespace trundle::tracking {
@@ -34,19 +35,27 @@ class EarlierSweeps {
 
   // Which hits of a new scan are where an earlier one saw through, and which belong to what stands still: every scan of
   // half a second or a second ago, as far as it saw that place, saw a surface there.
-  void judge(Sweep &sweep, double margin) const {
+  void judge(Sweep &sweep, double margin) {
+    std::vector<Hit> &hits = sweep.hits();
+    static_assert(sizeof(Hit) % sizeof(double) == 0);
+    directions_.resize(hits.size());
     for (const double age : kAges) {
       const View *before = at(sweep.view().time - age);
       if (before == nullptr) {
         continue;
       }
-      for (Hit &hit : sweep.hits()) {
-        const Sight seen = before->judge(hit.point, margin);
+      if (!hits.empty()) {
+        bearings_from(before->sensor.x, before->sensor.y, &hits[0].point.x, sizeof(Hit) / sizeof(double), hits.size(),
+                      directions_.data());
+      }
+      for (std::size_t i = 0; i < hits.size(); ++i) {
+        Hit &hit = hits[i];
+        const Sight seen = before->judge(hit.point, margin, directions_[i]);
         hit.appeared = hit.appeared || seen == Sight::kThrough;
         hit.still = hit.still || (age >= kStill && seen == Sight::kThere);
       }
     }
-    for (Hit &hit : sweep.hits()) {
+    for (Hit &hit : hits) {
       hit.still = hit.still && !hit.appeared;
     }
   }
@@ -70,6 +79,7 @@ class EarlierSweeps {
 
   std::deque<std::unique_ptr<View>> views_;
   std::unique_ptr<View> next_;
+  std::vector<double> directions_;  // of the hits at hand
 };
 
 }  // namespace trundle::tracking

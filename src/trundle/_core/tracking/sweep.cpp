@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "shared/bearing.hpp"
+#include "shared/directions.hpp"
 
 namespace trundle::tracking {
 namespace {
@@ -62,12 +63,16 @@ std::ptrdiff_t first_from(const std::vector<double> &angles, double from, double
 }  // namespace
 
 Sight View::judge(Point point, double margin) const {
+  return judge(point, margin, bearing_of(point.y - sensor.y, point.x - sensor.x));
+}
+
+Sight View::judge(Point point, double margin, double direction) const {
   const auto beams = static_cast<std::ptrdiff_t>(bearings.size());
   if (beams == 0) {
     return Sight::kNothing;
   }
   const double dx = point.x - sensor.x, dy = point.y - sensor.y;
-  const double bearing = turned(bearing_of(dy, dx) - zero + kTie);
+  const double bearing = turned(direction - zero + kTie);
   if (!std::isfinite(bearing)) {
     return Sight::kNothing;
   }
@@ -83,15 +88,20 @@ Sight View::judge(Point point, double margin) const {
   const bool sees_past = through[beam] > distance + margin;
   // The noise of a hit that was seen from elsewhere lies across these beams: close to the sensor it crosses many of them.
   const double near = (sees_past ? kAcross : 1.0) * margin + 0.5 * spacing * distance;
+  const auto is_there = [&](std::ptrdiff_t index) {
+    const Point &end = ends[index >= 0 && index < beams ? index : around(index, beams)];
+    const double ex = end.x - point.x, ey = end.y - point.y;
+    return ex * ex + ey * ey < near * near;
+  };
   std::ptrdiff_t aside = kAside;
   if (sees_past) {
     const double across = std::ceil(near / (spacing * distance)), most = 0.5 * static_cast<double>(beams);
     aside = std::max(aside, static_cast<std::ptrdiff_t>(across < most ? across : most));
+  } else if (is_there(beam)) {  // as most are, of what stands
+    return Sight::kThere;
   }
   for (std::ptrdiff_t index = beam - aside; index <= beam + aside; ++index) {
-    const Point &end = ends[index >= 0 && index < beams ? index : around(index, beams)];
-    const double ex = end.x - point.x, ey = end.y - point.y;
-    if (ex * ex + ey * ey < near * near) {
+    if (is_there(index)) {
       return Sight::kThere;
     }
   }
@@ -144,13 +154,15 @@ void Sweep::take(const Scan &scan, double max_range, const std::vector<Point> &b
   view.time = scan.time;
   view.sensor = {middle[0], middle[1]};
   bearing_.resize(count), range_.resize(count), end_.resize(count);
+  const Directions *still = scan.pose_count > 1 ? nullptr : &directions_of(scan.angles, count, scan.poses[2]);
   for (std::size_t i = 0; i < count; ++i) {
     const double range = scan.ranges[i];
     const bool measured = range >= scan.range_min && range <= scan.range_max;
     const double reach = measured ? range : scan.range_max;
     const double *pose = scan.poses + (scan.pose_count > 1 ? 3 * i : 0);
     const double direction = scan.angles[i] + pose[2];
-    end_[i] = {pose[0] + reach * std::cos(direction), pose[1] + reach * std::sin(direction)};
+    const double cos = still ? still->cos[i] : std::cos(direction), sin = still ? still->sin[i] : std::sin(direction);
+    end_[i] = {pose[0] + reach * cos, pose[1] + reach * sin};
     bearing_[i] = direction, range_[i] = reach;
     if (scan.pose_count > 1) {
       const double dx = end_[i].x - view.sensor.x, dy = end_[i].y - view.sensor.y;

@@ -23,8 +23,9 @@ struct View {
   std::vector<double> through;       // how far each beam and those beside it saw at least
   std::vector<Point> ends;           // what each beam met, infinity for nothing
 
-  // Both within a margin [m].
+  // Both within a margin [m]. `direction` is that of the point from the sensor, where it is known.
   Sight judge(Point point, double margin) const;
+  Sight judge(Point point, double margin, double direction) const;
 
   // Whether a beam goes past a point, or would if it went on.
   bool faces(Point point) const;

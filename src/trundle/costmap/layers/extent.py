@@ -84,6 +84,7 @@ class Extent:
         self.rolling = rolling
         self._required: list[tuple[float, float]] = []
         self.window: CellWindow | None = None
+        self._placed: tuple[CellWindow, Pose2D, Pose2D] | None = None
         if static is not None and not rolling:
             self.window = CellWindow(0, 0, *static.shape)
 
@@ -95,8 +96,15 @@ class Extent:
     @property
     def origin(self) -> Pose2D:
         """Pose of the lower left corner in the map frame."""
+        return self._place()[1]
+
+    def _place(self) -> tuple[CellWindow, Pose2D, Pose2D]:
+        """The window, the pose of its lower left corner, and that of the map frame in this."""
         window = self._now()
-        return self._frame @ Pose2D(window.col * self.resolution, window.row * self.resolution)
+        if self._placed is None or self._placed[0] is not window:
+            origin = self._frame @ Pose2D(window.col * self.resolution, window.row * self.resolution)
+            self._placed = window, origin, origin.inverse()
+        return self._placed
 
     def follow(self, pose: Pose2D) -> bool:
         """Move or grow for a robot at this pose, map frame; return whether that changed anything.
@@ -153,13 +161,12 @@ class Extent:
 
     def cells_under(self, windows: Sequence[MapWindow]) -> tuple[slice, slice] | None:
         """Return the rows and columns that one or more windows reach into; None where they lie elsewhere."""
-        window = self._now()
+        window, _, place = self._place()
         rows, cols = window.rows, window.cols
         low_x, low_y, high_x, high_y = zip(*windows, strict=True)
         x0, y0, x1, y1 = min(low_x), min(low_y), max(high_x), max(high_y)
         if not math.isfinite(x0 + y0 + x1 + y1):
             return slice(0, rows), slice(0, cols)
-        place = self.origin.inverse()
         edge, cos, sin = self.resolution, math.cos(place.yaw), math.sin(place.yaw)
         corners = (x0, y0), (x1, y0), (x0, y1), (x1, y1)
         across = [(place.x + cos * x - sin * y) / edge for x, y in corners]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -12,11 +12,10 @@ from trundle.geometry import FloatArray
 from trundle.observation import Scan, make_scan
 
 _NOTHING = np.zeros(0)
-_KEPT = 8  # answers: those of the lidars of a robot or two
+_KEPT = 16  # answers: those of the lidars of a robot or two
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Placed:
+class _Placed(NamedTuple):
     """The arrays of a scan, which do not change, and where its sensor was."""
 
     ranges: FloatArray
@@ -24,12 +23,8 @@ class _Placed:
     poses: FloatArray
     place: bytes
 
-    def is_same(self, other: _Placed) -> bool:
-        return self.ranges is other.ranges and self.angles is other.angles and self.place == other.place
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Answer:
+class _Answer(NamedTuple):
     """The lone hits of a scan, after the one before."""
 
     scan: _Placed
@@ -38,22 +33,27 @@ class _Answer:
     lone: npt.NDArray[np.int64]
 
 
-# The costmap, the tracker and the collision monitor ask the same of one scan after the other. One tuple is replaced by
-# another, so that threads may do so at once.
-_answers: tuple[_Answer, ...] = ()
+# The costmap and the tracker ask the same of one scan after the other, by the array of its ranges. It is kept with the
+# answer, so that no other one gets its number.
+_answers: dict[int, _Answer] = {}
 
 
 def _find(scan: _Placed, before: _Placed | None, limits: tuple[float, float]) -> npt.NDArray[np.int64]:
-    global _answers
-    for known in _answers:
-        if known.scan.is_same(scan) and known.limits == limits:
-            earlier = known.before
-            if earlier is before or (earlier is not None and before is not None and earlier.is_same(before)):
-                return known.lone
+    known = _answers.get(id(scan.ranges))
+    if known is not None and known.limits == limits and _is_same(known.scan, scan) and _is_same(known.before, before):
+        return known.lone
     earlier = (_NOTHING, _NOTHING, scan.poses) if before is None else (before.ranges, before.angles, before.poses)
     lone = _core.find_lone_hits(scan.ranges, scan.angles, scan.poses, *earlier, *limits)
-    _answers = (_Answer(scan, before, limits, lone), *_answers[: _KEPT - 1])
+    if len(_answers) >= _KEPT:
+        _answers.clear()
+    _answers[id(scan.ranges)] = _Answer(scan, before, limits, lone)
     return lone
+
+
+def _is_same(one: _Placed | None, other: _Placed | None) -> bool:
+    if one is None or other is None:
+        return one is other
+    return one.ranges is other.ranges and one.angles is other.angles and one.place == other.place
 
 
 class LoneHits:
@@ -80,8 +80,8 @@ class LoneHits:
             poses: Of the sensor (x, y, yaw) [m, rad] in a frame that does not move, shape (1, 3), or (beams, 3).
             put: Range of the beams with a lone hit: NaN is no measurement, infinity no return.
         """
-        ranges, angles = np.ascontiguousarray(scan.ranges), np.ascontiguousarray(scan.angles)
-        before, placed = self._before.get(scan.lidar), _Placed(ranges, angles, poses, poses.tobytes())
+        ranges = scan.ranges
+        before, placed = self._before.get(scan.lidar), _Placed(ranges, scan.angles, poses, poses.tobytes())
         self._before[scan.lidar] = placed
         if not len(ranges):
             return scan

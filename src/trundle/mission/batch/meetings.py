@@ -21,7 +21,7 @@ from trundle.sim.kinematic import TIMESTEP
 from trundle.worlds import World
 
 
-class Drive(NamedTuple):
+class DrivenMission(NamedTuple):
     """A drive to be repeated.
 
     Attributes:
@@ -33,7 +33,7 @@ class Drive(NamedTuple):
     trajectory: Trajectory
 
 
-def find_meetings(drives: Sequence[Drive], threads: int) -> list[str]:
+def find_meetings(drives: Sequence[DrivenMission], threads: int) -> list[str]:
     """Repeat drives among the movers of their worlds.
 
     Returns:
@@ -51,7 +51,7 @@ def find_meetings(drives: Sequence[Drive], threads: int) -> list[str]:
     return reasons
 
 
-def _repeat(group: Sequence[Drive], threads: int) -> list[str]:
+def _repeat(group: Sequence[DrivenMission], threads: int) -> list[str]:
     """Repeat drives in one world with one robot."""
     setting = group[0].setting
     lengths = np.array([len(drive.trajectory) for drive in group])

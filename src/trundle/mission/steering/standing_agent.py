@@ -81,4 +81,4 @@ class StandingAgent(Agent):
 
     def _can_stop(self, checker: FootprintChecker, pose: Pose2D, twist: Twist2D, command: Twist2D) -> bool:
         poses = stopping_poses(pose, twist, command, self.robot.limits, self.dt, turn_step=_TURN_STEP_RAD)
-        return not checker.find(np.array(poses))
+        return not checker.find(poses[1:])
