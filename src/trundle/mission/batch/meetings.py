@@ -13,6 +13,7 @@ import numpy as np
 
 from trundle.errors import InputError, WorldError
 from trundle.maps import OccupancyGrid
+from trundle.mission.episode import Episode
 from trundle.mission.scenario import Setting
 from trundle.mission.trajectory import Trajectory
 from trundle.robots import Robot
@@ -21,37 +22,37 @@ from trundle.sim.kinematic import TIMESTEP
 from trundle.worlds import World
 
 
-class DrivenMission(NamedTuple):
-    """A drive to be repeated.
-
-    Attributes:
-        setting: Its world, robot and seed.
-        trajectory: Where it led, with its commands.
-    """
+class _Drive(NamedTuple):
+    """A drive to be repeated: its world, robot and seed, and where it led with which commands."""
 
     setting: Setting
     trajectory: Trajectory
 
 
-def find_meetings(drives: Sequence[DrivenMission], threads: int) -> list[str]:
+def find_meetings(settings: Sequence[Setting], ends: Sequence[object], threads: int) -> dict[int, str]:
     """Repeat drives among the movers of their worlds.
 
+    Args:
+        settings: The settings of missions.
+        ends: What became of each; those that are episodes are repeated where the world has movers.
+        threads: How many threads drive.
+
     Returns:
-        For each why it has to be driven in Python: "contact"; empty where it touches no mover.
+        The numbers of those that have to be driven in Python, and why: "contact".
     """
-    reasons = [""] * len(drives)
-    groups: dict[tuple[int, int, float], list[int]] = {}
-    for number, (setting, _) in enumerate(drives):
-        key = id(setting.world), id(setting.robot), setting.navigator.dt
-        groups.setdefault(key, []).append(number)
-    for numbers in groups.values():
-        group = [drives[number] for number in numbers]
-        for number, reason in zip(numbers, _repeat(group, threads), strict=True):
-            reasons[number] = reason
+    groups: dict[tuple[int, int, float], dict[int, _Drive]] = {}
+    for number, (setting, end) in enumerate(zip(settings, ends, strict=True)):
+        if isinstance(end, Episode) and setting.world.movers:
+            key = id(setting.world), id(setting.robot), setting.navigator.dt
+            groups.setdefault(key, {})[number] = _Drive(setting, end.trajectory)
+    reasons: dict[int, str] = {}
+    for group in groups.values():
+        found = zip(group, _repeat(list(group.values()), threads), strict=True)
+        reasons |= {number: reason for number, reason in found if reason}
     return reasons
 
 
-def _repeat(group: Sequence[DrivenMission], threads: int) -> list[str]:
+def _repeat(group: Sequence[_Drive], threads: int) -> list[str]:
     """Repeat drives in one world with one robot."""
     setting = group[0].setting
     lengths = np.array([len(drive.trajectory) for drive in group])

@@ -15,7 +15,7 @@ from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
 from trundle.costmap import LETHAL
 from trundle.errors import InputError, PlanningError
 from trundle.geometry import FloatArray, Goal, Pose2D, Twist2D
-from trundle.mission.batch.meetings import DrivenMission, find_meetings
+from trundle.mission.batch.meetings import find_meetings
 from trundle.mission.batch.needs import world_needs_python
 from trundle.mission.batch.sensing import Drive, SensedDrive, Sensing, monitors
 from trundle.mission.episode import Episode, Outcome
@@ -137,14 +137,8 @@ class MissionBatch:
             for number, end in zip(numbers, self._drive(kernel, group), strict=True):
                 ends[number] = end
         done = [end for end in ends if not isinstance(end, _Planned)]
-        among = {
-            number: DrivenMission(mission.setting, end.trajectory)
-            for number, (mission, end) in enumerate(zip(missions, done, strict=True))
-            if isinstance(end, Episode) and mission.setting.world.movers
-        }
-        for number, reason in zip(among, find_meetings(list(among.values()), self._threads), strict=True):
-            if reason:
-                done[number] = HandedOver(reason)
+        for number, reason in find_meetings([each.setting for each in missions], done, self._threads).items():
+            done[number] = HandedOver(reason)
         return done
 
     def _drive(self, kernel: MissionDriver, group: Sequence[_Planned]) -> list[Episode | HandedOver]:
