@@ -53,6 +53,12 @@ def _names(robot: str, settings: dict) -> dict:
     return {"lidar": next(iter(Robot.load(robot).lidars))} if "lidar" in settings else {}
 
 
+def test_a_robot_that_has_no_lidars_has_no_monitor_either(tmp_path):
+    text = (resources.files("trundle.robots") / "catalogue" / "nova_carter.yaml").read_text()
+    (tmp_path / "blind.yaml").write_text(text[: text.index("lidars:")] + text[text.index("map_height_band") :])
+    assert_driven_alike(scenario(seed=2, lidar=True, robot=str(tmp_path / "blind.yaml")))
+
+
 def test_commands_that_the_monitor_slows_down_are_driven_alike():
     chosen = scenario(world={"name": "office", "seed": 0}, robot="jackal", lidar=True, seed=1)
     free = scenario(**{**chosen.plain(), "collision_monitor": False})

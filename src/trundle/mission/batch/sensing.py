@@ -118,8 +118,7 @@ class SensedDrive:
         beams.prepare(self._lidars.heights)
         self._lidars.reset(setting.scenario.seed)
         self._since = -1.0
-        names = () if not chosen else tuple(robot.lidars) if chosen is True else chosen
-        self._scatters = not all(_reads_exactly(robot.lidars[name], robot) for name in names)
+        self._scatters = not all(_reads_exactly(robot.lidars[name], robot) for name in _lidars_of(setting))
         self._unexpected: list[FloatArray] = []
         self._monitor = _make_monitor(setting)
         self.log = RunLog()
@@ -185,7 +184,12 @@ def _points_on(outline: WorldOutline, step: float) -> FloatArray:
 def monitors(setting: Setting) -> bool:
     """Whether the commands of a mission pass a collision monitor."""
     chosen = setting.scenario.collision_monitor
-    return bool(setting.scenario.lidar) if chosen is None else chosen is not False
+    return bool(_lidars_of(setting)) if chosen is None else chosen is not False
+
+
+def _lidars_of(setting: Setting) -> tuple[str, ...]:
+    chosen = setting.scenario.lidar
+    return tuple(setting.robot.lidars if chosen is True else chosen or ())
 
 
 def _stopping_reach(navigator: Navigator) -> float:
