@@ -77,15 +77,16 @@ struct Picture {
     return pixels[static_cast<std::size_t>(r * cols + c)];
   }
 
-  // Cells that a beam passes on its way along x; for one along y with x and y swapped and the strides swapped.
-  static void pass(std::uint8_t *pixels, double x0, double y0, double x1, double y1, std::ptrdiff_t along,
-                   std::ptrdiff_t across) {
+  // Cells that a beam passes on its way along x; for one along y with x and y swapped.
+  template <bool kSwapped>
+  void pass(double x0, double y0, double x1, double y1) {
+    const std::ptrdiff_t along = kSwapped ? cols : 1, across = kSwapped ? 1 : cols;
     const auto first = static_cast<std::ptrdiff_t>(std::floor(x0)), last = static_cast<std::ptrdiff_t>(std::floor(x1));
     const double slope = (y1 - y0) / (x1 - x0);
     const std::ptrdiff_t step = last > first ? 1 : -1;
     const std::int64_t rise = to_fixed(step * slope);
     std::int64_t y = to_fixed(y0 + (static_cast<double>(first) + 0.5 - x0) * slope);
-    std::uint8_t *out = pixels + first * along;
+    std::uint8_t *out = pixels.data() + first * along;
     for (std::ptrdiff_t n = step * (last - first); n > 0; --n) {
       out[(y >> 32) * across] = kPassed;
       y += rise;
@@ -97,9 +98,9 @@ struct Picture {
     const double x0 = beam.x0 - static_cast<double>(col), y0 = beam.y0 - static_cast<double>(row);
     const double x1 = beam.x1 - static_cast<double>(col), y1 = beam.y1 - static_cast<double>(row);
     if (std::abs(x1 - x0) >= std::abs(y1 - y0)) {
-      if (x1 != x0) pass(pixels.data(), x0, y0, x1, y1, 1, cols);
+      if (x1 != x0) pass<false>(x0, y0, x1, y1);
     } else {
-      pass(pixels.data(), y0, x0, y1, x1, cols, 1);
+      pass<true>(y0, x0, y1, x1);
     }
   }
 
@@ -215,9 +216,11 @@ TRUNDLE_INLINE bool add_row(const EvidenceRule &rule, const std::uint8_t *drawn,
 }
 
 void add_ends(CellBox &box, std::ptrdiff_t row, std::ptrdiff_t col, const std::uint8_t *changed, std::ptrdiff_t count) {
+  const bool is_empty = box.row == box.row_end;  // what lies within the box makes it no larger
+  const std::ptrdiff_t west = is_empty ? count : box.col - col, east = is_empty ? 0 : box.col_end - col;
   std::ptrdiff_t first = 0, end = count;
-  while (changed[first] == 0) ++first;
-  while (changed[end - 1] == 0) --end;
+  while (first < west && changed[first] == 0) ++first;
+  while (end > east && changed[end - 1] == 0) --end;
   box.add(row, col + first, col + end);
 }
 
