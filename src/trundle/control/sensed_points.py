@@ -56,8 +56,8 @@ class Points:
 class _Seen:
     """The hits of one scan, odom frame, in the order of its beams; and how far each beam saw through.
 
-    Where some of them move, their velocities follow. Edges are hits that have come to where an earlier scan saw through,
-    with their own velocities.
+    Where some of them move, their velocities follow. Edges are hits that have come to where an earlier scan saw
+    through, with their own velocities.
     """
 
     scan: Scan
