@@ -22,6 +22,7 @@ constexpr std::uint8_t kBehind = 1, kPassed = 2, kHit = 3;
 constexpr std::ptrdiff_t kBlock = 64;        // cells
 constexpr double kMostReach = 1e5;           // cells
 constexpr double kMostPixels = 268435456.0;  // 16384 x 16384
+constexpr std::size_t kMostSpare = 4'000'000;  // pixels
 constexpr double kMostAngle = 1e6;
 constexpr double kOne = 4294967296.0;  // of a number with 32 binary places
 
@@ -69,7 +70,19 @@ struct Picture {
     if (static_cast<double>(rows) * static_cast<double>(cols) > kMostPixels) {
       throw std::invalid_argument("the beams reach over too many cells");
     }
-    pixels.resize(static_cast<std::size_t>(rows * cols));
+    pixels.swap(spare());
+    pixels.assign(static_cast<std::size_t>(rows * cols), 0);
+  }
+  Picture(const Picture &) = delete;
+  Picture &operator=(const Picture &) = delete;
+  ~Picture() {
+    if (pixels.size() <= kMostSpare) pixels.swap(spare());
+  }
+
+  // Memory of the thread's last picture: the system would take back and clear so much each time.
+  static std::vector<std::uint8_t> &spare() {
+    static thread_local std::vector<std::uint8_t> memory;
+    return memory;
   }
 
   std::uint8_t &at(double x, double y) {
@@ -130,9 +143,12 @@ double reach_of(const Sensor &sensor) {
 std::vector<Beam> read_beams(const Sensor &sensor, const In<double, 1> &angles, const In<double, 1> &ranges,
                              const Limits &limit, bool infinite_is_free, double row, double col, double resolution) {
   std::vector<Beam> beams;
+  if (angles.size() == 0) return beams;
   beams.reserve(angles.size());
   const double body_reach = reach_of(sensor);
   const Directions *still = sensor.stride == 0 ? &directions_of(angles.data(), angles.size(), sensor.poses[2]) : nullptr;
+  const double start = std::min(limit.raytrace_min / resolution, kMostReach);
+  double x = sensor.poses[0] / resolution - col, y = sensor.poses[1] / resolution - row;
   for (std::size_t i = 0; i < angles.size(); ++i) {
     const double range = ranges.data()[i], angle = angles.data()[i];
     const bool endless = range == std::numeric_limits<double>::infinity();
@@ -145,8 +161,7 @@ std::vector<Beam> read_beams(const Sensor &sensor, const In<double, 1> &angles, 
     const double *pose = sensor.poses + i * sensor.stride;
     const double dx = still ? still->cos[i] : std::cos(pose[2] + angle);
     const double dy = still ? still->sin[i] : std::sin(pose[2] + angle);
-    const double x = pose[0] / resolution - col, y = pose[1] / resolution - row;
-    const double start = std::min(limit.raytrace_min / resolution, kMostReach);
+    if (!still) x = pose[0] / resolution - col, y = pose[1] / resolution - row;
     const double end = std::min(endless ? limit.range_max : range, limit.raytrace_max) / resolution;
     const bool marks = !endless && range >= limit.obstacle_min && range <= limit.obstacle_max;
     const double far = marks ? range / resolution : 0.0;
