@@ -4,6 +4,7 @@
 # make quick  set up, then run the tests of tests/quick/files.txt: about a minute
 # make test-wheels  build wheels, install each into an empty environment of every Python here, and run the demo
 # make test-ray  install Ray, then run the tests of evaluations on a cluster, where there is no network but loopback
+# make test-learning  install PyTorch and libraries that learn beside the environment, and test trundle.gym with them
 # make test-physx  install NVIDIA's PhysX beside the environment, where it has wheels, and run its tests with it
 # make test-ros2  build real ROS 2 environments in ~/.cache/trundle, once, and run the tests against them, the long ones too
 # make test-isaac  put NVIDIA's packages into a Python 3.12 in ~/.cache/trundle, once, and run Isaac Sim's classes there
@@ -48,7 +49,7 @@ PARTS := 6
 KERNELS := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*/*.cpp)
 SOURCES := $(KERNELS) $(wildcard src/trundle/_core/*/*.hpp) CMakeLists.txt
 
-.PHONY: demo quick test test-slow test-wheels test-ray test-physx test-ros2 ros2-env test-isaac fuzz check size docs web build setup dev clean
+.PHONY: demo quick test test-slow test-wheels test-ray test-learning test-physx test-ros2 ros2-env test-isaac fuzz check size docs web build setup dev clean
 
 demo: setup
 	$(BIN)/trundle demo
@@ -70,6 +71,12 @@ test-wheels: dev
 # Ray opens ports: its tests run in a network namespace with lo alone, and are skipped where there is none.
 test-ray: dev $(VENV)/.trundle-ray
 	$(BIN)/python scripts/only_lo.py $(BIN)/python -m pytest $(HANGS) -m ray tests/evaluation/cluster
+
+# Beside the environment, as PyTorch is large.
+test-learning: dev
+	@test -e $(VENV)/.trundle-learning || { $(INSTALL) --target $(VENV)/learning $$($(BIN)/python scripts/requirements.py learning) \
+	  && touch $(VENV)/.trundle-learning; }
+	PYTHONPATH=$(VENV)/learning $(BIN)/python -m pytest $(HANGS) tests/gym tests/sim/batch
 
 # Beside the environment: ovphysx asks for an older packaging than pytest, so nothing of it may be installed there.
 test-physx: dev

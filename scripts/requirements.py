@@ -1,4 +1,4 @@
-"""Print requirements of pyproject.toml: `build`, `demo` (with videos), `dev` (tests), `ray`, `physx`, `docs`."""
+"""Print requirements of pyproject.toml: `build`, `demo` (with videos), `dev`, `ray`, `learning`, `physx`, `docs`."""
 
 import sys
 import tomllib

@@ -46,13 +46,16 @@ OPTIONS = {
 """Those of an example that waits for a person, or takes long."""
 NEEDS = {"13_learning": "gymnasium"}
 """The library of an extra that an example needs."""
+LONG = {"07_unknown_warehouse", "08_people", "11_localization", "12_explore"}
+"""Those that take six seconds or more: each day another part of them runs."""
+CASES = [pytest.param(path, marks=[pytest.mark.slow] if path.stem in LONG else []) for path in EXAMPLES]
 
 
 def test_there_is_an_example_for_each_step_and_for_each_larger_part() -> None:
     assert [path.stem for path in EXAMPLES] == sorted(WRITES)
 
 
-@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("example", CASES, ids=lambda path: path.stem)
 def test_an_example_runs_in_an_empty_folder(example: Path, tmp_path: Path) -> None:
     if example.stem in NEEDS:
         pytest.importorskip(NEEDS[example.stem])

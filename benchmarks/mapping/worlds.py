@@ -18,6 +18,7 @@ import resource
 import time
 import warnings
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +31,7 @@ import trundle
 from trundle import Mapper, Navigator, Observation, OccupancyGrid, Pose2D, Robot, World, draw_map, sample_mission
 from trundle.mapping.merging import move_pose_graph
 from trundle.navigation.status import NavigationStatus
+from trundle.worlds.movers import Crowd
 
 FINE_M = 0.02
 WITHIN_M = 0.10
@@ -171,9 +173,9 @@ def main() -> None:
     for name in options.worlds:
         for seed in options.seeds:
             extra = {} if options.size is None else {"size": tuple(options.size)}
-            if options.people:
-                extra["people"] = options.people
             world = World.generate(name, seed=seed, **extra)
+            if options.people:
+                world = replace(world, movers=(*world.movers, Crowd("people", options.people)))
             label = f"{name} {seed}" + (f", {options.people} people" if options.people else "")
             print(run(world, robot, seed, options, label), flush=True)
 

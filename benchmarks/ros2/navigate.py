@@ -14,12 +14,13 @@ told, in real time.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import itertools
+import json
 import math
 import os
 import random
 import signal
-import sys
 import tempfile
 import time
 from collections import defaultdict, deque
@@ -31,6 +32,9 @@ from typing import Any
 from hour import memory_mb
 from network import ended, join, load, own_domain, percentile, started
 
+# The network has put the folder of the tests on the path.
+from ros2.remote.conftest import make_room
+from ros2.remote.robot import FakeRobot, Habits
 from trundle.geometry import Pose2D
 from trundle.messages.codec import Codec
 from trundle.messages.qos import SENSOR, Qos
@@ -40,10 +44,6 @@ from trundle.robots import Robot
 from trundle.ros2.bridge import Bridge
 from trundle.ros2.names import Names
 from trundle.ros2.types import Types
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
-from ros2.remote.conftest import make_room
-from ros2.remote.robot import FakeRobot, Habits
 
 ROBOT = "nova_carter"
 NEAR_M = 0.3
@@ -80,15 +80,17 @@ class Truth:
         pass
 
 
-def missions(given: argparse.Namespace) -> None:
+def missions(given: argparse.Namespace) -> dict[str, Any]:
     """Missions in a warehouse, each from its start to its goal: how many truly arrive, and what is touched."""
     results = [mission(given, seed) for seed in range(given.first, given.first + given.count)]
-    arrived, touched = (sum(one[which] for one in results) for which in (0, 1))
+    arrived = sum(off <= NEAR_M for off, _ in results)
+    touched = sum(contacts for _, contacts in results)
     print(f"{arrived} of {given.count} within {NEAR_M} m, {touched} with a contact")
+    return {"off": [off for off, _ in results], "contacts": touched}
 
 
-def mission(given: argparse.Namespace, seed: int) -> tuple[bool, bool]:
-    """One of them: whether the robot has truly arrived, and whether it has touched something."""
+def mission(given: argparse.Namespace, seed: int) -> tuple[float, bool]:
+    """One of them: how far from the goal the robot has truly come [m], and whether it has touched something."""
     own_domain()
     settings: dict[str, Any] = {"world": "warehouse", "robot": ROBOT, "backend": "kinematic", "seed": seed}
     setting = (scenario := Scenario.make(**settings)).prepare(make_place(scenario))
@@ -120,7 +122,7 @@ def mission(given: argparse.Namespace, seed: int) -> tuple[bool, bool]:
     moved = episode.metrics.distance_m if episode.metrics else 0.0
     print(f"{seed}: {off:.3f} m from the goal after {moved:.1f} m, {said['message']}; {contacts=}", end="; ")
     print(f"stood {said['stops']}; {load()}", flush=True)
-    return off <= NEAR_M, bool(contacts)
+    return off, bool(contacts)
 
 
 # Load -------------------------------------------------------------------------------------------------------------
@@ -134,14 +136,16 @@ def cpu_s(process: int) -> float:
 
 
 def children(process: int) -> list[int]:
-    """The processes that a process has started, by any of its threads."""
+    """The processes that a process has started."""
     found: list[int] = []
-    for path in Path(f"/proc/{process}/task").glob("*/children"):
-        found += [int(one) for one in path.read_text(encoding="ascii").split()]
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):  # it has ended meanwhile
+            if int(path.read_text(encoding="utf-8").rpartition(") ")[2].split()[1]) == process:
+                found.append(int(path.parent.name))
     return found
 
 
-def measure_load(given: argparse.Namespace) -> None:
+def measure_load(given: argparse.Namespace) -> dict[str, Any]:
     """Latency from a scan to its command, and the processor time, at 20 Hz with two lidars of 720 beams."""
     own_domain()
     goals = [part for x in (8, 0, -8, 0) for part in ("--goal", f"{x},0")] * 20
@@ -177,6 +181,7 @@ def measure_load(given: argparse.Namespace) -> None:
     print(f"{given.transport}: {share:.1%} of a core (aim: 20 %), {len(late)} commands; stood {said['stops']}")
     half, most, largest = (percentile(late, share) * 1e3 for share in (0.5, 0.95, 1.0))
     print(f"scan to command: p50 {half:.1f} ms, p95 {most:.1f} ms (aim: 25 ms), largest {largest:.1f} ms; {load()}")
+    return {"share": share, "p50_ms": half, "p95_ms": most, "largest_ms": largest, "commands": len(late)}
 
 
 # Robots that behave badly -------------------------------------------------------------------------------------------
@@ -246,7 +251,7 @@ def wait_until_moving(robot: FakeRobot, drives: Any) -> bool:
     return False
 
 
-def stops(given: argparse.Namespace) -> None:
+def stops(given: argparse.Namespace) -> dict[str, Any]:
     """How soon the robot is not commanded to move any more, after a silence, or after the child was killed."""
     silences = {
         "scans": {"scans": False},
@@ -280,6 +285,7 @@ def stops(given: argparse.Namespace) -> None:
     for kind, values in took.items():
         print(f"{kind}: {len(values)} times, p50 {percentile(values, 0.5):.2f} s, largest {max(values):.2f} s")
     print(f"stood {said['stops']}; {contacts} contacts; {load()}")
+    return {"took": took, "contacts": contacts}
 
 
 def moved_s(robot: FakeRobot, began: float) -> float:
@@ -289,10 +295,11 @@ def moved_s(robot: FakeRobot, began: float) -> float:
     return moving[-1] - began if moving else 0.0
 
 
-def odd(given: argparse.Namespace) -> None:
+def odd(given: argparse.Namespace) -> dict[str, Any]:
     """Goals of a robot that waits for a pose, sends odometry only while commanded, and moves at half speed."""
-    arrived, at = 0, Pose2D(2.0, 2.0)
-    for number, (x, y) in enumerate(itertools.islice(itertools.cycle(PLACES), given.count)):
+    arrived, at, touched = 0, Pose2D(*PLACES[(given.first - 1) % len(PLACES)]) if given.first else Pose2D(2.0, 2.0), 0
+    for number in range(given.first, given.first + given.count):
+        x, y = PLACES[number % len(PLACES)]
         own_domain()
         habits = Habits(when_commanded=True, waits_for_pose=True, speed_share=0.5)
         options = ["--goal", f"{x},{y}", "--localizer", given.localizer]
@@ -306,12 +313,14 @@ def odd(given: argparse.Namespace) -> None:
             at, contacts = robot.pose, robot.contacts
         off = math.hypot(at.x - x, at.y - y)
         arrived += off <= NEAR_M and not contacts
+        touched += bool(contacts)
         print(f"{number}: {off:.2f} m off after {time.monotonic() - began:.0f} s, {said['message']}; ", end="")
         print(f"{len(contacts)} contacts; stood {said['stops']}; {load()}", flush=True)
     print(f"{arrived} of {given.count} arrived")
+    return {"arrived": arrived, "contacts": touched}
 
 
-def lossy(given: argparse.Namespace) -> None:
+def lossy(given: argparse.Namespace) -> dict[str, Any]:
     """A robot that loses, delays and repeats messages, for a long time: contacts, memory, how far it comes."""
     own_domain()
     with driven(given, LossyRobot, Pose2D(2.0, 2.0), Habits(), *goals(1000)) as (drives, robot):
@@ -329,6 +338,7 @@ def lossy(given: argparse.Namespace) -> None:
     print(f"{moved:.0f} m, {len(contacts)} contacts, {said['message']}; stood {said['stops']}; {said['warnings']}")
     if memory:
         print(f"memory: {memory[0]:.1f} MB after 30 s, {max(memory):.1f} at most, {memory[-1]:.1f} at the end")
+    return {"moved": moved, "contacts": len(contacts), "memory": memory, "seconds": time.monotonic() - began}
 
 
 def main() -> None:
@@ -336,15 +346,18 @@ def main() -> None:
     what = {"missions": missions, "load": measure_load, "stops": stops, "odd": odd, "lossy": lossy}
     parser.add_argument("what", choices=what)
     parser.add_argument("--count", type=int, default=10, help="missions, kills of each kind, or goals")
-    parser.add_argument("--first", type=int, default=0, help="seed of the first mission")
+    parser.add_argument("--first", type=int, default=0, help="seed of the first mission, or number of the first goal")
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--speed", type=float, default=1.0, help="of the simulated missions")
     parser.add_argument("--limit", type=float, default=180.0, help="of a mission or goal, real time [s]")
     parser.add_argument("--localizer", default="tf", help="of the odd robot")
     parser.add_argument("--distro", default="jazzy")
     parser.add_argument("--transport", default="dds", choices=["dds", "rclpy"])
+    parser.add_argument("--json", action="store_true", help="print the figures as JSON at the end")
     given = parser.parse_args()
-    what[given.what](given)
+    figures = what[given.what](given)
+    if given.json:
+        print(json.dumps(figures))
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import random
 import signal
 import subprocess
 import sys
@@ -13,6 +12,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal
 
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
+from ros2.domains import claim_domain, release_domain
 from trundle.messages.codec import Distro
 from trundle.ros2.transport.domain import read_settings
 from trundle.ros2.transport.opening import open_transport
@@ -20,6 +21,9 @@ from trundle.ros2.transport.transport import Transport
 
 ROOT = Path(__file__).parents[2]
 PEER = Path(__file__).with_name("peer.py")
+
+_domains: list[int] = []
+"""The one that this program uses."""
 
 
 def ros(distro: str) -> tuple[str, Mapping[str, str]]:
@@ -37,10 +41,12 @@ def ros(distro: str) -> tuple[str, Mapping[str, str]]:
 
 
 def own_domain() -> int:
-    """A domain that no test uses; it is put into the environment."""
-    domain = random.randint(215, 230)
-    os.environ["ROS_DOMAIN_ID"] = str(domain)
-    return domain
+    """A domain that no test and no other benchmark uses; it is put into the environment."""
+    if _domains:
+        release_domain(_domains.pop())
+    _domains.append(claim_domain())
+    os.environ["ROS_DOMAIN_ID"] = str(_domains[-1])
+    return _domains[-1]
 
 
 def join(transport: Literal["dds", "rclpy"], distro: Distro) -> Transport:

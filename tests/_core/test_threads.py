@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from support.kernel_calls import CALLS_OF
+from support.kernel_calls import CALLS_OF, KERNELS
 from trundle import _core
 
 TESTS = Path(__file__).parents[1]
@@ -15,7 +15,7 @@ TESTS = Path(__file__).parents[1]
 
 def kernels():
     """Functions, classes, and what can be called or read of the classes."""
-    for name in _core.__all__:
+    for name in KERNELS:
         yield name
         kernel = getattr(_core, name)
         if isinstance(kernel, type):

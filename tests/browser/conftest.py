@@ -225,3 +225,17 @@ class Played:
 @pytest.fixture
 def played(recorded: Recorded) -> Played:
     return Played(recorded)
+
+
+@pytest.fixture
+def idle(open_page: Any, played: Any) -> Any:
+    tab, _ = open_page(ADDRESS, prepare=played.attach)
+    tab.wait_for_selector("#world option", state="attached")
+    return tab
+
+
+@pytest.fixture
+def driving(idle: Any, played: Any) -> Any:
+    played.run()
+    idle.wait_for_selector("#pause:not([disabled])")
+    return idle

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from ros2.fake_transport import FakeNetwork, FakeTransport
 from support.command_line import Done, Trundle, room
 from support.fake_isaac.fixtures import assets, fake, make_fake
 from support.page_visitor import OpenPage, Visitor
@@ -68,3 +69,19 @@ def play(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[OpenPage], None
         return errors
 
     return prepare
+
+
+@pytest.fixture
+def network(monkeypatch: pytest.MonkeyPatch) -> FakeNetwork:
+    """The network that `trundle ros2` joins."""
+    network = FakeNetwork()
+
+    def join(_kind: str, *, node: str, namespace: str, **_: object) -> FakeTransport:
+        full = node if namespace in ("", "/") else f"{namespace.strip('/')}/{node}"
+        return network.transport(full)
+
+    monkeypatch.setattr("trundle.ros2.transport.opening.open_transport", join)
+    monkeypatch.setattr("trundle.ros2.check.why_not", lambda *_, **__: "")
+    for name in ("ROS_DOMAIN_ID", "ROS_DISTRO", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY"):
+        monkeypatch.delenv(name, raising=False)
+    return network

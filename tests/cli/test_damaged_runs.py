@@ -8,7 +8,7 @@ import pytest
 from trundle.cli.entry import run_command
 from trundle.cli.shared.termination import BAD_INPUT, DONE
 
-FILES = ("episode.json", "scenario.yaml", "trajectory.npz", "paths.npz")
+FILES = (pytest.param("episode.json", marks=pytest.mark.slow), "scenario.yaml", "trajectory.npz", "paths.npz")
 VALUES = (None, "x", -1, [], {}, float("inf"), 10**400)
 
 

@@ -204,6 +204,7 @@ def test_a_point_that_breaks_down_fails_and_the_next_ones_follow(
     assert found["close"]["status"] == "pass"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("start", "kinds"), [("-2.5,-1,0", []), ("2.5,-1,0", ["contact"])])
 def test_the_robot_check_begins_at_the_given_start_in_an_environment(
     trundle: Trundle, fake, start: str, kinds: list[str]

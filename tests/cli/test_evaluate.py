@@ -217,6 +217,7 @@ def test_the_other_kind_of_folder_is_answered_with_the_right_verb(trundle, suite
         assert words in done.err, done.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

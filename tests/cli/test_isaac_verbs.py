@@ -117,6 +117,7 @@ def test_the_same_scenario_runs_in_the_kinematic_simulator_and_in_isaac_sim(trun
     assert ends[0] == pytest.approx(ends[1], abs=0.02)
 
 
+@pytest.mark.slow
 def test_the_command_that_the_guides_start_with_drives(trundle, fake):
     done = trundle("run", "warehouse", "--seed", "7", "--headless", "--backend", "isaac", "--no-video", "--json")
     assert done.code == 0, done.err

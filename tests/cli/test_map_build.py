@@ -132,6 +132,7 @@ def test_the_bounds_the_margin_and_the_origin(trundle: Trundle, tmp_path: Path) 
     assert build(trundle, tmp_path, "--resolution", "0.001", "--max-cells", "30000000").shape == (2550, 4000)
 
 
+@pytest.mark.slow
 def test_the_free_points_the_coverage_and_the_style(trundle: Trundle, tmp_path: Path) -> None:
     write_yard(tmp_path, x=0.01)
     bounds = ("--bounds", "-2,-2,2,3")

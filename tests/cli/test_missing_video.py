@@ -8,6 +8,7 @@ from support.command_line import Trundle
 from trundle.extras import install_line
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quiet", [False, True])
 def test_a_run_without_pyav_says_how_to_get_its_video(
     trundle: Trundle, monkeypatch: pytest.MonkeyPatch, quiet: bool

@@ -144,6 +144,7 @@ def test_what_is_no_terminal_gets_plain_lines(tmp_path: Path) -> None:
     assert "Map:" not in "".join(lines)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 0), (signal.SIGTERM, 143)])
 def test_signals_end_it_with_the_record_and_the_terminal_as_it_was(
     terminal: Terminal, tmp_path: Path, number: signal.Signals, code: int

@@ -81,6 +81,7 @@ def test_a_robot_runs_in_a_world_file_and_the_scenario_repeats_it(trundle, field
     assert again.json["distance_m"] == done.json["distance_m"]
 
 
+@pytest.mark.slow
 def test_what_is_excluded_is_gone_in_every_verb(trundle, field):
     def built(*more: object) -> int:
         return trundle("map", "build", field, "--robot", "jackal", *more, "--json").json["occupied_cells"]
@@ -133,6 +134,7 @@ def test_a_broken_world_is_bad_input(trundle, field):
     np.testing.assert_equal(len(done.err.strip().splitlines()), 1)
 
 
+@pytest.mark.slow
 def test_models_are_found_in_the_folders_of_paths_by_every_verb(trundle, field, tmp_path):
     posts = field.read_text().replace("<world name='field'>", "<model name='posts'><static>1</static>")
     (tmp_path / "mine" / "posts").mkdir(parents=True)

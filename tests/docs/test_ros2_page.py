@@ -8,7 +8,7 @@ import pytest
 from cyclopts import App
 
 from trundle.ros2.navigator_role.refusals import REFUSED_ACTIONS
-from trundle.ros2.profile import Profile, profile_names
+from trundle.ros2.profile import Profile
 
 DOCS = Path(__file__).parents[2] / "docs"
 GUIDE, REFERENCE = ((DOCS / page).read_text() for page in ("ros2.md", "ros2_reference.md"))
@@ -41,7 +41,7 @@ def test_what_is_refused_is_in_the_table_with_its_call(refusal) -> None:
         assert f"`{call}`" in row[1]
 
 
-@pytest.mark.parametrize("name", profile_names())
+@pytest.mark.parametrize("name", ["carter_navigation", "plain", "turtlebot3"])
 def test_a_profile_is_in_the_table_with_its_robot_and_its_topics(name: str) -> None:
     profile = Profile.load(name)
     (row,) = (row for row in ROWS if row[0] == f"`{name}`")

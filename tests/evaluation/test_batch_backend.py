@@ -50,6 +50,11 @@ def test_rows_are_those_of_the_kinematic_simulator(ends):
     assert handed.count("") >= len(handed) - 1
 
 
+def test_rows_with_lidars_are_those_of_the_kinematic_simulator():
+    handed = assert_pairs_alike(suite(lidar=True, missions=2))
+    assert handed.count("") >= len(handed) - 1
+
+
 def test_a_row_is_the_same_whatever_was_driven_before():
     chosen = suite(backends=["batch"], missions=2, planners=["auto", "hybrid_astar"], inflation_radius=[0.5, 0.9])
     order = np.random.default_rng(0).permutation(len(chosen)).tolist()
@@ -79,7 +84,7 @@ def test_an_evaluation_counts_what_is_handed_over_and_resumes(tmp_path):
     ("settings", "named"),
     [
         ({"controllers": ["mppi"]}, "controller mppi"),
-        ({"lidar": True}, "lidar"),
+        ({"lidar": True, "known_map": False}, "known_map: false"),
         ({"replan_interval_s": 1.0}, "replan_interval_s"),
     ],
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ from trundle.sim.kinematic import KinematicSimulator
 from trundle.worlds import World
 
 ROBOTS = [Robot.load(name) for name in ("nova_carter", "turtlebot3_burger")]
-ARRIVED, TIMED_OUT = 0, 1
+ARRIVED, TIMED_OUT, DRIVING = 0, 1, 8
 
 
 def make_path(generator: random.Random) -> Path:
@@ -100,14 +101,32 @@ def drive(generator: random.Random) -> None:
         *(np.append(path.backward, False), np.array([len(path.poses)]), check.poses, check.along),
         *(np.array([len(check.poses)]), 1),
     )
+    stepped = (
+        *(np.array(start.as_tuple()), np.array(goal.pose.as_tuple()), limit_s, path.poses),
+        *(np.append(path.backward, False), check.poses, check.along, np.array([0.5, 7.0, 20.0])),
+    )
     if generator.random() < 0.7:
         made = attempt(MissionDriver, spoil(generator, model)) if generator.random() < 0.5 else MissionDriver(*model)
         if made is not None:
             attempt(made.drive, spoil(generator, mission))
+            attempt(partial(step, made), spoil(generator, stepped))
         return
     rows, ends, results = MissionDriver(*model).drive(*mission)
     assert ends.tolist() == [len(rows)]
+    ending, again, standing = step(MissionDriver(*model), *stepped)
+    assert np.array_equal(again, rows)
+    assert [ending, standing] == results[0].tolist()
     check_drive(rows, results[0].tolist(), navigator, grid, start, goal, limit_s)
+
+
+def step(driver: MissionDriver, *mission: Any) -> tuple[int, Any, int]:
+    """Drive one mission period by period."""
+    run = driver.begin(*mission)
+    while True:
+        ending, *_, v, w = run.decide()
+        if ending != DRIVING:
+            return ending, *run.result()
+        run.move(v, w)
 
 
 def check_drive(

@@ -9,6 +9,7 @@ from fuzz import (
     fuzz_batch,
     fuzz_components,
     fuzz_cost_field,
+    fuzz_crowds,
     fuzz_curves,
     fuzz_eikonal,
     fuzz_footprint,
@@ -57,6 +58,7 @@ TARGETS = {
     "eikonal": Target(fuzz_eikonal.one_round, ("eikonal_field",), 150),
     "hybrid_astar": Target(fuzz_hybrid_astar.one_round, ("HybridAStar", "flood_poses"), 700),
     "smoothing": Target(fuzz_smoothing.one_round, ("PathSmoother",), 250),
+    "crowds": Target(fuzz_crowds.one_round, ("CrowdFloor", "CrowdModel", "CrowdRun", "BatchCrowds"), 60),
     "curves": Target(fuzz_curves.one_round, ("shortest_curves",), 500),
     "mppi": Target(
         fuzz_mppi.one_round,
@@ -79,7 +81,9 @@ TARGETS = {
         1000,
     ),
     "missions": Target(
-        fuzz_missions.one_round, ("MissionDriver", "outline_distances", "polyline_distances", "stopping_poses"), 60
+        fuzz_missions.one_round,
+        ("MissionDriver", "MissionRun", "outline_distances", "polyline_distances", "stopping_poses"),
+        60,
     ),
     "batch": Target(fuzz_batch.one_round, ("Batch",), 300),
     "localization": Target(

@@ -11,8 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from fuzz import fuzz_loaders, loader_seeds
-from fuzz.fuzz_loaders import LOADERS, command_line, play, play_apart, report
+from fuzz import loader_seeds, loaders, world_seeds
+from fuzz.fuzz_loaders import play, play_apart, report
+from fuzz.loaders import LOADERS, command_line
 from trundle.errors import RobotError, TrundleError
 from trundle.guard import Child
 from trundle.sim.mujoco.joints import list_joints
@@ -34,7 +35,7 @@ def test_a_joint_about_no_axis_is_refused(tmp_path):
 
 
 def test_wheels_too_heavy_for_a_drive_are_listed_by_name(tmp_path):
-    (file,) = loader_seeds.urdf(tmp_path)
+    (file,) = world_seeds.urdf(tmp_path)
     file.write_text(file.read_text().replace("<mass value='.1'/>", "<mass value='2e4'/>"))
     assert [joint.name for joint in list_joints(file, trusted=True) if joint.drives] == ["left_wheel", "right_wheel"]
 
@@ -114,12 +115,12 @@ def test_a_file_that_ends_the_process_is_a_finding_and_the_rest_are_read():
 
 
 def test_a_file_that_takes_too_much_time_or_memory_is_a_finding(monkeypatch):
-    monkeypatch.setattr(fuzz_loaders, "MOST_SECONDS", 0.0)
+    monkeypatch.setattr(loaders, "MOST_SECONDS", 0.0)
     _, findings = play("scenario", range(2), 0, time.monotonic() + 60.0)
     assert all(re.match(r"it took \d+ s and \d+ kB: (read|refused)", finding.text) for finding in findings)
     assert len(findings) == 2
-    monkeypatch.setattr(fuzz_loaders, "MOST_SECONDS", 60.0)
-    monkeypatch.setattr(fuzz_loaders, "MOST_KILOBYTES", 1000)
+    monkeypatch.setattr(loaders, "MOST_SECONDS", 60.0)
+    monkeypatch.setattr(loaders, "MOST_KILOBYTES", 1000)
     assert len(play("scenario", range(2), 0, time.monotonic() + 60.0)[1]) == 2
 
 
@@ -127,7 +128,7 @@ def test_a_file_that_takes_too_much_time_or_memory_is_a_finding(monkeypatch):
 @pytest.mark.parametrize("form", ["barn", "directives", "dynabarn", "evaluation", "mcap", "nav2", "run", "suite"])
 def test_the_command_line_reads_the_files_that_are_mutated(form, tmp_path):
     for source in loader_seeds.SEEDS[form](tmp_path):
-        file = tmp_path / f"{fuzz_loaders.PREFIX}{source.name}"
+        file = tmp_path / f"{loaders.PREFIX}{source.name}"
         shutil.copy(source, file)
         if source.suffix in {".json", ".yaml", ".npy", ".mcap", ".jsonl"}:
             assert command_line(form, file) == "read"

@@ -34,6 +34,7 @@ from trundle.maps.rasterise import SolidRaster
 from trundle.planning import GridSearch
 from trundle.planning.constrained_smoother import ConstrainedSmoother
 from trundle.planning.hybrid_astar import HybridAStarPlanner
+from trundle.worlds.movers import walk
 
 Function = Callable[..., Any]
 
@@ -152,6 +153,13 @@ class ShortSightedBatch(_core.Batch):
         ranges *= 1.0 - 1e-5
 
 
+class LateCrowd(_core.CrowdRun):
+    """Shows where its members were a moment ago."""
+
+    def at(self, time: float) -> Any:
+        return super().at(time - 1e-6)
+
+
 class HastyDriver(_core.MissionDriver):
     """Commands a little more than the navigator."""
 
@@ -159,6 +167,21 @@ class HastyDriver(_core.MissionDriver):
         rows, ends, results = super().drive(*arguments)
         rows[1:, 5] *= 1.0 + 1e-6
         return rows, ends, results
+
+
+class OverhastyDriver(_core.MissionDriver):
+    """Sends a little more than it is given, where it is stepped."""
+
+    def begin(self, *arguments: Any) -> Any:
+        run = super().begin(*arguments)
+
+        class Run:
+            decide, result = run.decide, run.result
+
+            def move(self, v: float, w: float) -> None:
+                run.move(v * (1.0 + 1e-6), w)
+
+        return Run()
 
 
 class DriftingTracker(_core.ScanTracker):
@@ -250,11 +273,13 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "free squares": ("rays", fuzz_rays, "chebyshev_field", one_more),
     "rays to outlines": ("rays", fuzz_rays, "cast_outline_rays", scaled(1e-2)),
     "whole missions": ("missions", fuzz_missions, "MissionDriver", lambda _: HastyDriver),
+    "missions in steps": ("missions", fuzz_missions, "MissionDriver", lambda _: OverhastyDriver),
     "outlines to polygons": ("missions", fuzz_missions, "outline_distances", scaled(1e-6)),
     "points to a polyline": ("missions", fuzz_missions, "polyline_distances", scaled(1e-6)),
     "stopping": ("missions", fuzz_missions, "stopping_poses", scaled(1e-6)),
     "motion of many": ("batch", fuzz_batch, "Batch", lambda _: SlowBatch),
     "scans of many": ("batch", fuzz_batch, "Batch", lambda _: ShortSightedBatch),
+    "crowds": ("crowds", walk, "CrowdRun", lambda _: LateCrowd),
     "lone hits": ("rays", fuzz_rays, "find_lone_hits", one_more),
     "places of hits": ("rays", fuzz_rays, "place_scan", part(0, lambda places: places + 1e-6)),
     "what has moved": ("rays", fuzz_rays, "find_moved", part(0, lambda velocities: velocities * 1.001)),

@@ -222,3 +222,18 @@ def test_several_worlds_of_several_kinds(quick_options):
 def test_the_environments_are_registered():
     assert {f"trundle/{name}-v0" for name in ("Navigation", "Barn", "DynaBarn")} <= set(gymnasium.registry)
     assert trundle.gym.REWARD_TERMS
+
+
+def test_a_crowd_sees_the_robot_and_is_another_in_each_episode():
+    options = {"world": "office", "worlds": 1, "crowd": 6, "beams": 24, "max_time_s": 20.0}
+    with gymnasium.make("trundle/Navigation-v0", **options) as env:
+        episodes = env.unwrapped.episodes  # type: ignore[attr-defined]
+        places = []
+        for seed in (1, 1, 2):
+            env.reset(seed=seed)
+            for _ in range(10):
+                env.step(np.zeros(2, np.float32))
+            places.append(episodes.sim.movers(0))
+    assert len(places[0]) == 6
+    assert np.array_equal(places[0], places[1])
+    assert not np.array_equal(places[0], places[2])

@@ -59,7 +59,7 @@ def test_a_robot_that_was_carried_away_without_its_odometry_begins_a_part_says_s
     mapper = Mapper(robot)
     with pytest.warns(SensorWarning, match="the robot was carried away, or its odometry has failed; another part"):
         states = carry(mapper)
-    assert states == ["localized"] * 63 + ["lost"] * 4
+    assert states == ["localized"] * 62 + ["lost"] * 5
     assert not mapper.joined
     graph = mapper.graph()
     assert set(graph.parts.tolist()) == {0, 1}

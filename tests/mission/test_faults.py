@@ -1,8 +1,7 @@
 """Plug-ins that raise: the run ends properly, with a folder, and the exception is raised afterwards."""
 
 import ast
-import json
-import math
+import inspect
 import operator
 import pickle
 import sys
@@ -14,23 +13,16 @@ import pytest
 
 import trundle
 from support.observers import Recorder
-from support.sessions import steps_of
+from support.raising_plugins import GOAL, Agent, Boom
 from trundle.errors import InputError, NoPathError, SimulationError
 from trundle.fault import LIBRARIES, find_fault, folder_of
 from trundle.geometry import Twist2D
-from trundle.mission import End, Episode, LiveRun, Outcome, Pause, Session, SetGoal, Steering, run
-from trundle.navigation import NavigationStatus
+from trundle.mission import Episode, Outcome, Session, run
 from trundle.navigation.behaviors import Behavior
 from trundle.observation import Estimate
 from trundle.planning import create_planner
 from trundle.record.run_folder import RunFolder
 from trundle.sim.kinematic import KinematicSimulator
-
-GOAL = (3.0, 4.5)
-
-
-class Boom(Exception):  # noqa: N818
-    pass
 
 
 class Planner:
@@ -69,42 +61,6 @@ class Controller:
 
     def compute_velocity(self, pose, twist, costmap, dt):
         self._call("compute_velocity")
-        return self.returns
-
-
-class Agent:
-    """Drives straight on; raises where it is told."""
-
-    def __init__(self, where="update", at=1, error=None, returns=Twist2D(0.2, 0.0)):
-        self.where, self.at, self.error, self.returns, self.calls = where, at, error or Boom("no idea"), returns, 0
-
-    def _call(self, method):
-        if method == self.where:
-            self.calls += 1
-            if self.calls >= self.at:
-                raise self.error
-
-    @property
-    def status(self):
-        self._call("status")
-        return NavigationStatus.DRIVING
-
-    @property
-    def behavior_runs(self):
-        self._call("behavior_runs")
-        return ()
-
-    def reset(self, *, seed=0):
-        self._call("reset")
-
-    def set_goal(self, goal):
-        self._call("set_goal")
-
-    def set_latency(self, latency):
-        self._call("set_latency")
-
-    def update(self, observation, estimate):
-        self._call("update")
         return self.returns
 
 
@@ -182,13 +138,13 @@ def drive(make_sim, navigator, start, tmp_path):
     return drive
 
 
-def check_ended(found, kind, plugin):
+def check_ended(found, kind, plugin, file=__file__):
     """The run ended as it should: the folder and the observer have the fault, the exception has the folder."""
     error, episode, watcher = found
     assert episode.outcome is watcher.episode.outcome is Outcome.ERROR
     assert episode.fault == watcher.episode.fault == find_fault(error)
-    assert (episode.fault.kind, episode.fault.plugin, episode.fault.file) == (kind, plugin, __file__)
-    assert f"{__file__}:{episode.fault.line}" in episode.message
+    assert (episode.fault.kind, episode.fault.plugin, episode.fault.file) == (kind, plugin, file)
+    assert f"{file}:{episode.fault.line}" in episode.message
     assert "Traceback" in episode.fault.traceback
     assert folder_of(error) == str(episode.folder)
     assert not episode.observer_errors
@@ -224,7 +180,7 @@ def test_a_controller_that_raises(navigator, drive, where, at):
 )
 def test_an_agent_that_raises(drive, where, at):
     found = drive(Agent(where, at), time_limit_s=60.0)
-    check_ended(found, "agent", "Agent")
+    check_ended(found, "agent", "Agent", inspect.getfile(Agent))
 
 
 class Unready(Agent):
@@ -341,7 +297,8 @@ def test_what_is_refused_leaves_no_folder(make_sim, navigator, start, tmp_path):
 def test_an_agent_that_returns_something_else_is_named(drive):
     error, episode, _ = drive(Agent("", returns=None), error=InputError)
     assert str(error).startswith("agent 'Agent' returned None: an agent returns a Twist2D(v, w)")
-    assert (episode.fault.plugin, episode.fault.function, episode.fault.file) == ("Agent", "Agent.update", __file__)
+    assert (episode.fault.plugin, episode.fault.function) == ("Agent", "Agent.update")
+    assert episode.fault.file == inspect.getfile(Agent)
 
 
 def test_a_compiled_plugin_is_named_by_its_class(drive, monkeypatch):
@@ -374,88 +331,3 @@ def test_every_library_that_trundle_imports_is_no_plugin():
                 named.add(node.module)
     tops = {name.partition(".")[0] for name in named}
     assert tops - set(sys.stdlib_module_names) - {"trundle", "__future__"} <= LIBRARIES
-
-
-# Who is told ----------------------------------------------------------------------------------------------------------
-
-
-def test_a_session_in_steps_raises_once_and_has_the_episode(make_sim, start):
-    watcher = Recorder()
-    with pytest.raises(Boom) as caught, Session(make_sim(), Agent(at=3), start, GOAL, observers=[watcher]) as session:
-        steps_of(session)
-    assert (session.outcome, session.error) == (Outcome.ERROR, caught.value)
-    assert session.step() is None
-    assert session.finish() is session.finish()
-    assert session.finish().fault == watcher.episode.fault
-    assert len(watcher.steps) == 3
-
-
-def test_a_robot_that_has_touched_something_still_ends_as_an_error(carter, room, start):
-    sim = KinematicSimulator(trundle.World.from_map(room), carter)
-    agent = Agent("update", 400, returns=Twist2D(0.8, 0.0))
-    session = Session(sim, agent, start, GOAL, stop_on_contact=False, time_limit_s=60.0)
-    with pytest.raises(Boom):
-        session.run()
-    assert session.outcome is Outcome.ERROR
-    assert session.finish().metrics.contacts
-
-
-def test_a_plugin_that_raises_at_a_directive_ends_the_run_and_the_directive_is_refused(make_sim, start):
-    steering, refused = Steering(), []
-    session = Session(make_sim(), Agent("set_goal", 2, InputError("no")), start, GOAL, steering=steering)
-    session.step()
-    steering.put(SetGoal((1.0, 1.0)), refused=refused.append)
-    with pytest.raises(InputError):
-        session.step()
-    assert session.outcome is Outcome.ERROR
-    assert "the agent Agent raised InputError: no" in refused[0]
-    assert session.directives[-1].refused == refused[0]
-
-
-def test_a_live_run_has_ended_after_an_error_and_refuses_what_waits(make_sim, start):
-    steering, refused = Steering(), []
-    agent = Agent("update", 3)
-    live = LiveRun(lambda _: Session(make_sim(), agent, start, GOAL, steering=steering), steering, speed=math.inf)
-
-    def put(_):
-        steering.put(Pause(False), refused=refused.append)
-        raise Boom("no idea")
-
-    agent._call = lambda method: put(method) if method == "update" else None
-    with pytest.raises(Boom):
-        live.run()
-    assert live.status.state == "ended"
-    assert refused == ["the run has ended"]
-
-
-def test_a_watcher_that_raises_does_not_cost_the_folder(make_sim, navigator, start, tmp_path):
-    class Watcher:
-        def begin(self, time):
-            pass
-
-        def refuse(self, error):
-            pass
-
-        def end(self, end):
-            raise Boom("no idea")
-
-    steering = Steering()
-    with RunFolder(tmp_path / "run", video=False, overlay=False) as folder:
-        session = Session(make_sim(), navigator, start, GOAL, steering=steering, observers=[folder])
-        session.step()
-        steering.put(SetGoal((1.0, 1.0)), watcher=Watcher())
-        session.step()
-        steering.put(End())
-        with pytest.raises(Boom):
-            session.run()
-    assert Episode.load(tmp_path / "run").outcome is Outcome.ERROR
-
-
-def test_records_of_older_versions_have_no_fault(make_sim, navigator, start, tmp_path):
-    with RunFolder(tmp_path / "run", video=False, overlay=False, page=False) as folder:
-        run(make_sim(), navigator, start, GOAL, observers=[folder])
-    file = tmp_path / "run" / "episode.json"
-    record = json.loads(file.read_text())
-    assert record.pop("fault") is None
-    file.write_text(json.dumps(record))
-    assert Episode.load(tmp_path / "run").fault is None

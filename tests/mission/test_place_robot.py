@@ -143,3 +143,15 @@ def test_a_run_without_an_end_keeps_its_last_seconds(world, carter, navigator, s
 
 def test_the_place_is_a_pose():
     assert PlaceRobot(1.0, 2.0, 3.0 * math.pi).pose == Pose2D(1.0, 2.0, math.pi)
+
+
+def test_its_distance_is_that_of_the_whole_run(world, carter, navigator, start):
+    def length(keeps_s):
+        with simulate(world, carter, backend="kinematic") as sim:
+            session = Session(sim, navigator, start, GOAL, keeps_s=keeps_s)
+            drive(session, 120)
+            return session.finish().metrics.distance_m
+
+    whole = length(None)
+    assert whole > 2.0
+    assert length(1.0) == pytest.approx(whole)

@@ -1,5 +1,7 @@
 """How much a navigator searches when it plans again and again, and how a drive ends that used that up."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -220,3 +222,24 @@ def test_a_run_that_uses_its_expansions_up_is_the_same_on_a_slow_machine(monkeyp
         runs.append((poses, navigator.planning_expansions, navigator.replans, str(navigator.error), navigator.status))
     assert runs[0] == runs[1]
     assert "replan_expansions" in runs[0][3]
+
+
+def test_with_its_expansions_used_up_it_still_finds_a_path_where_what_blocked_it_leaves():
+    navigator = Navigator(grid_of(room()), ROBOT, settings=settings(patience_s=60.0, replan_expansions=1))
+    shut, opened = (room(block("closed", 5.0, 0.1, 5.4, top)) for top in (5.9, 4.0))
+    navigator.set_goal(GOAL)
+    with simulate(shut, ROBOT, backend="kinematic", lidar=True) as before:
+        state = before.reset(START)
+        while state.time < 10.0:
+            state = before.step(command_of(navigator, state, 0.0), navigator.dt)
+    assert navigator.planning_expansions > 1
+    with simulate(opened, ROBOT, backend="kinematic", lidar=True) as after:
+        state = after.reset(state.pose)
+        while navigator.status not in FINAL and state.time < 60.0:
+            state = after.step(command_of(navigator, state, 10.0), navigator.dt)
+    assert navigator.status is NavigationStatus.ARRIVED
+
+
+def command_of(navigator, state, since):
+    scans = [replace(scan, time=scan.time + since) for scan in state.scans]
+    return navigator.update(state.pose, state.twist, time=state.time + since, scans=scans)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import random
 import subprocess
 import sys
 import tempfile
@@ -17,6 +16,7 @@ from typing import Any
 
 import pytest
 
+from ros2.domains import claim_domain, release_domain
 from trundle.ros2.transport.domain import read_settings
 from trundle.ros2.transport.rclpy.relay import RclpyTransport, open_rclpy
 
@@ -103,8 +103,7 @@ def real_ros(distro: str, folder: Path) -> Iterator[Ros]:
         pytest.skip(str(found["reason"]))
     env: dict[str, str] = {
         **found["env"],  # pyright: ignore[reportGeneralTypeIssues]
-        # Domains above 101 have ports that the system may give to others.
-        "ROS_DOMAIN_ID": str(random.SystemRandom().randrange(1, 102)),
+        "ROS_DOMAIN_ID": str(domain := claim_domain()),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "ROS_LOG_DIR": str(folder / "ros_log"),
         "PYTHONUNBUFFERED": "1",
@@ -114,6 +113,7 @@ def real_ros(distro: str, folder: Path) -> Iterator[Ros]:
         yield real
     finally:
         real.close()
+        release_domain(domain)
 
 
 @pytest.fixture(params=DISTROS)

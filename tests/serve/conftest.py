@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import pytest
 
+import trundle
 from support.page_visitor import Visitor
 from trundle.mission import LiveStatus, Scenario
-from trundle.serve import server
+from trundle.serve import View, server
 from trundle.serve.choosing import Choices
 from trundle.serve.hub import Hub
 from trundle.serve.server import Page, PageServer
@@ -61,3 +62,9 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> Iterator[Served]:
     monkeypatch.setattr(server, "HANDSHAKE_S", 0.3)
     with serving() as one:
         yield one
+
+
+@pytest.fixture
+def view() -> Iterator[View]:
+    with trundle.show(None, "jackal", open_browser=False) as opened:
+        yield opened

@@ -2,10 +2,7 @@
 
 import json
 import math
-import subprocess
-import sys
 import time
-from collections.abc import Callable, Iterator
 from pathlib import Path as FilePath
 
 import numpy as np
@@ -15,21 +12,15 @@ import trundle
 from support.page_visitor import OpenPage, Visitor
 from trundle.costmap import Costmap
 from trundle.errors import InputError, UnknownNameError
-from trundle.geometry import Goal, Pose2D
+from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.observation import Estimate, Hypothesis, Scan
 from trundle.page.encoding import unpack_array
 from trundle.path import Path
 from trundle.robots import Robot
-from trundle.serve import View, opening
+from trundle.serve import View
 from trundle.serve.view_feed import MOST_ROWS, Trails
 from trundle.worlds import World
-
-
-@pytest.fixture
-def view() -> Iterator[View]:
-    with trundle.show(None, "jackal", open_browser=False) as opened:
-        yield opened
 
 
 def visit(view: View) -> OpenPage:
@@ -43,13 +34,6 @@ def scan(lidar: str = "front", ranges: tuple[float, ...] = (1.0, 2.0)) -> Scan:
 def costmap(robot: str = "jackal") -> Costmap:
     grid = OccupancyGrid(np.zeros((40, 60), dtype=np.int8), resolution=0.1, origin=Pose2D(0.0, 0.0))
     return Costmap.from_grid(grid, Robot.load(robot))
-
-
-def until(found: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + 10.0
-    while not found():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 # What the pages get --------------------------------------------------------------------------------------------------
@@ -119,19 +103,6 @@ def test_what_a_robot_believes_is_drawn_and_stays(view: View) -> None:
         assert (believed["ellipse"], believed["particles"]) == (None, None)
         view.update((2.0, 2.0, 0.5), estimate=None)
         assert page.wait("frame")["belief"] is None
-
-
-def test_a_pose_that_is_set_on_the_page_is_taken_once(view: View) -> None:
-    view.update((1.0, 2.0))
-    with visit(view) as page:
-        page.wait("frame")
-        assert view.take_pose() is None
-        for x in (3.0, 4.0):
-            page.send("pose", pose=[x, 2.0, 0.5], covariance=[[0.25, 0, 0], [0, 0.25, 0], [0, 0, 0.0685]])
-        page.ping()
-        assert view.take_pose() == Pose2D(4.0, 2.0, 0.5)
-        assert view.take_pose() is None
-        assert view.goal is None
 
 
 @pytest.mark.parametrize(
@@ -221,169 +192,6 @@ def test_trails_stay_bounded_and_a_page_gets_them_anew_once_they_are_thinned() -
     assert trails.read(10 * MOST_ROWS) is None
 
 
-# What the loop gets --------------------------------------------------------------------------------------------------
-
-
-def test_a_clicked_goal_stays_and_is_taken_once(view: View) -> None:
-    assert view.goal is None
-    assert view.take_goal() is None
-    view.update((0.0, 0.0))
-    with visit(view) as page:
-        page.send("goal", pose=[1.0, 2.0, None])
-        page.send("goal", pose=[3.0, 4.0, 1.5])
-        page.ping()
-        assert view.goal == Goal(3.0, 4.0, 1.5)
-        assert view.take_goal() == Goal(3.0, 4.0, 1.5)
-        assert view.take_goal() is None
-        assert view.goal == Goal(3.0, 4.0, 1.5)
-        view.update((0.0, 0.0))
-        assert page.wait("frame", lambda message: message["goals"])["goals"] == [[3.0, 4.0, 1.5]]
-        view.goal = None
-        view.update((0.0, 0.0))
-        page.wait("frame", lambda message: not message["goals"])
-        view.goal = (1.0, 1.0)
-        assert view.goal == Goal(1.0, 1.0)
-        assert view.take_goal() is None  # nobody clicked it
-
-
-def test_held_keys_count_as_let_go_when_the_page_tells_them_no_more(view: View) -> None:
-    with visit(view) as page:
-        page.send("keys", held=["w", "ArrowUp"])
-        page.ping()
-        assert view.keys == {"w", "ArrowUp"}
-        page.send("keys", held=[])
-        page.ping()
-        assert view.keys == frozenset()
-        page.send("keys", held=["w"])
-        page.ping()
-        time.sleep(0.35)
-        assert view.keys == frozenset()
-
-
-def test_held_keys_count_as_let_go_when_the_connection_is_lost(view: View, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("trundle.serve.view.DEAD_MAN_S", 3600.0)
-    page = visit(view)
-    page.send("keys", held=["w"])
-    page.ping()
-    assert view.keys == {"w"}
-    page.close()
-    until(lambda: not view.keys)
-
-
-def test_only_the_page_that_drives_gives_goals_and_keys(view: View) -> None:
-    with visit(view) as first, visit(view) as second:
-        second.send("keys", held=["w"])
-        second.send("goal", pose=[1.0, 1.0, None])
-        assert "another page drives" in second.wait("error")["text"]
-        second.ping()
-        assert (view.goal, view.keys) == (None, frozenset())
-        first.ping()
-
-
-@pytest.mark.parametrize(
-    "message",
-    [
-        {"type": "keys"},
-        {"type": "keys", "held": "w"},
-        {"type": "keys", "held": [""]},
-        {"type": "keys", "held": ["k" * 25]},
-        {"type": "keys", "held": [str(i) for i in range(17)]},
-        {"type": "restart", "seed": None},
-        {"type": "manual", "v": 1.0, "w": 0.0},
-        {"type": "goal", "pose": [1.0]},
-        {"type": "setup"},
-    ],
-    ids=str,
-)
-def test_anything_else_is_refused_with_a_reason(view: View, message: dict[str, object]) -> None:
-    with visit(view) as page:
-        page.socket.send(json.dumps(message))
-        assert page.wait("error")["text"]
-    assert (view.goal, view.keys) == (None, frozenset())
-
-
-# Opening and closing -------------------------------------------------------------------------------------------------
-
-
-def test_the_address_is_printed_and_the_page_is_not_opened(capsys: pytest.CaptureFixture[str]) -> None:
-    with trundle.show(None, "jackal", open_browser=False) as view:
-        assert view.address in capsys.readouterr().out
-        assert view.address.startswith("http://127.0.0.1:")
-
-
-def test_the_page_is_opened_where_there_is_a_browser(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    opened: list[str] = []
-    monkeypatch.setattr(opening, "is_remote", lambda: False)
-    monkeypatch.setattr(opening, "open_browser", lambda address: opened.append(address) or len(opened) == 1)
-    with trundle.show(None, "jackal") as view:
-        assert opened == [view.address]
-    assert "No browser" not in capsys.readouterr().out
-    with trundle.show(None, "jackal"):
-        assert "No browser was found here" in capsys.readouterr().out
-
-
-def test_over_ssh_it_says_how_to_reach_the_page(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("SSH_CONNECTION", "here")
-    with trundle.show(None, "jackal") as view:
-        assert f"ssh -L {view.port}:localhost:{view.port}" in capsys.readouterr().out
-
-
-def test_two_views_at_once_are_apart(view: View) -> None:
-    with trundle.show(None, "nova_carter", open_browser=False) as other:
-        view.update((1.0, 0.0))
-        other.update((2.0, 0.0))
-        with visit(view) as one, visit(other) as two:
-            assert one.wait("scene")["scene"]["robot"]["name"] == "jackal"
-            assert two.wait("scene")["scene"]["robot"]["name"] == "nova_carter"
-            assert one.wait("frame")["robots"][0][1] == 1.0
-            assert two.wait("frame")["robots"][0][1] == 2.0
-            one.send("goal", pose=[1.0, 1.0, None])
-            one.ping()
-            assert (view.goal, other.goal) == (Goal(1.0, 1.0), None)
-
-
-def test_closing_tells_the_pages_and_an_update_after_it_is_refused() -> None:
-    with trundle.show(None, "jackal", open_browser=False) as view, visit(view) as page:
-        view.update((0.0, 0.0))
-        page.wait("frame")
-        page.send("keys", held=["w"])
-        page.ping()
-        view.close()
-        page.wait("end")
-        assert view.keys == frozenset()
-        with pytest.raises(InputError, match=r"this view is closed: .* trundle\.show"):
-            view.update((0.0, 0.0))
-        view.close()
-    assert "closed" in repr(view)
-    assert "The view is closed" in view._repr_html_()
-
-
-def test_a_loop_that_raises_closes_its_view() -> None:
-    with pytest.raises(ZeroDivisionError), trundle.show(None, "jackal", open_browser=False) as view:
-        1 / 0  # noqa: B018
-    with pytest.raises(ConnectionRefusedError):
-        Visitor.of_address(view.address)
-
-
-def test_an_update_never_waits_for_a_page_that_does_not_read(view: View) -> None:
-    with visit(view):
-        path = np.zeros((20_000, 2))
-        began = time.process_time()
-        for i in range(200):
-            view.update((0.01 * i, 0.0), path=path, text="x" * 1000)
-        assert time.process_time() - began < 5.0
-
-
-def test_nothing_stays_behind_a_program_that_forgets_to_close(tmp_path: FilePath) -> None:
-    program = "import trundle; trundle.show(None, 'jackal', open_browser=False).update((0, 0))"
-    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=60)
-    assert (done.returncode, done.stderr) == (0, "")
-
-
 # Worlds and robots ---------------------------------------------------------------------------------------------------
 
 
@@ -469,40 +277,3 @@ def test_a_wrong_update_says_what_to_give_and_leaves_what_was_shown(
     with visit(view) as page:
         frame = page.wait("frame")
     assert (frame["text"], frame["robots"]) == ("before", [["", 1.0, 2.0, 0.0]])
-
-
-# Safety --------------------------------------------------------------------------------------------------------------
-
-
-def test_a_notebook_shows_the_page_in_a_frame_of_the_loopback_address(view: View) -> None:
-    html = view._repr_html_()
-    assert f'<iframe src="http://127.0.0.1:{view.port}/frame?token=' in html
-    visitor = Visitor.of_address(view.address)
-    status, headers, body = visitor.get(f"/frame?token={visitor.token}")
-    assert status == 200
-    assert b"trundle" in body
-    assert "frame-ancestors http://localhost:* http://127.0.0.1:*" in headers["Content-Security-Policy"]
-    assert "X-Frame-Options" not in headers
-    assert headers["Referrer-Policy"] == "no-referrer"
-
-
-def test_a_frame_needs_the_token_and_its_socket_the_origin(view: View) -> None:
-    visitor = Visitor.of_address(view.address)
-    assert visitor.get("/frame")[0] == 401
-    assert visitor.get("/frame?token=wrong")[0] == 401
-    assert visitor.get(f"/frame?token={visitor.token}&token={visitor.token}")[0] == 401
-    assert visitor.get(f"/frame?token={visitor.token}", Host="evil.example")[0] == 403
-    assert visitor.get(f"/frame?token={visitor.token}", Origin="http://evil.example")[0] == 403
-    for path, status in (("/ws?token=wrong", 401), (f"/ws?token={visitor.token}", 403)):
-        assert (
-            visitor.get(path, Origin="http://evil.example" if status == 403 else f"http://{visitor.host}")[0] == status
-        )
-
-
-def test_the_page_itself_must_not_be_framed_and_needs_the_token(view: View) -> None:
-    visitor = Visitor.of_address(view.address)
-    assert visitor.get("/")[0] == 401
-    status, headers, _ = visitor.see("/")
-    assert status == 200
-    assert "frame-ancestors 'none'" in headers["Content-Security-Policy"]
-    assert headers["X-Frame-Options"] == "DENY"

@@ -92,15 +92,3 @@ def test_a_scenario_carries_the_actuation(tmp_path):
     assert again == scenario
     with scenario.build() as mission, again.build() as repeated:
         assert mission.run().metrics.time_s == repeated.run().metrics.time_s
-
-
-def test_a_scenario_of_an_older_version_has_its_latency_in_the_actuation():
-    scenario = Scenario.make(world="corridors", actuation={"wheel_radius": 1.03, "latency_s": 0.1})
-    assert scenario == Scenario.make(
-        world="corridors", actuation={"wheel_radius": 1.03}, latency={"command_delay_s": 0.1}
-    )
-    assert Scenario.make(world="corridors", actuation={"latency_s": 0.1}).actuation is None
-    with pytest.raises(InputError, match="latency_s"):
-        Scenario.make(world="corridors", actuation={"latency_s": 0.1}, latency={"scan_age_s": 0.1})
-    with pytest.raises(InputError, match="at most 2"):
-        Scenario.make(world="corridors", actuation={"latency_s": 60.0})

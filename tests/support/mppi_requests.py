@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from support.mppi_oracle import Request
+from support.mppi_values import Request
 from trundle._core import inflate
 from trundle.geometry import FloatArray
 

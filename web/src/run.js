@@ -71,6 +71,11 @@ export class Run {
     return { t, index, row: a, path, pose, wheels, estimate };
   }
 
+  /** Whether its localizer can look for the robot on the whole map: those that follow it cannot. */
+  get canSearch() {
+    return !["slam", "odometry"].includes(this.info.localizer);
+  }
+
   /** Whether the robot has a localizer, which can be told where it is. */
   get isLocalized() {
     return (this.info.localizer ?? "none") !== "none";

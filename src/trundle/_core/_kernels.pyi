@@ -58,6 +58,7 @@ class Batch:
         active: npt.NDArray[np.bool_],
         substeps: int,
         threads: int,
+        crowds: BatchCrowds | None = None,
     ) -> None:
         """Drive the active robots by some substeps, in place; without substeps, find what they touch where they are.
 
@@ -75,8 +76,46 @@ class Batch:
         errors: npt.NDArray[np.float64],
         keys: npt.NDArray[np.uint64],
         threads: int,
+        crowds: BatchCrowds | None = None,
     ) -> None:
         """Turn every lidar of the active robots once; `errors` are (noise [m], share of dropouts) of each robot."""
+
+class BatchCrowds:
+    """The crowds around each robot of a `Batch`, stepped while it drives.
+
+    Args:
+        models: Crowds of some recordings.
+        firsts: Of each, which of the batch's movers is the first member; the others follow it. Their tracks are unused.
+        of_recording: Which of the models each recording has, −1 for none, shape (R,).
+        movers: Of each model, (x, y, vx, vy) of the other movers at each step of the crowds, shape (steps, M, 4).
+        count: Number of robots.
+    """
+
+    def __init__(
+        self,
+        models: list[CrowdModel],
+        firsts: npt.NDArray[np.int64],
+        of_recording: npt.NDArray[np.int64],
+        movers: list[npt.NDArray[np.float64]],
+        count: int,
+    ) -> None: ...
+    def place(
+        self,
+        rows: npt.NDArray[np.int64],
+        recordings: npt.NDArray[np.int64],
+        poses: npt.NDArray[np.float64],
+        radius: float,
+        words: npt.NDArray[np.uint64],
+        threads: int,
+    ) -> npt.NDArray[np.int64]:
+        """Start the crowds of the robots `rows`, of one radius, by random words of shape (rows, crowds, 4).
+
+        Returns:
+            Of each the first member without a place, or −1. If one has none, all crowds stay as they are.
+        """
+
+    def members(self, robot: int, time: float) -> npt.NDArray[np.float64]:
+        """(x, y, yaw) of the members around a robot at the time that it has come to [s], shape (N, 3)."""
 
 class BinaryGrid:
     def __init__(self, blocked: npt.NDArray[np.uint8], connectivity: int, method: str) -> None: ...
@@ -131,6 +170,70 @@ class LeastCost:
     ) -> tuple[int, npt.NDArray[np.float64], float]: ...
     @property
     def bytes(self) -> int: ...
+
+class CrowdFloor:
+    """Where members of a crowd can be.
+
+    Args:
+        costs: Of a path through each cell, 255 where it is blocked, shape (rows, cols); the rim is blocked.
+        nearness: Of solids: 255 in them, 0 from `reach` on, shape (rows, cols).
+        corner_x, corner_y: The corner of cell (0, 0) [m].
+        resolution: Edge of a cell [m].
+        reach: Distance from which solids are not felt [m].
+        look: How many cells ahead on its path somebody goes for.
+    """
+
+    def __init__(
+        self,
+        costs: npt.NDArray[np.uint8],
+        nearness: npt.NDArray[np.uint8],
+        corner_x: float,
+        corner_y: float,
+        resolution: float,
+        reach: float,
+        look: int,
+    ) -> None: ...
+
+class CrowdModel:
+    """The crowds of a world.
+
+    Args:
+        floors: Of each crowd.
+        counts: Members of each, shape (C,).
+        members: Radius [m], highest speed [m/s], whether it sees the robot and whether it steers, shape (N, 4).
+        corners: Of the members' outlines in their frames [m], counter-clockwise, shape (K, 2).
+        corner_counts: Number of corners of each, shape (N,).
+        mover_radii: Radii of those who move by functions of time [m], shape (M,).
+    """
+
+    def __init__(
+        self,
+        floors: list[CrowdFloor],
+        counts: npt.NDArray[np.int64],
+        members: npt.NDArray[np.float64],
+        corners: npt.NDArray[np.float64],
+        corner_counts: npt.NDArray[np.int64],
+        mover_radii: npt.NDArray[np.float64],
+    ) -> None: ...
+
+class CrowdRun:
+    """One run of crowds. A robot is (x, y, vx, vy, radius), movers are (x, y, vx, vy) each, shape (M, 4)."""
+
+    def __init__(self, model: CrowdModel) -> None: ...
+    def reset(
+        self, words: npt.NDArray[np.uint64], robot: npt.NDArray[np.float64], movers: npt.NDArray[np.float64]
+    ) -> int:
+        """Start from random words of shape (crowds, 4); return the first member without a place, or −1."""
+
+    def step(self, robot: npt.NDArray[np.float64] | None, movers: npt.NDArray[np.float64]) -> None:
+        """Go on by 0.05 s; `movers` are at the start of the period."""
+
+    def at(self, time: float) -> npt.NDArray[np.float64]:
+        """(x, y, yaw, vx, vy, w) of all members at a time of the period that was stepped last [s], shape (N, 6)."""
+
+    @property
+    def index(self) -> int:
+        """Steps since the reset."""
 
 class HybridAStar:
     def __init__(
@@ -296,6 +399,38 @@ class MissionDriver:
             without a valid command, shape (N, 2). Endings are 0 arrived, 1 timed out, 2 touches something, 3 blocked,
             4 no progress along the path, 5 no progress, 6 the footprint touches something while it is checked.
         """
+    def begin(
+        self,
+        start: npt.NDArray[np.float64],
+        goal: npt.NDArray[np.float64],
+        time_limit: float,
+        path: npt.NDArray[np.float64],
+        backward: npt.NDArray[np.bool_],
+        check: npt.NDArray[np.float64],
+        along: npt.NDArray[np.float64],
+        patience: npt.NDArray[np.float64],
+    ) -> MissionRun:
+        """Begin one mission, to be stepped: `drive` says what it takes.
+
+        `patience` is the radius [m], angle [rad] and time of standing [s] after which a robot that is held may be
+        stuck, shape (3,).
+        """
+
+class MissionRun:
+    """A mission in progress, whose commands somebody may change on their way; made by `MissionDriver.begin`."""
+
+    def decide(self) -> tuple[int, float, float, float, float, float, float, float]:
+        """Decide on the next command.
+
+        Returns:
+            How the drive ends instead, 8 where it goes on; x, y, yaw, v and w now; and v and w of the command.
+        """
+
+    def move(self, v: float, w: float) -> None:
+        """Drive one control period with what is sent instead of the command [m/s, rad/s]."""
+
+    def result(self) -> tuple[npt.NDArray[np.float64], int]:
+        """Rows so far, as of `MissionDriver.drive`, shape (R, 7), and the periods without a valid command."""
 
 class MppiState:
     """Where the robot is now [m, rad], its speeds [m/s, rad/s], and their rates of change during the last period."""

@@ -6,6 +6,7 @@ namespace nb = nanobind;
 void bind_batch(nb::module_ &m);
 void bind_cost(nb::module_ &m);
 void bind_costmap(nb::module_ &m);
+void bind_crowds(nb::module_ &m);
 void bind_curves(nb::module_ &m);
 void bind_field(nb::module_ &m);
 void bind_grid(nb::module_ &m);
@@ -27,6 +28,7 @@ NB_MODULE(_kernels, m) {
   bind_batch(m);
   bind_cost(m);
   bind_costmap(m);
+  bind_crowds(m);
   bind_curves(m);
   bind_field(m);
   bind_grid(m);

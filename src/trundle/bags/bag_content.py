@@ -219,7 +219,7 @@ def read_content(bag: BagReader, names: TopicNames) -> BagContent:
     content.topics = tuple(sorted(topic.name for topic in wanted))
     for topic, received, message in bag.messages(list(wanted)):
         try:
-            _ADD[wanted[topic]](content, topic, received, message)
+            _add(content, wanted[topic], topic, received, message)
         except InputError as error:
             raise InputError(f"{bag.path}: a message of {topic.name}, received at {received:.3f} s: {error}") from error
     return content
@@ -243,102 +243,54 @@ def _choose_map(bag: BagReader, given: str | None) -> BagTopic:
     return found
 
 
-def _add_transforms(content: BagContent, topic: BagTopic, received: float, message: Any) -> None:
-    is_static = "static" in topic.name
-    for one in message.transforms:
-        parent, child = readers.read_frame(one.header.frame_id), readers.read_frame(one.child_frame_id)
-        matrix = readers.read_matrix(one.transform)
-        content.tree.add(parent, child, readers.read_stamp(one.header.stamp), matrix, is_static=is_static)
+def _add(content: BagContent, what: str, topic: BagTopic, received: float, message: Any) -> None:
+    """Add a message, of a topic that was chosen for what it holds."""
+    match what:
+        case "transforms":
+            for one in message.transforms:
+                parent, child = readers.read_frame(one.header.frame_id), readers.read_frame(one.child_frame_id)
+                time, matrix = readers.read_stamp(one.header.stamp), readers.read_matrix(one.transform)
+                content.tree.add(parent, child, time, matrix, is_static="static" in topic.name)
+        case "map":
+            content.grid = readers.read_grid(message)
+            content.map_frame = readers.read_frame(message.header.frame_id)
+        case "odometry":
+            content.odometry = content.odometry or OdometrySamples()
+            content.odometry.add(message)
+            content.clock.append((received, content.odometry.times[-1]))
+        case "truth":
+            content.truth = content.truth or OdometrySamples()
+            content.truth.add(message)
+        case "plan":
+            poses = readers.read_path(message)
+            if len(poses) and not (content.paths and np.array_equal(content.paths[-1][2], poses)):
+                frame = readers.read_frame(message.header.frame_id)
+                content.paths.append((_time_of(message, received), frame, poses))
+        case "command" | "asked":
+            twist = readers.read_twist(message.twist if topic.type_name.endswith("Stamped") else message)
+            (content.commands if what == "command" else content.asked).append((received, twist))
+        case "goal":
+            frame = readers.read_frame(message.header.frame_id)
+            content.goals.append((_time_of(message, received), frame, readers.read_pose(message.pose)))
+        case "scan":
+            content.scans.append((topic.name, message))
+        case "movers":
+            content.movers.append((received, tuple(_read_mover(marker) for marker in message.markers)))
+        case "covariance":
+            covariance = readers.read_covariance(message.pose)
+            if covariance is not None and np.isfinite(covariance).all():
+                content.covariances.append((_time_of(message, received), covariance))
+        case "particles":
+            particles = pick_particles(readers.read_particles(message), MOST_PARTICLES)
+            content.particles.append((_time_of(message, received), particles))
+        case _:
+            if (said := readers.read_diagnosis(message)) is not None:
+                content.states.append((_time_of(message, received), said))
 
 
-def _add_map(content: BagContent, topic: BagTopic, received: float, message: Any) -> None:
-    content.grid = readers.read_grid(message)
-    content.map_frame = readers.read_frame(message.header.frame_id)
-
-
-def _add_odometry(content: BagContent, topic: BagTopic, received: float, message: Any) -> None:
-    content.odometry = content.odometry or OdometrySamples()
-    content.odometry.add(message)
-    content.clock.append((received, content.odometry.times[-1]))
-
-
-def _add_truth(content: BagContent, topic: BagTopic, received: float, message: Any) -> None:
-    content.truth = content.truth or OdometrySamples()
-    content.truth.add(message)
-
-
-def _add_plan(content: BagContent, topic: BagTopic, received: float, message: Any) -> None:
-    poses = readers.read_path(message)
-    if not len(poses):
-        return
-    if content.paths and np.array_equal(content.paths[-1][2], poses):
-        return
-    content.paths.append((_time_of(message, received), readers.read_frame(message.header.frame_id), poses))
-
-
-def _add_command(content: BagContent, topic: BagTopic, received: float, message: Any) -> None:
-    content.commands.append((received, _read_command(topic, message)))
-
-
-def _add_asked(content: BagContent, topic: BagTopic, received: float, message: Any) -> None:
-    content.asked.append((received, _read_command(topic, message)))
-
-
-def _read_command(topic: BagTopic, message: Any) -> Twist2D:
-    return readers.read_twist(message.twist if topic.type_name.endswith("Stamped") else message)
-
-
-def _add_goal(content: BagContent, topic: BagTopic, received: float, message: Any) -> None:
-    frame = readers.read_frame(message.header.frame_id)
-    content.goals.append((_time_of(message, received), frame, readers.read_pose(message.pose)))
-
-
-def _add_scan(content: BagContent, topic: BagTopic, received: float, message: Any) -> None:
-    content.scans.append((topic.name, message))
-
-
-def _add_movers(content: BagContent, topic: BagTopic, received: float, message: Any) -> None:
-    movers = [
-        MoverState(
-            marker.ns, readers.read_pose(marker.pose), outline=tuple((point.x, point.y) for point in marker.points[:-1])
-        )
-        for marker in message.markers
-    ]
-    content.movers.append((received, tuple(movers)))
-
-
-def _add_covariance(content: BagContent, topic: BagTopic, received: float, message: Any) -> None:
-    covariance = readers.read_covariance(message.pose)
-    if covariance is not None and np.isfinite(covariance).all():
-        content.covariances.append((_time_of(message, received), covariance))
-
-
-def _add_particles(content: BagContent, topic: BagTopic, received: float, message: Any) -> None:
-    particles = pick_particles(readers.read_particles(message), MOST_PARTICLES)
-    content.particles.append((_time_of(message, received), particles))
-
-
-def _add_state(content: BagContent, topic: BagTopic, received: float, message: Any) -> None:
-    said = readers.read_diagnosis(message)
-    if said is not None:
-        content.states.append((_time_of(message, received), said))
-
-
-_ADD = {
-    "transforms": _add_transforms,
-    "map": _add_map,
-    "odometry": _add_odometry,
-    "truth": _add_truth,
-    "plan": _add_plan,
-    "command": _add_command,
-    "asked": _add_asked,
-    "goal": _add_goal,
-    "covariance": _add_covariance,
-    "particles": _add_particles,
-    "state": _add_state,
-    "scan": _add_scan,
-    "movers": _add_movers,
-}
+def _read_mover(marker: Any) -> MoverState:
+    outline = tuple((point.x, point.y) for point in marker.points[:-1])
+    return MoverState(marker.ns, readers.read_pose(marker.pose), outline=outline)
 
 
 def _time_of(message: Any, received: float) -> float:

@@ -18,7 +18,7 @@ from trundle.errors import InputError, WorldError
 from trundle.extras import missing_extra
 from trundle.files.opening import check_regular, describe_unreadable, exists, open_file, read_up_to
 from trundle.files.parser_errors import parser_errors, parser_reason
-from trundle.files.xml_elements import parse_xml, read_limited
+from trundle.files.xml_elements import parse_xml, read_source
 from trundle.geometry import FloatArray
 from trundle.geometry.solids import Color, Mesh
 
@@ -247,7 +247,7 @@ def _check_gltf(path: Path) -> None:
 
 def _read_collada_asset(path: Path) -> tuple[str, float]:
     """Return the upward axis and the unit [m] of a COLLADA file. Document types are refused before trimesh reads it."""
-    root = parse_xml(path, read_limited(path, error=WorldError), error=WorldError)
+    root = parse_xml(path, read_source(path, error=WorldError), error=WorldError)
     up, unit = "y", 1.0
     for element in root.iter():
         tag = element.tag.rpartition("}")[2].rpartition(":")[2]

@@ -22,7 +22,7 @@ from trundle.files.opening import check_regular, describe_unreadable, exists, is
 from trundle.files.parser_errors import parser_errors
 from trundle.files.uris import describe_search, find_uri
 from trundle.files.xacro import expand_xacro
-from trundle.files.xml_elements import XmlElement, read_limited, read_xml
+from trundle.files.xml_elements import XmlElement, read_source, read_xml
 
 if TYPE_CHECKING:
     import mujoco
@@ -216,7 +216,7 @@ def _mesh_asset(where: str, path: Path, stem: str, error: type[InputError]) -> t
     """Return a mesh's name and content for MuJoCo, as binary STL if MuJoCo cannot read the format."""
     suffix = path.suffix.lower()
     if suffix in _AS_THEY_ARE:
-        content = read_limited(path, error=error)
+        content = read_source(path, error=error)
         if not (suffix == ".stl" and content[:5] == b"solid"):
             return stem + suffix, content
     try:

@@ -11,6 +11,8 @@ import pathlib
 import stat
 from typing import BinaryIO
 
+from trundle.errors import TrundleError
+
 Path = str | os.PathLike[str]
 
 _MOST_NAMES = 10_000
@@ -33,6 +35,29 @@ def read_up_to(stream: BinaryIO, most: int) -> bytes:
     """Read at most `most` bytes; the buffer is never larger than the rest of the file."""
     left = os.fstat(stream.fileno()).st_size - stream.tell()
     return stream.read(max(0, min(most, left)))
+
+
+def read_limited(path: Path, most: int, too_large: str, *, error: type[TrundleError], wanted: str = "") -> bytes:
+    """Read a whole file.
+
+    Args:
+        path: The file.
+        most: Bytes that it may have.
+        too_large: What is said of a larger one, after its name.
+        error: Type of the errors.
+        wanted: What to give where there is no file; see `describe_unreadable`.
+
+    Raises:
+        TrundleError: Of the type `error`, if it cannot be read or is too large.
+    """
+    try:
+        with open_file(path) as stream:
+            content = read_up_to(stream, most + 1)
+    except OSError as problem:
+        raise error(describe_unreadable(path, problem, wanted)) from problem
+    if len(content) > most:
+        raise error(f"{path}: {too_large}")
+    return content
 
 
 def check_regular(path: Path) -> int:

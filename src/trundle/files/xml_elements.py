@@ -8,7 +8,7 @@ from typing import cast
 from xml.parsers import expat
 
 from trundle.errors import InputError
-from trundle.files.opening import describe_unreadable, open_file, read_up_to
+from trundle.files.opening import read_limited
 
 MAX_BYTES = 64 * 1024 * 1024
 """Size limit of a file: 160 times the largest BARN world."""
@@ -29,23 +29,12 @@ def read_xml(path: str | os.PathLike[str], *, error: type[InputError]) -> XmlEle
     Raises:
         InputError: Of the type `error`, also if the file cannot be read or is too large.
     """
-    return parse_xml(path, read_limited(path, error=error), error=error)
+    return parse_xml(path, read_source(path, error=error), error=error)
 
 
-def read_limited(path: str | os.PathLike[str], *, error: type[InputError]) -> bytes:
-    """Read a whole file of at most `MAX_BYTES`.
-
-    Raises:
-        InputError: Of the type `error`, if it cannot be read or is too large.
-    """
-    try:
-        with open_file(path) as file:
-            content = read_up_to(file, MAX_BYTES + 1)
-    except OSError as problem:
-        raise error(describe_unreadable(path, problem)) from problem
-    if len(content) > MAX_BYTES:
-        raise error(f"{path}: larger than the limit of {MAX_BYTES // 1024**2} MiB")
-    return content
+def read_source(path: str | os.PathLike[str], *, error: type[InputError]) -> bytes:
+    """Read the bytes of an XML file, at most `MAX_BYTES`."""
+    return read_limited(path, MAX_BYTES, f"larger than the limit of {MAX_BYTES // 1024**2} MiB", error=error)
 
 
 def parse_xml(path: str | os.PathLike[str], content: bytes, *, error: type[InputError]) -> XmlElement:

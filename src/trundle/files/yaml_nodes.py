@@ -9,7 +9,7 @@ from pathlib import Path
 import yaml
 
 from trundle.errors import InputError
-from trundle.files.opening import describe_unreadable, open_file, read_up_to
+from trundle.files.opening import read_limited
 from trundle.values import as_path
 
 MAX_BYTES = 250_000
@@ -104,13 +104,8 @@ def read_text(path: Path, max_bytes: int = MAX_BYTES, wanted: str = "") -> str:
     Raises:
         InputError: If it cannot be read, is too large, or is not UTF-8.
     """
-    try:
-        with open_file(path) as stream:
-            content = read_up_to(stream, max_bytes + 1)
-    except OSError as error:
-        raise InputError(describe_unreadable(path, error, wanted)) from error
-    if len(content) > max_bytes:
-        raise InputError(f"{path}: larger than {max_bytes} bytes; this is not a settings file")
+    too_large = f"larger than {max_bytes} bytes; this is not a settings file"
+    content = read_limited(path, max_bytes, too_large, error=InputError, wanted=wanted)
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -137,8 +137,13 @@ def shrink_outline(outline: npt.ArrayLike, margin: float) -> FloatArray | None:
     return kept
 
 
-def convex_hull(points: FloatArray) -> FloatArray:
-    """Return the convex hull of points, shape (N, 2), counter-clockwise (Andrew's monotone chain)."""
+def convex_hull(points: FloatArray, *, least_turn: float = 0.0) -> FloatArray:
+    """Return the convex hull of points, shape (N, 2), counter-clockwise (Andrew's monotone chain).
+
+    Args:
+        points: The points [m], shape (N, 2).
+        least_turn: Corners stay that turn by more: the cross product of their edges [m²].
+    """
     ordered = sorted({(float(x), float(y)) for x, y in points})
     if len(ordered) < 3:
         return np.array(ordered).reshape(-1, 2)
@@ -146,7 +151,7 @@ def convex_hull(points: FloatArray) -> FloatArray:
     def half(sequence: list[tuple[float, float]]) -> list[tuple[float, float]]:
         chain: list[tuple[float, float]] = []
         for point in sequence:
-            while len(chain) >= 2 and _turn(chain[-2], chain[-1], point) <= 0.0:
+            while len(chain) >= 2 and _turn(chain[-2], chain[-1], point) <= least_turn:
                 chain.pop()
             chain.append(point)
         return chain[:-1]

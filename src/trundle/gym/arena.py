@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -75,76 +74,65 @@ class Arena:
         self.robot, self.grids, self.names = robot, tuple(grids), tuple(names)
         self.recordings = [each for of_map in recordings for each in of_map]
         self.recording_counts = np.array([len(of_map) for of_map in recordings])
-        self.first_recording = np.cumsum([0, *self.recording_counts[:-1]])
+        self.first_recording = _starts_of(self.recording_counts)
         counts = np.array([len(each.poses) for each in missions])
-        self.mission_counts, self.first_mission = counts, np.cumsum([0, *counts[:-1]])
+        self.mission_counts, self.first_mission = counts, _starts_of(counts)
         self.starts = np.concatenate([each.poses for each in missions])
         self.goals = np.concatenate([each.goals for each in missions])
         self.distances = np.concatenate([each.distances for each in missions])
         self.mission_fields = np.concatenate([each.fields for each in missions])
-        self._values = np.concatenate([field.ravel() for field in fields])
-        self._offsets = np.cumsum([0, *(field.size for field in fields[:-1])])
+        self.distances_to_goals = np.concatenate([field.ravel() for field in fields])
+        self.field_starts = _starts_of([field.size for field in fields])
         self.shapes = np.array([grid.shape for grid in grids])
-        self._frames = np.array([grid.origin.as_tuple() for grid in grids])
-        self._turns = np.column_stack([np.cos(self._frames[:, 2]), np.sin(self._frames[:, 2])])
+        self.map_starts = _starts_of(self.shapes.prod(axis=1))
+        x, y, yaw = np.array([grid.origin.as_tuple() for grid in grids]).T
+        self.frames = np.column_stack([x, y, np.cos(yaw), np.sin(yaw)])
         self.resolution = grids[0].resolution
-        self._guides: npt.NDArray[np.float32] | None = None
 
-    def cells_of(self, points: FloatArray, maps: npt.NDArray[np.int64]) -> tuple[npt.NDArray[np.int64], ...]:
-        """Return (row, col) of points (x, y), map frame, shape (…, 2), each on its map; not clipped."""
-        frames, turns = self._frames[maps], self._turns[maps]
-        dx, dy = points[..., 0] - frames[..., 0], points[..., 1] - frames[..., 1]
-        along = (turns[..., 0] * dx + turns[..., 1] * dy) / self.resolution
-        up = (turns[..., 0] * dy - turns[..., 1] * dx) / self.resolution
-        return np.floor(up).astype(np.int64), np.floor(along).astype(np.int64)
+    def cells_ahead(self, length: float) -> npt.NDArray[np.int32]:
+        """Return, for each cell of each field, which cell is some way ahead on a path that keeps away from walls.
 
-    def points_of(self, row: Any, col: Any, maps: npt.NDArray[np.int64]) -> FloatArray:
-        """Return the centres (x, y) of cells, map frame [m], shape (…, 2)."""
-        frames, turns = self._frames[maps], self._turns[maps]
-        along, up = (col + 0.5) * self.resolution, (row + 0.5) * self.resolution
-        x = frames[..., 0] + turns[..., 0] * along - turns[..., 1] * up
-        return np.stack([x, frames[..., 1] + turns[..., 1] * along + turns[..., 0] * up], axis=-1)
-
-    def field_at(
-        self,
-        row: npt.NDArray[np.int64],
-        col: npt.NDArray[np.int64],
-        maps: npt.NDArray[np.int64],
-        fields: Any,
-        *,
-        guide: bool = False,
-    ) -> FloatArray:
-        """Return the distance to the goal from cells [m], or the cost to go there of `guides`.
-
-        It is infinite in walls and beyond the map.
+        Args:
+            length: How far ahead [m].
         """
-        values = self.guides if guide else self._values
-        inside = self.is_inside(row, col, maps)
-        if inside.all():
-            return values[self._offsets[fields] + row * self.shapes[maps, 1] + col].astype(np.float64)
-        at = self._offsets[fields] + np.where(inside, row * self.shapes[maps, 1] + col, 0)
-        return np.where(inside, values[at], np.inf)
+        maps = np.repeat(np.arange(len(self.grids)), self.mission_counts)
+        steps = max(1, round(length / self.resolution))
+        found: list[npt.NDArray[np.int32]] = []
+        costmaps = [Costmap.from_grid(grid, self.robot) for grid in self.grids]
+        for mission in np.unique(self.mission_fields, return_index=True)[1]:
+            costmap = costmaps[maps[mission]]
+            cell = [int(index) for index in costmap.world_to_cell(*self.goals[mission])]
+            found.append(_descend(cost_field(_guide_costs(costmap), cell, threads=1), steps))
+        return np.concatenate(found)
 
-    def is_inside(
-        self, row: npt.NDArray[np.int64], col: npt.NDArray[np.int64], maps: npt.NDArray[np.int64]
-    ) -> npt.NDArray[np.bool_]:
-        """Return whether cells are on their map."""
-        rows, cols = self.shapes[maps].T
-        return (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
+    def costs(self) -> npt.NDArray[np.uint8]:
+        """Return the costs of all maps, one after the other."""
+        return np.concatenate([Costmap.from_grid(grid, self.robot).data.ravel() for grid in self.grids])
 
-    @property
-    def guides(self) -> npt.NDArray[np.float32]:
-        """Costs to go to the goals on paths that keep away from walls; made on first use."""
-        if self._guides is None:
-            maps = np.repeat(np.arange(len(self.grids)), self.mission_counts)
-            costmaps = [Costmap.from_grid(grid, self.robot) for grid in self.grids]
-            found: list[npt.NDArray[np.float32]] = []
-            for mission in np.unique(self.mission_fields, return_index=True)[1]:
-                costmap = costmaps[maps[mission]]
-                cell = [int(index) for index in costmap.world_to_cell(*self.goals[mission])]
-                found.append(cost_field(_guide_costs(costmap), cell, threads=1).ravel())
-            self._guides = np.concatenate(found)
-        return self._guides
+
+def _starts_of(sizes: Sequence[int] | npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """Return where each of several arrays begins that lie one after the other."""
+    return np.cumsum([0, *sizes[:-1]])
+
+
+def _descend(field: npt.NDArray[np.float32], steps: int) -> npt.NDArray[np.int32]:
+    """Return the cell that some steps of steepest descent lead to, from each cell; numbered row after row."""
+    rows, cols = field.shape
+    around = np.pad(field, 1, constant_values=np.inf)
+    best, cells = field.copy(), np.arange(rows * cols, dtype=np.int32).reshape(rows, cols)
+    step = cells.copy()
+    for down, right in ((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)):
+        value = around[1 + down : 1 + down + rows, 1 + right : 1 + right + cols]
+        better = value < best
+        np.copyto(step, cells + np.int32(down * cols + right), where=better)
+        np.copyto(best, value, where=better)
+    step, ahead = step.ravel(), cells.ravel()
+    while steps:  # by squares: 10 steps are 2 and 8
+        if steps & 1:
+            ahead = step[ahead]
+        step = step[step]
+        steps >>= 1
+    return ahead
 
 
 def _guide_costs(costmap: Costmap) -> npt.NDArray[np.uint8]:
@@ -265,24 +253,30 @@ def make_map(
 
 
 def _record(settings: NavigationSettings, robot: Robot, world: World | None) -> list[MoverRecording]:
-    if settings.movers and world is None:
-        raise InputError("movers need a world: give World.from_map(grid) instead of the map")
     if world is None:
+        if settings.movers or settings.crowd:
+            raise InputError("movers and crowds need a world: give World.from_map(grid) instead of the map")
         return []
-    if settings.movers:
-        crowd = Crowd("people", settings.movers, sees_robot=False)
-        world = replace(world, movers=(*world.movers, crowd))
-    return record_movers(settings, robot, world)
+    blind = (Crowd("people", settings.movers, sees_robot=False),) if settings.movers else ()
+    seeing = (Crowd("crowd", settings.crowd),) if settings.crowd else ()
+    return record_movers(settings, robot, replace(world, movers=(*world.movers, *blind, *seeing)))
 
 
 def record_movers(settings: NavigationSettings, robot: Robot, world: World) -> list[MoverRecording]:
-    """Record the movers of a world for episodes of the longest time, once for each of several seeds of its crowds."""
+    """Record the movers of a world for episodes of the longest time.
+
+    Crowds that do not see the robot are recorded once for each of several seeds. Where one does, all of the world's are
+    computed in each episode.
+    """
     if not world.movers:
         return []
-    crowded = any(isinstance(mover, Crowd) for mover in world.movers)
-    seeds = [SPLITS.index(settings.split) * 1000 + number for number in range(_RECORDINGS if crowded else 1)]
+    crowds = [mover for mover in world.movers if isinstance(mover, Crowd)]
+    live = any(crowd.sees_robot for crowd in crowds)
+    count = _RECORDINGS if crowds and not live else 1
+    seeds = [SPLITS.index(settings.split) * 1000 + number for number in range(count)]
     return [
-        MoverRecording.of_world(world, robot, duration_s=settings.max_time_s, seed=seed, period_s=0.1) for seed in seeds
+        MoverRecording.of_world(world, robot, duration_s=settings.max_time_s, seed=seed, period_s=0.1, live_crowds=live)
+        for seed in seeds
     ]
 
 

@@ -33,6 +33,11 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
 
     def __init__(self, *, render_mode: str | None = None, arena: Arena | None = None, **options: Any) -> None:
         settings = NavigationSettings.of(options)
+        if settings.device != "cpu":
+            raise InputError(
+                f"one robot computes on the CPU, got device={settings.device!r}; use device='cpu', or many robots: "
+                "gymnasium.make_vec('trundle/Navigation-v0', num_envs=4096, device='cuda')"
+            )
         self.render_mode = check_render_mode(render_mode)
         self.metadata = {**self.metadata, "render_fps": max(1, round(1.0 / settings.period_s))}
         arena = make_arena(settings, settings.load_robot()) if arena is None else arena
@@ -68,7 +73,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         """
         if not self._ready:
             raise InputError("call reset before step")
-        outcome = self.episodes.step(np.asarray(action)[None])
+        outcome = self.episodes.step(self.episodes.check_actions(np.asarray(action)[None]))
         self._observer.scan()
         self._show()
         info = _plain({name: values[0] for name, values in outcome.info.items()})

@@ -10,14 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError
-from trundle.geometry import FloatArray
 from trundle.gym.arena import Arena
-from trundle.gym.draws import episode_keys, uniform
+from trundle.gym.arrays import HOST
+from trundle.gym.draws import episode_keys, stream_numbers, uniform
+from trundle.gym.lookup import Lookup
 from trundle.gym.settings import SPLITS, NavigationSettings
 from trundle.gym.variation import Variation
 from trundle.sim.batch import NOTHING, BatchSimulator
-
-Bools = npt.NDArray[np.bool_]
 
 _TRIES = 16
 """Other starts that are drawn where a mover stands on the first."""
@@ -28,7 +27,7 @@ _ROUNDING = 1e-5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
-    """What a step has brought, in arrays of shape (N,).
+    """What a step has brought, in the device's arrays of shape (N,).
 
     Attributes:
         rewards: The rewards.
@@ -37,9 +36,9 @@ class Outcome:
         info: Figures by name.
     """
 
-    rewards: FloatArray
-    terminated: Bools
-    truncated: Bools
+    rewards: Any
+    terminated: Any
+    truncated: Any
     info: dict[str, Any] = field(default_factory=dict)
 
 
@@ -52,12 +51,13 @@ class Episodes:
         count: Number of robots.
 
     Attributes:
+        arrays: The arrays of `settings.device`: all that changes is kept and computed in them.
         command_scale, command_offset: Command (v, w) of a scaled action of 1, less that of 0, and of 0, shape (2,).
     """
 
     def __init__(self, settings: NavigationSettings, arena: Arena, count: int) -> None:
         self.settings, self.arena, self.count = settings, arena, count
-        self.sim = BatchSimulator(
+        sim = BatchSimulator(
             arena.grids,
             arena.robot,
             count=count,
@@ -67,6 +67,13 @@ class Episodes:
             threads=settings.threads,
             device=settings.device,
         )
+        self.sim: Any = sim
+        self.arrays = HOST
+        if settings.device != "cpu":
+            from trundle.gym.gpu import TorchArrays, TorchSimulator
+
+            self.sim = TorchSimulator(sim)
+            self.arrays = TorchArrays(self.sim.poses.device)
         limits = arena.robot.limits
         reverse = limits.linear_speed if limits.reverse_speed is None else limits.reverse_speed
         self.speeds = np.array([limits.linear_speed, limits.angular_speed])
@@ -77,169 +84,197 @@ class Episodes:
             self.command_offset, self.command_scale = np.zeros(2), self.speeds.copy()
         self.action_low = -np.ones(2) if settings.scaled_actions else low
         self.action_high = np.ones(2) if settings.scaled_actions else self.speeds.copy()
-        self._seeds = np.zeros(count, dtype=np.uint64)
-        self._episodes = np.full(count, -1, dtype=np.int64)
+        put, full = self.arrays.put, self.arrays.full
+        self._low, self._high = put(self.action_low - _ROUNDING), put(self.action_high + _ROUNDING)
+        self._scale, self._offset = put(self.command_scale), put(self.command_offset)
+        self._half_span = put((self.action_high - self.action_low) / 2.0)
         self._split = SPLITS.index(settings.split)
         vary = settings.vary
         self._variation = vary if isinstance(vary, Variation) else Variation.of(vary)
-        self.missions = np.zeros(count, dtype=np.int64)
-        self.fields = np.zeros(count, dtype=np.int64)
-        self.goals = np.zeros((count, 2))
-        self.shortest = np.ones(count)
-        self.distances = np.zeros(count)
-        self.elapsed = np.zeros(count, dtype=np.int64)
-        self._factors = np.ones((count, 2))
-        self._last_actions = np.zeros((count, 2))
-        self._everyone = np.ones(count, dtype=bool)
+        self._varies = bool(self._variation)
+        self.lookup = Lookup(arena, self.arrays, count)
+        self._starts, self._goals, self._shortest, self._fields = (
+            put(each) for each in (arena.starts, arena.goals, arena.distances, arena.mission_fields)
+        )
+        self._mission_counts, self._first_mission = put(arena.mission_counts), put(arena.first_mission)
+        self._recording_counts, self._first_recording = put(arena.recording_counts), put(arena.first_recording)
+        self._seeds, self._episodes = full(count, 0, "int64"), full(count, -1, "int64")
+        self.goals, self.shortest, self.distances = full((count, 2), 0.0), full(count, 1.0), full(count, 0.0)
+        self.elapsed = full(count, 0, "int64")
+        self._factors, self._last_actions = full((count, 2), 1.0), full((count, 2), 0.0)
+        self._everyone, self._nobody = full(count, 1, "bool"), full(count, 0, "bool")
+        self._standing = full(count, 0.0)
+        # Of an episode's map and recording, and of each try's mission and yaw.
+        self._streams = put(stream_numbers(0, 1))
+        self._tries = [put(stream_numbers(10 + attempt, 50 + attempt)) for attempt in range(_TRIES)]
 
-    def seed(self, seeds: npt.ArrayLike, robots: npt.NDArray[np.int64]) -> None:
+    def seed(self, seeds: npt.ArrayLike, robots: Any) -> None:
         """Give robots new seeds; their next episode is their first."""
-        self._seeds[robots] = np.asarray(seeds, dtype=np.uint64)
+        self._seeds[robots] = self.arrays.put(np.asarray(seeds, dtype=np.uint64).view(np.int64))
         self._episodes[robots] = -1
 
-    def reset(self, robots: npt.NDArray[np.int64]) -> None:
-        """Begin the next episode of some robots: another mission, other movers, other values of what is varied."""
+    def reset(self, robots: Any) -> None:
+        """Begin the next episode of some robots: another mission, other movers, other values of what is varied.
+
+        Args:
+            robots: Their indices, an array of the device.
+        """
         if len(robots) == 0:
             return
-        arena = self.arena
+        arrays, number = self.arrays, len(self.arena.grids)
         self._episodes[robots] += 1
         keys = episode_keys(self._seeds[robots], self._episodes[robots], self._split)
-        maps = np.minimum((uniform(keys, 0) * len(arena.grids)).astype(np.int64), len(arena.grids) - 1)
-        counts = arena.recording_counts[maps]
-        recordings = np.where(
-            counts > 0, arena.first_recording[maps] + (uniform(keys, 1) * counts).astype(np.int64), -1
-        )
-        drawn = self._variation.draw_many(self._seeds[robots], self._episodes[robots])
-        self._factors[robots] = np.column_stack([drawn["wheel_radius"], drawn["wheel_radius"] / drawn["track"]])
+        of_map, of_recording = uniform(arrays, keys, self._streams)
+        maps = arrays.clip(arrays.cast(of_map * number, "int64"), 0, number - 1)
+        recordings: Any = -1
+        if self.arena.recordings:
+            counts = self._recording_counts[maps]
+            picked = self._first_recording[maps] + arrays.cast(of_recording * counts, "int64")
+            recordings = arrays.lib.where(counts > 0, picked, -1)
+        drawn = self._vary(robots)
         self._start(robots, keys, maps, recordings, drawn, 0)
-        touched = self.sim.contacts[robots, 0] != NOTHING
-        for attempt in range(1, _TRIES):
-            if not touched.any():
+        # Walls leave room around every start; only movers may stand there.
+        for attempt in range(1, _TRIES if self.arena.recordings else 1):
+            again = arrays.indices(self.sim.contacts[robots, 0] != NOTHING)
+            if len(again) == 0:
                 break
-            again = np.flatnonzero(touched)
             here = {name: values[again] for name, values in drawn.items()}
             self._start(robots[again], keys[again], maps[again], recordings[again], here, attempt)
-            touched = self.sim.contacts[robots, 0] != NOTHING
         self.elapsed[robots] = 0
         self._last_actions[robots] = 0.0
         self.distances[robots] = self.shortest[robots]
 
-    def _start(
-        self,
-        robots: npt.NDArray[np.int64],
-        keys: npt.NDArray[np.uint64],
-        maps: npt.NDArray[np.int64],
-        recordings: npt.NDArray[np.int64],
-        drawn: dict[str, FloatArray],
-        attempt: int,
-    ) -> None:
-        arena = self.arena
-        counts = arena.mission_counts[maps]
-        picked = arena.first_mission[maps] + (uniform(keys, 10 + attempt) * counts).astype(np.int64)
-        poses = arena.starts[picked].copy()
-        turned = np.isnan(poses[:, 2])
-        poses[turned, 2] = (uniform(keys, 50 + attempt)[turned] * 2.0 - 1.0) * math.pi
-        self.missions[robots], self.fields[robots] = picked, arena.mission_fields[picked]
-        self.goals[robots], self.shortest[robots] = arena.goals[picked], arena.distances[picked]
-        self.sim.reset(
-            poses,
-            robots=robots,
-            maps=maps,
-            recordings=recordings,
-            seeds=keys,
-            noise=drawn["lidar_noise"],
-            dropouts=drawn["lidar_dropout"],
-        )
+    def _vary(self, robots: Any) -> dict[str, Any]:
+        """Draw what is varied for new episodes; return what the lidars need of it."""
+        if not self._varies:
+            return {}
+        host, put = self.arrays.host, self.arrays.put
+        drawn = self._variation.draw_many(host(self._seeds[robots]).view(np.uint64), host(self._episodes[robots]))
+        factors = np.column_stack([drawn["wheel_radius"], drawn["wheel_radius"] / drawn["track"]])
+        self._factors[robots] = put(factors)
+        return {"noise": put(drawn["lidar_noise"]), "dropouts": put(drawn["lidar_dropout"])}
 
-    def check_actions(self, actions: npt.ArrayLike, active: Bools) -> FloatArray:
-        """Return actions as float64, shape (N, 2).
+    def _start(self, robots: Any, keys: Any, maps: Any, recordings: Any, drawn: dict[str, Any], attempt: int) -> None:
+        arrays = self.arrays
+        of_mission, of_yaw = uniform(arrays, keys, self._tries[attempt])
+        counts = self._mission_counts[maps]
+        picked = self._first_mission[maps] + arrays.cast(of_mission * counts, "int64")
+        poses = self._starts[picked]
+        yaws = (of_yaw * 2.0 - 1.0) * math.pi
+        poses[:, 2] = arrays.lib.where(arrays.lib.isnan(poses[:, 2]), yaws, poses[:, 2])
+        self.lookup.settle(robots, maps, self._fields[picked])
+        self.goals[robots], self.shortest[robots] = self._goals[picked], self._shortest[picked]
+        seeds = keys.view(np.uint64) if arrays.on_host else keys
+        self.sim.reset(poses, robots=robots, maps=maps, recordings=recordings, seeds=seeds, **drawn)
+
+    def check_actions(self, actions: Any, active: Any = None) -> Any:
+        """Return actions as float64, shape (N, 2); those of robots that are not active do not matter.
 
         Raises:
-            InputError: If they have another shape, or one is not finite or out of bounds; nothing has moved then.
+            InputError: If they have another shape, or one is not finite or out of bounds; nothing has moved then. On a
+                GPU the bad ones become NaN instead, which the simulator finds later: the host does not wait.
         """
+        arrays = self.arrays
         try:
-            given = np.array(actions, dtype=np.float64)
+            given = arrays.cast(arrays.put(actions), "float64")
         except (TypeError, ValueError):
             raise InputError(f"actions must be numbers of shape ({self.count}, 2)") from None
-        if given.shape != (self.count, 2):
-            raise InputError(f"actions need shape ({self.count}, 2), got {given.shape}")
-        allowed = (given >= self.action_low - _ROUNDING) & (given <= self.action_high + _ROUNDING)
-        if not allowed.all():
-            bad = ~allowed.all(axis=1) & active
-            if bad.any():
-                first = int(np.argmax(bad))
-                raise InputError(
-                    f"the action of robot {first} is ({given[first, 0]:g}, {given[first, 1]:g}); it must be finite and "
-                    f"from {self.action_low.tolist()} to {self.action_high.tolist()}: clip it. No robot has moved"
-                )
-            given = np.where(allowed, given, 0.0)
-        return given
+        if tuple(given.shape) != (self.count, 2):
+            raise InputError(f"actions need shape ({self.count}, 2), got {tuple(given.shape)}")
+        allowed = (given >= self._low) & (given <= self._high)
+        if not arrays.on_host:
+            found = arrays.lib.where(allowed, given, math.nan)
+            return found if active is None else arrays.lib.where(active[:, None], found, 0.0)
+        if allowed.all():
+            return given
+        bad = ~allowed.all(axis=1)
+        bad &= self._everyone if active is None else active
+        if bad.any():
+            first = int(np.argmax(bad))
+            raise InputError(
+                f"the action of robot {first} is ({given[first, 0]:g}, {given[first, 1]:g}); {self._demand()}. "
+                "No robot has moved"
+            )
+        return np.where(allowed, given, 0.0)
 
-    def step(self, actions: npt.ArrayLike, active: Bools | None = None) -> Outcome:
-        """Drive a period with an action for each robot; robots that are not active stay as they are.
+    def _demand(self) -> str:
+        return f"it must be finite and from {self.action_low.tolist()} to {self.action_high.tolist()}: clip it"
+
+    def step(self, given: Any, active: Any = None) -> Outcome:
+        """Drive a period with a checked action for each robot; robots that are not active stay as they are.
+
+        Args:
+            given: What `check_actions` returns.
+            active: A bool for each robot, or None for all.
 
         Raises:
-            InputError: As `check_actions`.
+            InputError: If a GPU has found a bad action, perhaps that of an earlier step.
         """
-        settings, sim = self.settings, self.sim
-        active = self._everyone if active is None else active
-        given = self.check_actions(actions, active)
-        commands = given * self.command_scale + self.command_offset if settings.scaled_actions else given
-        before = sim.lengths.copy()
-        sim.step(commands * self._factors, settings.period_s, robots=None if active is self._everyone else active)
-        self.elapsed += active
-        maps = sim.places[:, 0]
-        row, col = self.arena.cells_of(sim.poses[:, :2], maps)
-        away = self.arena.field_at(row, col, maps, self.fields)
-        away = np.where(np.isfinite(away), away, self.distances)  # too close to a wall for the field
-        dx, dy = self.goals[:, 0] - sim.poses[:, 0], self.goals[:, 1] - sim.poses[:, 1]
-        straight = np.hypot(dx, dy)
-        off_map = ~self.arena.is_inside(row, col, maps)
-        contact = (sim.contacts[:, 0] != NOTHING) & active
-        arrived = (straight <= settings.goal_tolerance) & ~contact & active
-        terminated = arrived | contact | (off_map & active)
-        truncated = (self.elapsed >= settings.max_steps) & ~terminated & active
+        settings, sim, arrays = self.settings, self.sim, self.arrays
+        lib, goals, poses = arrays.lib, self.goals, sim.poses
+        commands = given * self._scale + self._offset if settings.scaled_actions else given
+        before = arrays.copy(sim.lengths) if "reverse" in settings.rewards else sim.lengths
+        if self._varies:
+            commands = commands * self._factors
+        try:
+            sim.step(commands, settings.period_s, robots=active)
+        except InputError as error:
+            raise InputError(f"{error}. It comes of its action: {self._demand()}, and reset all robots") from None
+        self.elapsed += 1 if active is None else active
+        cell, inside = self.lookup.locate(poses)
+        away = self.lookup.distance(cell, inside)
+        away = lib.where(lib.isfinite(away), away, self.distances)  # too close to a wall for the field
+        straight = lib.hypot(goals[:, 0] - poses[:, 0], goals[:, 1] - poses[:, 1])
+        off_map, contact = ~inside, sim.contacts[:, 0] != NOTHING
+        arrived = (straight <= settings.goal_tolerance) & ~contact
+        late = self.elapsed >= settings.max_steps
+        if active is not None:
+            off_map, contact, arrived, late = off_map & active, contact & active, arrived & active, late & active
+            away = lib.where(active, away, self.distances)
+            given = lib.where(active[:, None], given, self._last_actions)
+        terminated = arrived | contact | off_map
+        truncated = late & ~terminated
         terms = self._terms(given, before, away, arrived, contact | off_map, active)
-        rewards = np.zeros(self.count)
-        info: dict[str, Any] = {}
+        # In place: what RSL-RL makes in its inference mode cannot be changed outside of that.
+        self.distances[:], self._last_actions[:] = away, given
+        rewards, info = arrays.copy(self._standing), dict[str, Any]()
         for name, weight in settings.rewards.items():
             term = info[f"reward/{name}"] = terms[name] * weight
             rewards += term
-        if active is self._everyone:
-            self.distances, self._last_actions = away, given
-        else:
-            self.distances = np.where(active, away, self.distances)
-            self._last_actions = np.where(active[:, None], given, self._last_actions)
-        return Outcome(rewards, terminated, truncated, info | self.figures(arrived, contact, off_map & active))
+        return Outcome(rewards, terminated, truncated, info | self.figures(arrived, contact, off_map))
 
-    def figures(self, arrived: Bools, contact: Bools, off_map: Bools) -> dict[str, Any]:
+    def figures(self, arrived: Any, contact: Any, off_map: Any) -> dict[str, Any]:
         """Return the figures of the episodes up to now, by name."""
-        lengths = self.sim.lengths
+        arrays, lengths = self.arrays, self.sim.lengths
+        ratio = self.shortest / arrays.lib.maximum(self.shortest, lengths)
         return {
             "is_success": arrived,
             "contact": contact,
             "off_map": off_map,
-            "spl": np.where(arrived, self.shortest / np.maximum(self.shortest, lengths), 0.0),
-            "path_length": lengths.copy(),
-            "shortest_length": self.shortest.copy(),
-            "distance_to_goal": self.distances.copy(),
-            "time_s": self.elapsed * self.settings.period_s,
-            "map": self.sim.places[:, 0].copy(),
+            "spl": arrays.lib.where(arrived, ratio, 0.0),
+            "path_length": arrays.copy(lengths),
+            "shortest_length": arrays.copy(self.shortest),
+            "distance_to_goal": arrays.copy(self.distances),
+            "time_s": arrays.cast(self.elapsed, "float64") * self.settings.period_s,
+            "map": arrays.copy(self.sim.places[:, 0]),
         }
 
     def start_figures(self) -> dict[str, Any]:
         """Return the figures of episodes that have just begun."""
-        none = np.zeros(self.count, dtype=bool)
-        return self.figures(none, none.copy(), none.copy())
+        return self.figures(*(self.arrays.copy(self._nobody) for _ in range(3)))
 
-    def _terms(
-        self, actions: FloatArray, before: FloatArray, away: FloatArray, arrived: Bools, contact: Bools, active: Bools
-    ) -> dict[str, FloatArray]:
-        """What each reward term measures, shape (N,); 0 where a robot is not active."""
-        terms = {"progress": self.distances - away, "success": arrived, "contact": contact, "time": self._everyone}
-        if "smoothness" in self.settings.rewards:
-            change = (actions - self._last_actions) / (self.action_high - self.action_low) * 2.0
-            terms["smoothness"] = np.einsum("ij,ij->i", change, change)
-        if "reverse" in self.settings.rewards:
-            terms["reverse"] = np.where(self.sim.twists[:, 0] < 0.0, self.sim.lengths - before, 0.0)
-        return {name: terms[name] * active for name in self.settings.rewards}
+    def _terms(self, actions: Any, before: Any, away: Any, arrived: Any, contact: Any, active: Any) -> dict[str, Any]:
+        """What each reward term measures, float64, shape (N,); 0 where a robot is not active."""
+        arrays, wanted = self.arrays, self.settings.rewards
+        everyone = self._everyone if active is None else active
+        terms = {"progress": self.distances - away}
+        for name, flags in (("success", arrived), ("contact", contact), ("time", everyone)):
+            if name in wanted:
+                terms[name] = arrays.cast(flags, "float64")
+        if "smoothness" in wanted:
+            change = (actions - self._last_actions) / self._half_span
+            terms["smoothness"] = arrays.lib.einsum("ij,ij->i", change, change)
+        if "reverse" in wanted:
+            backwards = self.sim.twists[:, 0] < 0.0
+            terms["reverse"] = arrays.lib.where(backwards & everyone, self.sim.lengths - before, 0.0)
+        return terms

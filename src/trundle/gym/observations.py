@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
 
-from trundle.costmap import Costmap
 from trundle.gym.episodes import Episodes
+from trundle.gym.lookup import POINT_SPACING
 
-Observations = dict[str, npt.NDArray]
+Observations = dict[str, Any]
+"""Arrays by name: NumPy's, or PyTorch's on a GPU."""
 
 FARTHEST = 200.0
 """Distances to a goal are observed up to this [m]."""
-
-_POINT_SPACING = 0.5  # [m]
 
 
 class Observer:
@@ -40,8 +41,9 @@ class Observer:
         self._range_max = np.concatenate([np.full(each.beams, each.range_max, np.float32) for each in lidars])
         self._points, self._cells = settings.path_points, settings.costmap_cells
         self._critic = settings.critic
-        self._costs = [Costmap.from_grid(grid, robot).data for grid in episodes.arena.grids] if self._cells else []
-        self._offsets = self._costmap_offsets() if self._cells else np.zeros((0, 2))
+        arrays = episodes.arrays
+        self._reach = arrays.put(self._range_max)
+        self._offsets = arrays.put(self._costmap_offsets()) if self._cells else None
 
     def space(self) -> spaces.Dict:
         """Return the space of one robot's observation; all bounds are finite."""
@@ -55,7 +57,7 @@ class Observer:
             "velocity": spaces.Box(slowest - np.float32(1e-3), fastest + np.float32(1e-3)),
         }
         if self._points:
-            far = (self._points + 1) * _POINT_SPACING * 2.0
+            far = (self._points + 1) * POINT_SPACING * 2.0
             found["path"] = spaces.Box(-far, far, (self._points, 2), np.float32)
         if self._cells:
             found["costmap"] = spaces.Box(0, 255, (self._cells, self._cells), np.uint8)
@@ -64,86 +66,47 @@ class Observer:
         return spaces.Dict(found)
 
     def observe(self) -> Observations:
-        """Return what the robots observe now, without a new scan; arrays of shape (N, …)."""
-        episodes = self._episodes
-        sim = episodes.sim
+        """Return what the robots observe now, without a new scan; arrays of the device, of shape (N, …)."""
+        episodes, arrays = self._episodes, self._episodes.arrays
+        sim, goals = episodes.sim, episodes.goals
         poses = sim.poses
-        cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+        x, y, cos, sin = poses[:, 0], poses[:, 1], arrays.lib.cos(poses[:, 2]), arrays.lib.sin(poses[:, 2])
         found: Observations = {
-            "ranges": np.minimum(sim.ranges, self._range_max),
-            "goal": _direction(episodes.goals[:, 0] - poses[:, 0], episodes.goals[:, 1] - poses[:, 1], cos, sin),
-            "velocity": sim.twists.astype(np.float32),
+            "ranges": arrays.lib.minimum(sim.ranges, self._reach),
+            "goal": self._direction(goals[:, 0] - x, goals[:, 1] - y, cos, sin),
+            "velocity": arrays.cast(sim.twists, "float32"),
         }
         if self._points or self._critic:
-            path = self._path(max(self._points, 1))
-            local = _into_base(path - poses[:, None, :2], cos[:, None], sin[:, None])
+            path = [(to_x - x, to_y - y) for to_x, to_y in episodes.lookup.path(poses, max(self._points, 1))]
             if self._points:
-                far = (self._points + 1) * _POINT_SPACING * 2.0
-                found["path"] = np.clip(local, -far, far).astype(np.float32)
+                far = (self._points + 1) * POINT_SPACING * 2.0
+                parts = [part for dx, dy in path for part in (cos * dx + sin * dy, cos * dy - sin * dx)]
+                local = arrays.columns(*parts).reshape(len(poses), self._points, 2)
+                found["path"] = arrays.cast(arrays.clip(local, -far, far), "float32")
             if self._critic:
-                ahead = _direction(path[:, 0, 0] - poses[:, 0], path[:, 0, 1] - poses[:, 1], cos, sin)
-                ahead[:, 0] = np.minimum(episodes.distances, FARTHEST)
+                ahead = self._direction(*path[0], cos, sin)
+                ahead[:, 0] = arrays.clip(episodes.distances, 0.0, FARTHEST)
                 found["critic"] = ahead
         if self._cells:
-            found["costmap"] = self._local_costs(cos, sin)
+            costs = episodes.lookup.costs_around(poses, self._offsets)
+            found["costmap"] = costs.reshape(len(poses), self._cells, self._cells)
         return found
 
-    def scan(self, robots: npt.ArrayLike | None = None) -> None:
-        """Take a new scan of these robots, or of all."""
+    def scan(self, robots: Any = None) -> None:
+        """Take a new scan of these robots, by their indices, or of all."""
         self._episodes.sim.scan(robots=robots)
 
-    def _path(self, points: int) -> npt.NDArray[np.float64]:
-        """Points of the path ahead, map frame [m], shape (N, points, 2): descent on the costs to go to the goal."""
-        episodes = self._episodes
-        arena, maps = episodes.arena, episodes.sim.places[:, 0]
-        row, col = arena.cells_of(episodes.sim.poses[:, :2], maps)
-        steps = max(1, round(_POINT_SPACING / arena.resolution))
-        best = arena.field_at(row, col, maps, episodes.fields, guide=True)
-        out = np.empty((episodes.count, points, 2))
-        around = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
-        for point in range(points):
-            for _ in range(steps):
-                here_row, here_col = row, col
-                for down, right in around:
-                    value = arena.field_at(here_row + down, here_col + right, maps, episodes.fields, guide=True)
-                    better = value < best
-                    row, col = np.where(better, here_row + down, row), np.where(better, here_col + right, col)
-                    best = np.where(better, value, best)
-            out[:, point] = arena.points_of(row, col, maps)
-        return out
-
     def _costmap_offsets(self) -> npt.NDArray[np.float64]:
+        """Return where cells of a local costmap are, base_link [m], shape (cells², 2)."""
         middle = (np.arange(self._cells, dtype=np.float64) - (self._cells - 1) / 2.0) * self._episodes.arena.resolution
-        return np.stack(np.meshgrid(middle, middle), axis=-1).astype(np.float64)
+        return np.stack(np.meshgrid(middle, middle), axis=-1).reshape(-1, 2)
 
-    def _local_costs(self, cos: npt.NDArray, sin: npt.NDArray) -> npt.NDArray[np.uint8]:
-        """Costs of the map around each robot, its x axis to the right and its y axis up; beyond the map 255."""
-        sim, arena = self._episodes.sim, self._episodes.arena
-        out = np.full((sim.count, self._cells, self._cells), 255, dtype=np.uint8)
-        x, y = self._offsets[..., 0], self._offsets[..., 1]
-        for robot in range(sim.count):
-            number = sim.places[robot, 0]
-            points = np.stack([cos[robot] * x - sin[robot] * y, sin[robot] * x + cos[robot] * y], axis=-1)
-            maps = np.full(x.shape, number)
-            row, col = arena.cells_of(points + sim.poses[robot, :2], maps)
-            costs = self._costs[number]
-            inside = (row >= 0) & (row < costs.shape[0]) & (col >= 0) & (col < costs.shape[1])
-            out[robot][inside] = costs[row[inside], col[inside]]
-        return out
-
-
-def _into_base(offset: npt.NDArray, cos: npt.NDArray, sin: npt.NDArray) -> npt.NDArray:
-    x, y = offset[..., 0], offset[..., 1]
-    return np.stack([cos * x + sin * y, cos * y - sin * x], axis=-1)
-
-
-def _direction(x: npt.NDArray, y: npt.NDArray, cos: npt.NDArray, sin: npt.NDArray) -> npt.NDArray[np.float32]:
-    """Distance of an offset (x, y), map frame, and the cosine and sine of its direction in base_link, shape (N, 3)."""
-    distance = np.hypot(x, y)
-    scale = np.maximum(distance, 1e-9)
-    out = np.empty((len(x), 3), dtype=np.float32)
-    np.minimum(distance, FARTHEST, out=out[:, 0])
-    # Rounding may lead past 1, which is a bound.
-    np.clip((cos * x + sin * y) / scale, -1.0, 1.0, out=out[:, 1])
-    np.clip((cos * y - sin * x) / scale, -1.0, 1.0, out=out[:, 2])
-    return out
+    def _direction(self, x: Any, y: Any, cos: Any, sin: Any) -> Any:
+        """Distance of an offset (x, y), map frame, and cosine and sine of its direction in base_link, shape (N, 3)."""
+        arrays = self._episodes.arrays
+        distance = arrays.lib.hypot(x, y)
+        scale = arrays.clip(distance, 1e-9, np.inf)
+        ahead, left = (cos * x + sin * y) / scale, (cos * y - sin * x) / scale
+        # Rounding may lead past 1, which is a bound.
+        parts = arrays.clip(distance, 0.0, FARTHEST), arrays.clip(ahead, -1.0, 1.0), arrays.clip(left, -1.0, 1.0)
+        return arrays.columns(*parts, kind="float32")

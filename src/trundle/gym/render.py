@@ -39,13 +39,16 @@ def draw_robot(episodes: Episodes, robot: int) -> npt.NDArray[np.uint8]:
         local = inverse.transform_points(points) / grid.resolution * scale
         return [(float(x), float(size[1] - y)) for x, y in local]
 
-    pose = Pose2D(*sim.poses[robot])
+    pose = Pose2D(*sim.poses[robot].tolist())
     for outline in mover_outlines(episodes, robot):
         draw.polygon(pixels(outline), fill=_MOVER)
     ends = np.concatenate([np.zeros((0, 2)), *(scan.points() for scan in scans_of(episodes, robot))])
     for x, y in pixels(pose.transform_points(ends)):
         draw.ellipse((x - 1.5, y - 1.5, x + 1.5, y + 1.5), fill=_BEAM)
-    (x, y), radius = pixels(episodes.goals[robot : robot + 1])[0], episodes.settings.goal_tolerance
+    (x, y), radius = (
+        pixels(episodes.arrays.host(episodes.goals[robot : robot + 1]))[0],
+        episodes.settings.goal_tolerance,
+    )
     ring = max(4.0, radius / grid.resolution * scale)
     draw.ellipse((x - ring, y - ring, x + ring, y + ring), outline=_GOAL, width=3)
     draw.polygon(pixels(pose.transform_points(arena.robot.planar.outline)), fill=_ROBOT)
@@ -65,7 +68,7 @@ def scans_of(episodes: Episodes, robot: int) -> list[Scan]:
             Pose2D(lidar.x, lidar.y, lidar.yaw),
             lidar.z,
             beam_angles(lidar),
-            sim.ranges[robot, columns].astype(np.float64),
+            episodes.arrays.host(sim.ranges[robot, columns]).astype(np.float64),
             lidar.range_min,
             lidar.range_max,
         )
@@ -81,12 +84,11 @@ def mover_outlines(episodes: Episodes, robot: int) -> list[FloatArray]:
     if number < 0:
         return []
     recording = episodes.arena.recordings[number]
-    sample = min(int(episodes.sim.times[robot] / recording.period), recording.tracks.shape[1] - 1)
     ring = np.linspace(0.0, math.tau, 16, endpoint=False)
     disc = np.column_stack([np.cos(ring), np.sin(ring)])
     return [
-        Pose2D(*track[sample]).transform_points(disc * shape if isinstance(shape, float) else shape)
-        for shape, track in zip(recording.outlines, recording.tracks, strict=True)
+        Pose2D(*pose).transform_points(disc * shape if isinstance(shape, float) else shape)
+        for shape, pose in zip(recording.outlines, episodes.sim.movers(robot), strict=True)
     ]
 
 

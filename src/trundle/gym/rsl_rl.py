@@ -18,28 +18,36 @@ except ModuleNotFoundError as error:
 
 
 class RslRlVecEnv(VecEnv):
-    """Robots as RSL-RL's `VecEnv`: `OnPolicyRunner(RslRlVecEnv(1024, world="maze"), config, device="cuda")`.
+    """Robots as RSL-RL's `VecEnv`: `OnPolicyRunner(RslRlVecEnv(4096, device="cuda"), config, device="cuda")`.
 
     The group `actor` is what a robot observes, the group `critic` the same and the length of the shortest path and its
-    direction. An action of the network is cut off at the bounds. Arrays pass by DLPack: those of the environment's own
-    device are not copied.
+    direction. An action of the network is cut off at the bounds. With `device="cuda"` all tensors stay on the GPU.
 
     Args:
         num_envs: Number of robots.
-        learner_device: Where the tensors are to be.
+        learner_device: Where the tensors are to be; where the environment computes if None.
         options: As for `NavigationVectorEnv`, with actions scaled; `autoreset_mode` and `critic` are set here.
     """
 
-    def __init__(self, num_envs: int = 1, *, learner_device: str = "cpu", **options: Any) -> None:
+    def __init__(self, num_envs: int = 1, *, learner_device: str | None = None, **options: Any) -> None:
         self.inner = NavigationVectorEnv(
             num_envs, **{**options, "autoreset_mode": "same_step", "critic": True, "scaled_actions": True}
         )
         self.num_envs, self.num_actions = num_envs, 2
-        self.device = learner_device
+        self.device = learner_device or self.inner.episodes.settings.device
         self.max_episode_length = self.inner.episodes.settings.max_steps
-        self.episode_length_buf = torch.zeros(num_envs, dtype=torch.long, device=learner_device)
         self.cfg = dict(options)
         self._observed, _ = self.inner.reset(seed=0)
+
+    @property
+    def episode_length_buf(self) -> torch.Tensor:
+        """Steps since each episode began; what is set counts towards its time limit."""
+        return self._tensor(self.inner.episodes.elapsed)
+
+    @episode_length_buf.setter
+    def episode_length_buf(self, steps: torch.Tensor) -> None:
+        episodes = self.inner.episodes
+        episodes.elapsed[:] = episodes.arrays.put(steps.cpu() if episodes.arrays.on_host else steps)
 
     def get_observations(self) -> TensorDict:
         """Return what is observed now, in the groups `actor` and `critic`, each of shape (num_envs, size)."""
@@ -54,24 +62,24 @@ class RslRlVecEnv(VecEnv):
         Returns:
             Observations, rewards and ends, and `time_outs` and `log`: figures of the episodes that have ended.
         """
-        given = actions.detach().clamp(-1.0, 1.0).cpu().numpy()
+        given = actions.detach().clamp(-1.0, 1.0)
+        if self.inner.episodes.arrays.on_host:
+            given = given.cpu().numpy()
         self._observed, rewards, terminated, truncated, info = self.inner.step(given)
         done = terminated | truncated
-        ends = self._tensor(done)
-        self.episode_length_buf = torch.where(ends, 0, self.episode_length_buf + 1)
         extras: dict[str, Any] = {"time_outs": self._tensor(truncated), "log": {}}
-        if done.any():
-            final = info["final_info"]
+        if "final_info" in info:
             names = ("is_success", "contact", "spl", "path_length", "time_s")
-            extras["log"] = {f"/{name}": float(np.mean(final[name][done])) for name in names}
-        return self.get_observations(), self._tensor(rewards).float(), ends, extras
+            ends = {name: self._tensor(info["final_info"][name][done]) for name in names}
+            extras["log"] = {f"/{name}": values.float().mean() for name, values in ends.items()}
+        return self.get_observations(), self._tensor(rewards).float(), self._tensor(done), extras
 
     def close(self) -> None:
         """Close the environment."""
         self.inner.close()
 
     def _tensor(self, values: Any) -> torch.Tensor:
-        own = np.ascontiguousarray(values) if isinstance(values, np.ndarray) else values
-        if isinstance(own, np.ndarray) and not own.flags.writeable:
-            own = own.copy()
-        return torch.from_dlpack(own).to(self.device)
+        if isinstance(values, torch.Tensor):
+            return values.to(self.device)
+        # A copy: the environment's state changes with the next step.
+        return torch.from_numpy(np.array(values)).to(self.device)

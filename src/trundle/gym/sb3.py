@@ -20,7 +20,8 @@ class Sb3VecEnv(VecEnv):
     """Robots as a `VecEnv`: `PPO("MultiInputPolicy", Sb3VecEnv(64, world="office"))`.
 
     Each robot's `infos` has the figures of `NavigationEnv`, and at the end of an episode `terminal_observation`,
-    `TimeLimit.truncated` and `episode` (return and length), as Stable-Baselines3 wants them.
+    `TimeLimit.truncated` and `episode` (return and length), as Stable-Baselines3 wants them. It keeps all in NumPy's
+    arrays: with `device="cuda"` each step is copied to the host once.
 
     Args:
         num_envs: Number of robots.
@@ -37,7 +38,7 @@ class Sb3VecEnv(VecEnv):
     def reset(self) -> Any:
         """Begin an episode of each robot, by the seed that `seed` was given."""
         seed = None if self._seeds[0] is None else int(self._seeds[0])
-        observed, _ = self.inner.reset(seed=seed)
+        observed, _ = self._host(self.inner.reset(seed=seed))
         self._returns[:], self._lengths[:] = 0.0, 0
         self._reset_seeds()
         return observed
@@ -48,7 +49,7 @@ class Sb3VecEnv(VecEnv):
 
     def step_wait(self) -> Any:
         """Drive one period; see `NavigationVectorEnv.step`."""
-        observed, rewards, terminated, truncated, info = self.inner.step(self._actions)
+        observed, rewards, terminated, truncated, info = self._host(self.inner.step(self._actions))
         done = terminated | truncated
         self._returns += rewards
         self._lengths += 1
@@ -62,7 +63,10 @@ class Sb3VecEnv(VecEnv):
                 if not name.startswith(("_", "final_")) and isinstance(values, np.ndarray)
             }
             if done[robot]:
-                one["terminal_observation"] = info["final_obs"][robot]
+                final = info["final_obs"]
+                one["terminal_observation"] = (
+                    {name: values[robot] for name, values in final.items()} if isinstance(final, dict) else final[robot]
+                )
                 one["TimeLimit.truncated"] = bool(truncated[robot])
                 one["episode"] = {"r": float(self._returns[robot]), "l": int(self._lengths[robot]), "t": one["time_s"]}
             infos.append(one)
@@ -93,6 +97,14 @@ class Sb3VecEnv(VecEnv):
     def get_images(self) -> Sequence[Any]:
         """Return a picture of each robot; needs `render_mode="rgb_array"`."""
         return self.inner.render() or [None] * self.num_envs
+
+    def _host(self, values: Any) -> Any:
+        """Return arrays of the host in place of those of the environment's device, also in dictionaries."""
+        if isinstance(values, dict):
+            return {name: self._host(each) for name, each in values.items()}
+        if isinstance(values, tuple):
+            return tuple(self._host(each) for each in values)
+        return self.inner.episodes.arrays.host(values)
 
     def _robots(self, indices: Any) -> Sequence[int]:
         return list(self._get_indices(indices))

@@ -54,7 +54,8 @@ class NavigationSettings:
         resolution: Edge of a cell of maps made of worlds [m].
         lidar: Which lidars observe: True for all of the robot's, or names. If None, the first.
         beams: Beams of each lidar. If None, the lidar's own number.
-        movers: How many people walk in each world. They do not react to the robot.
+        movers: How many people walk in each world that do not react to the robot.
+        crowd: How many more walk there that see the robot and give way to it.
         path_points: How many points of the path ahead are observed, 0.5 m apart; 0 for none.
         costmap_cells: Cells along an edge of the observed local costmap; 0 for none.
         critic: Whether `critic` is observed: what a robot without a map cannot know.
@@ -66,7 +67,8 @@ class NavigationSettings:
         rewards: Weight of each reward term; see `REWARD_TERMS`.
         vary: What differs from episode to episode; see `Variation`.
         threads: Number of threads. If None, TRUNDLE_THREADS, or as many as there are processors.
-        device: Where it computes: "cpu".
+        device: Where it computes: "cpu", or "cuda" or "cuda:1", a GPU of NVIDIA's, with PyTorch's tensors for many
+            robots (extra `gpu`, and PyTorch).
 
     Raises:
         InputError: If a value is out of range.
@@ -83,6 +85,7 @@ class NavigationSettings:
     lidar: LidarChoice | None = None
     beams: int | None = 180
     movers: int = 0
+    crowd: int = 0
     path_points: int = 0
     costmap_cells: int = 0
     critic: bool = False
@@ -102,15 +105,13 @@ class NavigationSettings:
         check_count("seed", self.seed, 0, 99_999)
         check_count("worlds", self.worlds, 1, 10_000)
         check_count("movers", self.movers, 0, 500)
+        check_count("crowd", self.crowd, 0, 500)
         check_count("path_points", self.path_points, 0, 200)
         check_count("costmap_cells", self.costmap_cells, 0, 512)
         if self.beams is not None:
             check_count("beams", self.beams, 1, 100_000)
-        if self.device != "cpu":
-            raise InputError(
-                f"environments compute on the CPU, got device={self.device!r}; use device='cpu', or "
-                "trundle.sim.BatchSimulator, which computes on a GPU"
-            )
+        if not isinstance(self.device, str):
+            raise InputError(f"device must be cpu, cuda or cuda:1, got {self.device!r}")
         check_flag("critic", self.critic)
         check_flag("scaled_actions", self.scaled_actions)
         count_steps(self.period_s, _TIMESTEP)

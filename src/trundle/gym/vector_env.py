@@ -13,7 +13,7 @@ from gymnasium.vector.utils import batch_space
 from trundle.errors import InputError, UnknownNameError
 from trundle.gym.arena import Arena, make_arena
 from trundle.gym.env import RENDER_MODES, action_space, check_render_mode
-from trundle.gym.episodes import Bools, Episodes
+from trundle.gym.episodes import Episodes
 from trundle.gym.observations import Observations, Observer
 from trundle.gym.render import draw_robot
 from trundle.gym.settings import NavigationSettings
@@ -30,6 +30,10 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
     """Robots that each have to reach a goal of their own, stepped together by one kernel.
 
     Robot i of a reset with the seed s has the episodes of a `NavigationEnv` with the seed s + i, bit for bit.
+
+    With `device="cuda"` observations, rewards, ends and `infos` are PyTorch's tensors on the GPU, and actions may be:
+    no step copies them through the host. Numbers are drawn there too, but for those of `vary`; `final_obs` is a
+    dictionary of tensors. A bad action is raised by its step or a later one.
 
     Args:
         num_envs: Number of robots.
@@ -68,7 +72,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.single_action_space = action_space(self.episodes)
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self._ended = np.zeros(num_envs, dtype=bool)
+        self._ended = self.episodes.arrays.full(num_envs, 0, "bool")
         self._ready = np.zeros(num_envs, dtype=bool)
 
     def reset(
@@ -80,17 +84,17 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             seed: An integer s, for the seeds s, s + 1, …; one for each robot; or None, for the next episodes.
             options: May hold `reset_mask`.
         """
+        put = self.episodes.arrays.put
         mask = self._read_mask(options)
-        robots = np.flatnonzero(mask)
-        self._seed(seed, robots)
+        chosen = np.flatnonzero(mask)
+        robots = put(chosen)
+        self._seed(seed, chosen)
         self.episodes.reset(robots)
-        self._ended[robots], self._ready[robots] = False, True
+        self._ended[robots], self._ready[chosen] = False, True
         self._observer.scan(robots)
-        return self._observer.observe(), _masked(self.episodes.start_figures(), mask)
+        return self._observer.observe(), _masked(self.episodes.start_figures(), put(mask))
 
-    def step(
-        self, actions: npt.NDArray[np.float32]
-    ) -> tuple[Observations, npt.NDArray[Any], npt.NDArray[Any], npt.NDArray[Any], dict[str, Any]]:
+    def step(self, actions: Any) -> tuple[Observations, Any, Any, Any, dict[str, Any]]:
         """Drive one period with an action for each robot.
 
         Raises:
@@ -98,29 +102,27 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         """
         if not self._ready.all():
             raise InputError(f"call reset before step: robot {int(np.argmin(self._ready))} has no episode")
-        if self._mode is AutoresetMode.DISABLED and self._ended.any():
-            first = int(np.argmax(self._ended))
+        arrays = self.episodes.arrays
+        begun: Any = () if self._mode is AutoresetMode.SAME_STEP else arrays.indices(self._ended)
+        if self._mode is AutoresetMode.DISABLED and len(begun):
             raise InputError(
-                f"the episode of robot {first} has ended, and autoreset is disabled: reset it, "
+                f"the episode of robot {int(begun[0])} has ended, and autoreset is disabled: reset it, "
                 "reset(options={'reset_mask': terminated | truncated})"
             )
-        begun = self._ended if self._mode is AutoresetMode.NEXT_STEP else np.zeros(self.num_envs, dtype=bool)
-        active = ~begun
-        outcome = self.episodes.step(actions, active if begun.any() else None)
-        info = outcome.info
-        if begun.any():
-            self.episodes.reset(np.flatnonzero(begun))
-            fresh = self.episodes.start_figures()
-            info = {name: _select(begun, fresh.get(name), values) for name, values in info.items()}
+        active = ~self._ended if len(begun) else None
+        given = self.episodes.check_actions(actions, active)
+        self.episodes.reset(begun)  # these stand still in this step, so that its figures are of their new episodes
+        outcome = self.episodes.step(given, active)
         self._observer.scan()
         ended = outcome.terminated | outcome.truncated
-        info = _masked(info, np.ones(self.num_envs, dtype=bool))
+        info = _masked(outcome.info, arrays.full(self.num_envs, 1, "bool"))
         observations = self._observer.observe()
-        if self._mode is AutoresetMode.SAME_STEP and ended.any():
-            observations, info = self._begin_again(ended, observations, info)
-            self._ended = np.zeros(self.num_envs, dtype=bool)
+        if self._mode is AutoresetMode.SAME_STEP:
+            robots = arrays.indices(ended)
+            if len(robots):
+                observations, info = self._begin_again(ended, robots, observations, info)
         else:
-            self._ended = ended
+            self._ended[:] = ended
         return observations, outcome.rewards, outcome.terminated, outcome.truncated, info
 
     def render(self) -> tuple[Any, ...] | None:
@@ -130,50 +132,56 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         return tuple(draw_robot(self.episodes, robot) for robot in range(self.num_envs))
 
     def _begin_again(
-        self, ended: Bools, observations: Observations, info: dict[str, Any]
+        self, ended: Any, robots: Any, observations: Observations, info: dict[str, Any]
     ) -> tuple[Observations, dict[str, Any]]:
         """Begin the next episodes where one has ended, scan there again, and keep what the ends were like."""
-        final = np.full(self.num_envs, None, dtype=object)
-        robots = np.flatnonzero(ended)
-        for robot in robots:
-            final[robot] = {name: values[robot].copy() for name, values in observations.items()}
+        final: Any = observations
+        if self.episodes.arrays.on_host:
+            final = np.full(self.num_envs, None, dtype=object)
+            for robot in robots:
+                final[robot] = {name: values[robot].copy() for name, values in observations.items()}
         final_info = {name: values for name, values in info.items() if not name.startswith("_")}
         self.episodes.reset(robots)
         self._observer.scan(robots)
-        fresh = self.episodes.start_figures()
+        lib, fresh = self.episodes.arrays.lib, self.episodes.start_figures()
         info = {
-            name: values if name.startswith("_") else _select(ended, fresh.get(name), values)
+            name: values
+            if name.startswith("_")
+            else lib.where(ended, fresh[name] if name in fresh else lib.zeros_like(values), values)
             for name, values in info.items()
         }
-        info |= {"final_obs": final, "_final_obs": ended.copy()}
-        info |= {"final_info": _masked(final_info, ended), "_final_info": ended.copy()}
+        info |= {"final_obs": final, "_final_obs": ended}
+        info |= {"final_info": _masked(final_info, ended), "_final_info": ended}
         return self._observer.observe(), info
 
-    def _read_mask(self, options: dict[str, Any] | None) -> Bools:
+    def _read_mask(self, options: dict[str, Any] | None) -> npt.NDArray[np.bool_]:
         if not options or "reset_mask" not in options:
             return np.ones(self.num_envs, dtype=bool)
-        mask = np.asarray(options["reset_mask"])
+        given = options["reset_mask"]
+        mask = np.asarray(given if isinstance(given, np.ndarray | list) else self.episodes.arrays.host(given))
         if mask.shape != (self.num_envs,) or mask.dtype != np.bool_:
             raise InputError(f"reset_mask must be bools of shape ({self.num_envs},), got {mask.dtype} of {mask.shape}")
         return mask
 
     def _seed(self, seed: int | Sequence[int | None] | None, robots: npt.NDArray[np.int64]) -> None:
+        put = self.episodes.arrays.put
         if seed is None:
             fresh = robots[~self._ready[robots]]
             if len(fresh):
-                self.episodes.seed(self.np_random.integers(2**62, size=self.num_envs)[fresh], fresh)
+                self.episodes.seed(self.np_random.integers(2**62, size=self.num_envs)[fresh], put(fresh))
             return
         if isinstance(seed, int | np.integer):
-            self.episodes.seed(check_seed(seed) + robots, robots)
+            self.episodes.seed(check_seed(seed) + robots, put(robots))
             return
         seeds = list(seed)
         if len(seeds) != self.num_envs:
             raise InputError(f"a list of seeds needs one for each of {self.num_envs} robots, got {len(seeds)}")
-        for robot in robots:
-            if seeds[robot] is not None:
-                self.episodes.seed([check_seed(seeds[robot])], np.array([robot]))
-            elif not self._ready[robot]:
-                self.episodes.seed([int(self.np_random.integers(2**62))], np.array([robot]))
+        given = [robot for robot in robots if seeds[robot] is not None or not self._ready[robot]]
+        drawn = [
+            int(self.np_random.integers(2**62)) if seeds[robot] is None else check_seed(seeds[robot]) for robot in given
+        ]
+        if given:
+            self.episodes.seed(drawn, put(np.array(given)))
 
 
 def _read_mode(mode: str | AutoresetMode) -> AutoresetMode:
@@ -184,11 +192,6 @@ def _read_mode(mode: str | AutoresetMode) -> AutoresetMode:
     return _MODES[str(mode).lower()]
 
 
-def _masked(info: dict[str, Any], mask: Bools) -> dict[str, Any]:
+def _masked(info: dict[str, Any], mask: Any) -> dict[str, Any]:
     """Return an info as Gymnasium has it for many: beside every array, which robots it is of."""
-    return info | {f"_{name}": mask.copy() for name in info}
-
-
-def _select(mask: Bools, fresh: Any, values: Any) -> Any:
-    """Take the figures of a new episode where one has begun: those that it has not are 0."""
-    return np.where(mask, np.zeros_like(values) if fresh is None else fresh, values)
+    return info | {f"_{name}": mask for name in info}

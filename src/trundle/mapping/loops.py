@@ -15,6 +15,7 @@ import numpy as np
 
 from trundle._core import search_poses
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
+from trundle.mapping.contradictions import seen_through
 from trundle.mapping.nodes import Nodes, Surface
 from trundle.mapping.submaps import Submaps
 from trundle.mapping.window import match_surface
@@ -33,6 +34,7 @@ _LEAST_SCORE = 130.0  # of 255
 _SHARE, _APART_M, _APART_RAD, _MOST, _MOST_NODES = 0.93, 0.6, 0.2, 3, 300_000
 _AGREE = 3  # matches of different key frames
 _RIVAL = 0.04  # how much better than elsewhere the right place fits at least
+_MOST_THROUGH = 0.1  # of what parts saw that are joined, so much may contradict
 _KEPT, _MOST_PENDING = 150, 100  # key frames, and matches
 _FARTHEST_M = 60.0  # between matches that are compared: over more the odometry proves nothing
 _FLOOR = np.diag((0.02**2, 0.02**2, math.radians(0.25) ** 2))
@@ -155,7 +157,7 @@ class LoopFinder:
         self._pending = [one for one in self._pending if one.b > loop.b - _KEPT][-_MOST_PENDING:]
         clique = self._clique(loop)
         self._pending.append(loop)
-        if len(clique) < _AGREE or not self._beats_rivals(clique):
+        if len(clique) < _AGREE or not self._beats_rivals(clique) or not self._is_possible(clique):
             return []
         self._pending = [one for one in self._pending if one not in clique]
         return clique
@@ -177,6 +179,14 @@ class LoopFinder:
                 if len(rivals) >= 2 and sum(each.fit for each in rivals) / len(rivals) > fit - _RIVAL:
                     return False
         return True
+
+    def _is_possible(self, clique: list[Loop]) -> bool:
+        """Whether two parts can be joined like that: of buildings with many rooms, some fit others all too well."""
+        nodes = self._nodes
+        if nodes.parts[clique[0].a] == nodes.parts[clique[0].b]:
+            return True
+        through = [seen_through(nodes, self._submaps, one.a, one.b, one.transform) for one in clique]
+        return sum(through) / len(through) <= _MOST_THROUGH
 
     def _agree(self, first: Loop, second: Loop) -> bool:
         """Whether the two matches close to nearly nothing with the way between their ends."""

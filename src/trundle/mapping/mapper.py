@@ -17,6 +17,7 @@ import numpy.typing as npt
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
 from trundle.localization.amcl.beams import BeamPicker
+from trundle.mapping.carried_away import CarriedAway
 from trundle.mapping.live_map import LiveMap
 from trundle.mapping.loops import Loop, LoopFinder
 from trundle.mapping.motion import motion_spread, turned
@@ -38,14 +39,10 @@ _KEY_M, _KEY_RAD = 0.4, math.radians(20.0)
 _EDGE_FLOOR = np.diag((0.008**2, 0.008**2, math.radians(0.1) ** 2))
 _LOST_FIT, _GOOD_FIT, _MOST_DOUBT = 0.2, 0.8, 100.0
 _LOOP_EVERY, _LAST_EVERY = 2, 8  # key frames that are compared with old ones: while it drives, and at the end
-# A robot that was carried away sees nothing that it knows: scan by scan, though it drove little. On five public logs,
-# with odometry that turns by 2° a metre, the worst scan of 8,400 fits by 0.27.
-_STRANGE_FIT, _STRANGE_SCANS, _STRANGE_POINTS, _STRANGE_M, _STRANGE_RAD = 0.1, 3, 50, 2.0, 1.0
 _LEAP_M = 100.0  # what was seen before and after a step of this length has nothing in common
 _TRUE_M, _TRUE_RAD, _MOST_LATE = 0.03, math.radians(0.3), 10
 # So many key frames from one place and in one direction are enough; a robot that circles adds no more.
 _PLACE_M, _SECTORS, _ENOUGH = 1.0, 8, 8
-_JOIN_TRIES = 12  # submaps that a key frame of an unjoined part is compared with
 
 
 class Mapper:
@@ -91,13 +88,14 @@ class Mapper:
         self._is_apart = len(self._nodes) > 0  # what joins it to the first part has not been seen yet
         self._window = ScanWindow()
         self._recent = RecentSurfaces()
+        self._carried = CarriedAway(min(self._max_range or FARTHEST_M, FARTHEST_M))
         self._floats: Floating | None = None  # the last node, where it stands for many
         self._key: tuple[int, Pose2D] | None = None  # the last node, and its pose in the frame of the window
         self._last: tuple[Pose2D, Pose2D] | None = None  # the last match: odometry, and pose in the frame of the window
         self._kept: Pose2D | None = None
         self._before: tuple[Pose2D, Pose2D] | None = None  # the first odometry, and pose in the frame of the window
         self._spread: FloatArray = np.diag((1e-6, 1e-6, 1e-6))
-        self._poor = self._strange = 0
+        self._poor = 0
         self._worst = 1.0  # fit since the last node
         self._travelled = self._nodes.travelled[-1] if len(self._nodes) else 0.0
 
@@ -194,19 +192,17 @@ class Mapper:
         moved = self._last[0].inverse() @ odometry
         prior = motion_spread(moved)
         match = self._window.match(surface, self._local, prior)
-        is_near = math.hypot(moved.x, moved.y) < _STRANGE_M and abs(moved.yaw) < _STRANGE_RAD
-        if match.fit < _STRANGE_FIT and is_near and len(surface.points) >= _STRANGE_POINTS:
-            self._strange += 1
-            if self._strange == _STRANGE_SCANS:
-                self._picker.warn(
-                    "carried",
-                    f"the scans at {observation.time:g} s show nothing that was seen before: "
-                    "the robot was carried away, or its odometry has failed; another part begins",
-                )
-                self._begin_part()
-                self._before = odometry, Pose2D(0.0, 0.0)
+        answer = self._carried.judge(observation, moved, match.fit, len(surface.points))
+        if answer == "carried away":
+            self._picker.warn(
+                "carried",
+                f"the scans at {observation.time:g} s show nothing that was seen before: "
+                "the robot was carried away, or its odometry has failed; another part begins",
+            )
+            self._begin_part()
+            self._before = odometry, Pose2D(0.0, 0.0)
+        if answer != "here":
             return
-        self._strange = 0
         self._poor = self._poor + 1 if match.fit < _LOST_FIT else 0
         self._worst = min(self._worst, match.fit)
         self._local, self._spread = match.pose, match.covariance

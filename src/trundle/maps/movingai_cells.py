@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from trundle.errors import MapError
-from trundle.files.opening import describe_unreadable, open_file, read_up_to
+from trundle.files.opening import read_limited
 from trundle.files.writing import write_bytes
 from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN, Cells, cell_limit, round_trinary
 
@@ -75,14 +75,8 @@ def read_content(source: Path, max_bytes: int) -> bytes:
     Raises:
         MapError: If it cannot be read, or is larger than `max_bytes`.
     """
-    try:
-        with open_file(source) as stream:
-            content = read_up_to(stream, max_bytes + 1)
-    except OSError as error:
-        raise MapError(describe_unreadable(source, error)) from error
-    if len(content) > max_bytes:
-        raise MapError(f"{source}: larger than {max_bytes} bytes; this is not a MovingAI file")
-    return content
+    too_large = f"larger than {max_bytes} bytes; this is not a MovingAI file"
+    return read_limited(source, max_bytes, too_large, error=MapError)
 
 
 def _parse_header(lines: list[bytes], source: Path) -> tuple[int, int, int]:

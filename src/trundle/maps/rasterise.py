@@ -183,7 +183,7 @@ def mark_pending(cells: npt.NDArray[np.int8]) -> None:
 
 def run_corners(shape: OccupancyCells) -> Iterator[FloatArray]:
     """Return corners of a box for each unbroken run of blocked cells in a row [m], shape (N, 8, 3), as in `CORNERS`."""
-    rows, firsts, ends = _find_runs(shape.blocked)
+    rows, firsts, ends = find_runs(shape.blocked)
     for start in range(0, len(rows), _RUNS_AT_ONCE):
         part = slice(start, start + _RUNS_AT_ONCE)
         low = np.stack([firsts[part], rows[part], np.zeros_like(rows[part])], axis=-1) * shape.resolution
@@ -192,10 +192,10 @@ def run_corners(shape: OccupancyCells) -> Iterator[FloatArray]:
         yield np.where(CORNERS > 0.0, high[:, None, :], low[:, None, :])
 
 
-def _find_runs(
+def find_runs(
     blocked: npt.NDArray[np.bool_],
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Return row, first column and end column of each unbroken run of blocked cells."""
+    """Return row, first column and column after the last of each unbroken run of blocked cells in a row."""
     edges = np.diff(np.pad(blocked, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     rows, firsts = np.nonzero(edges == 1)
     _, ends = np.nonzero(edges == -1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self, TypeAlias, cast
+from typing import Annotated, Literal, Self, TypeAlias
 
 import numpy as np
 from pydantic import BeforeValidator, Field, field_validator, model_validator
@@ -278,20 +278,6 @@ class ScenarioFields(CostmapSettings, RunSettings):
     resolution: Positive = 0.05
     time_limit_s: Positive | None = None
 
-    @model_validator(mode="before")
-    @classmethod
-    def _move_latency(cls, given: Any) -> Any:
-        """Take `actuation: {latency_s: …}` of older versions as `latency: {command_delay_s: …}`."""
-        if not isinstance(given, dict):
-            return given
-        values = cast("dict[str, Any]", given)
-        actuation = values.get("actuation")
-        if not isinstance(actuation, dict) or "latency_s" not in actuation or values.get("latency") is not None:
-            return values
-        actuation = dict(cast("dict[str, Any]", actuation))
-        latency = {"command_delay_s": actuation.pop("latency_s")}
-        return {**values, "latency": latency, "actuation": actuation or None}
-
     @model_validator(mode="after")
     def _check(self) -> Self:
         if (self.world is None) == (self.map is None):
@@ -307,13 +293,13 @@ class ScenarioFields(CostmapSettings, RunSettings):
         if self.lidar and "lidar" in self.backend.options:
             raise ValueError("lidar is given twice: take it out of the backend's options")
         if not self.known_map and not self.lidar and "lidar" not in self.backend.options:
-            raise ValueError("a robot that does not know the map needs lidars: give lidar: true")
+            raise ValueError("a robot that does not know the map needs lidars: give lidar: true, or --lidar")
         if not self.known_map and (self.keepout is not None or self.speed_mask is not None):
             raise ValueError("keepout and speed_mask are areas of a map: they need known_map: true")
         if not self.known_map and self.map_errors is not None:
             raise ValueError("map_errors are errors of the robot's map: they need known_map: true")
         if self.lidar_errors is not None and not self.lidar and "lidar" not in self.backend.options:
-            raise ValueError("lidar_errors are errors of simulated lidars: give lidar: true")
+            raise ValueError("lidar_errors are errors of simulated lidars: give lidar: true, or --lidar")
         if self.start_error is not None and self.localizer is None:
             raise ValueError(
                 "start_error is what a localizer is told of the start: give a localizer, such as localizer: amcl"

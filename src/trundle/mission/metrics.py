@@ -287,6 +287,7 @@ def compute_metrics(
     recoveries: int = 0,
     standing_reasons: Mapping[str, int] | None = None,
     lost_s: float = 0.0,
+    forgotten_m: float = 0.0,
     truth: Truth | None = None,
 ) -> Metrics:
     """Compute the metrics of a run; see `Metrics` for their definitions.
@@ -307,6 +308,7 @@ def compute_metrics(
         recoveries: Number of steps of recovery that ran.
         standing_reasons: In how many control periods the controller made no progress, by reason. If None, never.
         lost_s: Time [s] in which the localizer did not say that it is localized.
+        forgotten_m: How far the robot was driven [m] before the trajectory begins, of which that is all that is kept.
         truth: What was measured around the robot. If None, that nothing is known but the costmap and the plans, and
             `path_length_m` stands for the shortest path.
     """
@@ -322,10 +324,11 @@ def compute_metrics(
     misplaced = np.hypot(*(trajectory.estimates[:, :2] - trajectory.poses[:, :2]).T)
     simulated = float(trajectory.time[-1])
     shortest = truth.shortest_path_m or 0.0
-    longest = max(distance, shortest)
+    whole = forgotten_m + distance
+    longest = max(whole, shortest)
     return Metrics(
         time_s=simulated,
-        distance_m=distance,
+        distance_m=whole,
         path_length_m=path_length_m,
         spl=(shortest / longest if longest > 0.0 else 1.0) if arrived else 0.0,
         min_clearance_m=truth.min_clearance_m,

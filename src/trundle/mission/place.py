@@ -58,18 +58,20 @@ def make_place(scenario: ScenarioFields) -> Place:
     world, grid, floor_z = _make_world(scenario, robot)
     if scenario.movers:
         world = replace(world, movers=(*world.movers, *(choice.make() for choice in scenario.movers)))
+    return Place(world, robot, grid, floor_z, *load_masks(scenario))
+
+
+def load_masks(scenario: ScenarioFields) -> tuple[KeepoutMask | None, SpeedMask | None]:
+    """Load where the robot of a scenario must not go, and how fast it may drive where.
+
+    Raises:
+        InputError: If a file cannot be used.
+    """
     compat, limit = scenario.compat, None if scenario.map_options is None else scenario.map_options.max_cells
-    return Place(
-        world=world,
-        robot=robot,
-        grid=grid,
-        floor_z=floor_z,
-        keepout=None
-        if scenario.keepout is None
-        else KeepoutMask.load(scenario.keepout, compat=compat, max_cells=limit),
-        speed_mask=None
-        if scenario.speed_mask is None
-        else SpeedMask.load(scenario.speed_mask, compat=compat, max_cells=limit),
+    keepout, speeds = scenario.keepout, scenario.speed_mask
+    return (
+        None if keepout is None else KeepoutMask.load(keepout, compat=compat, max_cells=limit),
+        None if speeds is None else SpeedMask.load(speeds, compat=compat, max_cells=limit),
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from trundle.errors import InputError
 from trundle.files.yaml_config import plain_value
 from trundle.files.yaml_nodes import compose_text
-from trundle.geometry import FloatArray, Footprint
+from trundle.geometry import FloatArray, Footprint, convex_hull
 from trundle.nav2.notes import Notes
 from trundle.nav2.parameters import NodeParameters
 
@@ -47,9 +47,8 @@ def read_outline(node: NodeParameters, notes: Notes) -> FloatArray | None:
         return Footprint(padded).outline
     except InputError:
         pass
-    hull = _hull(padded)
     try:
-        outline = Footprint(hull).outline
+        outline = Footprint(convex_hull(padded, least_turn=1e-12)).outline
     except InputError as error:
         raise node.wrong(name, f"is no outline around base_link: {error}") from None
     notes.changed(node, name, "trundle's outlines are convex: the convex hull of the corners is taken")
@@ -88,22 +87,3 @@ def read_points(node: NodeParameters, name: str) -> FloatArray:
     if not 3 <= len(points) <= _MOST_CORNERS:
         raise node.wrong(name, f"must have 3 to {_MOST_CORNERS} points")
     return points
-
-
-def _hull(points: FloatArray) -> FloatArray:
-    """Return the convex hull, counter-clockwise, without points on its edges (Andrew's monotone chain)."""
-    ordered = sorted({(float(x), float(y)) for x, y in points})
-
-    def chain(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
-        kept: list[tuple[float, float]] = []
-        for corner in corners:
-            while len(kept) >= 2 and _turn(kept[-2], kept[-1], corner) <= 1e-12:
-                kept.pop()
-            kept.append(corner)
-        return kept[:-1]
-
-    return np.array(chain(ordered) + chain(ordered[::-1]))
-
-
-def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

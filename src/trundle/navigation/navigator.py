@@ -268,7 +268,7 @@ class Navigator(NavigatorRequests):
             self._has_scans = True
             estimate = Estimate(now, pose) if given.estimate is None else given.estimate
             if estimate.state == "localized":  # where it would be marked is not known otherwise
-                self._sensed.update(scans, estimate, self._state.target)
+                self._sensed.update(scans, estimate, self._state.target, self._replanner.movers.recent)
             self.tracks = self._tracked.update(scans, estimate)
         self._replanner.movers.note(self.tracks, now)
         self._controller.set_tracks(self.tracks)

@@ -39,7 +39,8 @@ class NavigatorSettings(Config):
             took many, the next one waits. Unlike a deadline, it gives the same run on a busy computer. None
             means no limit.
         replan_expansions: Limit on the expansions of all plans but the first in a drive of up to ten minutes; a longer
-            drive may take proportionally more. Beyond it, the run ends without a path. None means no limit.
+            drive may take proportionally more. Beyond it, only short searches are made while what was sensed blocks the
+            path, and otherwise the run ends without a path. None means no limit.
         wait_s: How long the robot waits [s] for an obstacle on its path, seen by its lidars, to move away, where the
             path round it is longer by more than 3 m.
         patience_s: How long the robot waits [s] before it gives up, where an obstacle that is not on the map leaves no

@@ -6,8 +6,10 @@ import math
 from collections import deque
 from collections.abc import Sequence
 
+import numpy as np
+
 from trundle.control import ProgressChecker
-from trundle.geometry import Pose2D
+from trundle.geometry import FloatArray, Pose2D
 from trundle.observation import Track
 
 PLAN_EVERY_S, SELDOM_S = 0.5, 4.0
@@ -16,6 +18,8 @@ LONG_DETOUR_M = 3.0
 """A detour longer than what is left of the path by more than this [m] is taken after a wait."""
 STAND_OFF_M = 1.2
 """Room that the robot leaves to what was seen to move and blocks its path [m], so that it can turn and drive off."""
+STANDING_WITHIN = 0.5, 7.0
+"""A robot stands at one place as long as it moves and turns by less than this [m, rad]."""
 _BACK_UP_EVERY_S = 5.0
 _THOROUGH_EVERY_S = 10.0
 
@@ -39,7 +43,7 @@ class ObstacleWatch:
     def __init__(self, wait_s: float, patience_s: float, mover_patience_s: float = 0.0) -> None:
         self._wait_s, self._back_up_s = wait_s, max(wait_s, PLAN_EVERY_S)
         self._patience_s, self._mover_patience_s = patience_s, max(patience_s, mover_patience_s)
-        self._progress = ProgressChecker(required_movement_angle=7.0)
+        self._progress = ProgressChecker(*STANDING_WITHIN)
         self.reset()
 
     def reset(self) -> None:
@@ -125,6 +129,7 @@ class ObstacleWatch:
 
 
 KEPT_S = 60.0
+_RECENT_S = 5.0
 _EVERY_S = 0.5
 
 
@@ -133,6 +138,9 @@ class MoverMemory:
 
     A track ends soon after its mover stops: beside a shelf, or close to the robot, its hits look like any others. What
     stands there then may still drive off again.
+
+    Attributes:
+        recent: Where they were in the last 5 s: x, y and radius [m], map frame, shape (N, 3).
     """
 
     def __init__(self) -> None:
@@ -142,6 +150,7 @@ class MoverMemory:
         """Forget everything: the robot is somewhere else."""
         self._seen: deque[tuple[float, float, float, float]] = deque()
         self._noted_at = -math.inf
+        self.recent: FloatArray = np.zeros((0, 3))
 
     def note(self, tracks: Sequence[Track], time: float) -> None:
         """Take the tracks of now [s]; twice a second their places are kept."""
@@ -153,6 +162,8 @@ class MoverMemory:
             return
         self._noted_at = time
         self._seen.extend((time, track.x, track.y, track.radius) for track in tracks if track.confirmed)
+        if self._seen:
+            self.recent = np.array([place for at, *place in self._seen if at >= time - _RECENT_S]).reshape(-1, 3)
 
     def was_near(self, x: float, y: float, within_m: float) -> bool:
         """Whether something that moves was within this distance of a point in the last minute."""

@@ -159,19 +159,22 @@ class Replanner:
             self.tries.time_out(now.twist, now.time)
         elif planner is not self._quick:
             self._failed = FailedPlan(error, planner, now.pose, state.ahead, now.costmap)
-        elif self._failed is not None and isinstance(error, PlanningStoppedError):
-            # It says more than that a short search found no path either.
-            return self._failed.error.with_traceback(None)
+        elif isinstance(error, PlanningStoppedError):
+            # These say more than that a short search found no path either.
+            if self._failed is not None:
+                error = self._failed.error.with_traceback(None)
+            if self.budget.is_spent(now.time):
+                error = self.budget.refuse(error)
         return error
 
     def _choose_planner(self, now: Snapshot) -> Planner:
         """Return the planner; while something that was sensed blocks the path and the robot moves, the quick one.
 
-        That one also plans where the last plans are not paid for yet.
+        That one also plans where the last plans are not paid for, or all expansions are used up.
         """
         if self._quick is None or not self.obstacle.is_blocked:
             return self.planner
-        if self.budget.must_wait(now.time):
+        if self.budget.must_wait(now.time) or self.budget.is_spent(now.time):
             return self._quick
         stands = not moves(now.twist)
         return self.planner if self.obstacle.is_thorough(now.time, stands=stands) else self._quick
@@ -183,7 +186,7 @@ class Replanner:
     def _refusal(self, now: Snapshot, state: DriveState, planner: Planner) -> PlanningError | None:
         """Why a plan by this planner is not made: there were too many, or it would fail as the last one did."""
         failed = self._failed
-        if self.budget.is_spent(now.time):
+        if planner is not self._quick and self.budget.is_spent(now.time):
             return self.budget.refuse(state.error)
         if failed is None:
             return None

@@ -12,7 +12,7 @@ import numpy as np
 from trundle.costmap import LETHAL, Costmap, CostmapSettings
 from trundle.costmap.layers import LayeredCostmap, LayersSettings
 from trundle.errors import SensorWarning
-from trundle.geometry import Goal, Pose2D
+from trundle.geometry import FloatArray, Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import UNKNOWN
 from trundle.navigation.growing_map import GrowingMap
@@ -143,13 +143,14 @@ class SensedMap:
             elif not _contains(self.costmap, points):
                 self.costmap = self._static = self._blank(points)
 
-    def update(self, scans: Sequence[Scan], estimate: Estimate, goal: Goal | None) -> None:
+    def update(self, scans: Sequence[Scan], estimate: Estimate, goal: Goal | None, moved: FloatArray) -> None:
         """Put scans into the costmap.
 
         Args:
             scans: Those that arrived since the last call.
             estimate: Where the robot is now.
             goal: Where it is driving to.
+            moved: Where something was seen to move of late: x, y and radius [m], map frame, shape (N, 3).
 
         Warns:
             SensorWarning: If the time goes back, after which what was sensed is forgotten.
@@ -169,7 +170,7 @@ class SensedMap:
             self._layered = self._make_layered()
             if goal is not None:
                 self._layered.require((goal.x, goal.y))
-        self.costmap = self._layered.update(scans, estimate)
+        self.costmap = self._layered.update(scans, estimate, moved=moved)
 
     def jump(self, pose: Pose2D, driven_m: float, estimate: Estimate | None) -> float | None:
         """How far the robot's pose has moved since the last call [m], if it jumps.

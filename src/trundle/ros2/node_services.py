@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 from trundle.errors import TrundleError
 from trundle.messages import MessageMaker
 from trundle.messages.qos import Qos
+from trundle.navigation.behaviors.behavior import snake_case
 from trundle.ros2.wire import Wire
 
 ROSOUT = Qos(1000, durability="transient_local")
@@ -77,9 +78,8 @@ class ParameterServices:
             ("SetParametersAtomically", self._set_at_once),
         ):
             kind = f"rcl_interfaces/srv/{name}"
-            words = "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in name).lstrip("_")
             if wire.transport.has_services and wire.types.knows(f"{kind}_Request"):
-                wire.serve(f"~/{words}", kind, handler)
+                wire.serve(f"~/{snake_case(name)}", kind, handler)
 
     def _list(self, request: Any) -> Any:
         prefixes = [str(one) for one in request.prefixes]

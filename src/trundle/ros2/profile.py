@@ -188,11 +188,6 @@ class Profile(Config):
         return found
 
 
-def profile_names() -> list[str]:
-    """Return the names of the profiles, sorted."""
-    return sorted(_files())
-
-
 def link_of(lidar: str) -> str:
     """Return the name of a lidar's link in the exported URDF."""
     return lidar if "lidar" in lidar else f"lidar_{lidar}"

@@ -56,7 +56,7 @@ class Hub:
     Attributes:
         choices: What a page can choose from.
         controls: What carries out what pages ask for; to be set before the server starts.
-        lacks: What pages cannot do here, so that they do not offer it: "restart", "box", "speed".
+        lacks: What pages cannot do here, so that they do not offer it: "restart", "box", "speed", "find".
         folders: Folders of runs by number, whose files are served.
         feed: What is shown now.
         joined: How many clients there have been.

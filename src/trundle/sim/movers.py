@@ -21,9 +21,8 @@ from trundle.sim.footprint import FootprintChecker
 from trundle.sim.state import Contact, MoverState
 from trundle.worlds import World
 from trundle.worlds.movers.crowd import Crowd
-from trundle.worlds.movers.interaction import RobotMotion
 from trundle.worlds.movers.mover import Mover, outline_of, top_of
-from trundle.worlds.movers.walk import CrowdWalk
+from trundle.worlds.movers.walk import CrowdWalk, RobotMotion
 
 RobotPose = Callable[[], tuple[Pose2D, float]]
 """The robot's pose, map frame, and its forward speed [m/s]."""

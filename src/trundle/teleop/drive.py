@@ -54,7 +54,7 @@ class _Driver:
                 self._log.add(step.state, step.sent)
                 self._show(step)
             command = self._keys.read()
-        except Exception:
+        except Exception:  # whatever a terminal or a window raises, the run has to end; it is raised again
             self._steering.put(End("the keys or the screen failed"))
             raise
         self._steering.put(End("the driver has left") if command is None else Manual(command.v, command.w))

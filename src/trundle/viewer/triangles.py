@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.geometry import FloatArray
+from trundle.maps.rasterise import find_runs
 
 _AROUND = 32  # sides of a cylinder
 _DOWN = 16  # bands of a sphere
@@ -83,14 +84,14 @@ def _cells(model: mujoco.MjModel, field: int) -> FloatArray:
     step_x, step_y = 2.0 * half_x / (cols - 1), 2.0 * half_y / (rows - 1)
     left, bottom = -half_x - step_x / 2.0, -half_y - step_y / 2.0
 
-    row, start, end = _runs(blocked)
+    row, start, end = find_runs(blocked)
     x0, x1 = left + start * step_x, left + end * step_x
     y0, y1 = bottom + row * step_y, bottom + (row + 1) * step_y
     quads = [_quads((x0, y0, high), (x1, y0, high), (x1, y1, high), (x0, y1, high))]
-    row, start, end = _runs(_turns(blocked))
+    row, start, end = find_runs(_turns(blocked))
     x0, x1, y = left + start * step_x, left + end * step_x, bottom + row * step_y
     quads.append(_quads((x0, y, low), (x1, y, low), (x1, y, high), (x0, y, high)))
-    col, start, end = _runs(_turns(blocked.T))
+    col, start, end = find_runs(_turns(blocked.T))
     y0, y1, x = bottom + start * step_y, bottom + end * step_y, left + col * step_x
     quads.append(_quads((x, y0, low), (x, y1, low), (x, y1, high), (x, y0, high)))
     return np.concatenate(quads)
@@ -100,14 +101,6 @@ def _turns(cells: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
     """Return where a cell differs from the one before it in its column, shape (rows + 1, cols)."""
     padded = np.pad(cells, ((1, 1), (0, 0)))
     return padded[1:] != padded[:-1]
-
-
-def _runs(cells: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Return row, first column and column after the last of every run of set cells in a row."""
-    turns = np.diff(np.pad(cells, ((0, 0), (1, 1))).astype(np.int8), axis=1)
-    rows, starts = np.nonzero(turns == 1)
-    _, ends = np.nonzero(turns == -1)
-    return rows, starts, ends
 
 
 def _quads(*corners: tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike]) -> FloatArray:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from trundle.errors import WorldError
-from trundle.files.opening import describe_unreadable, open_file, read_up_to
+from trundle.files.opening import read_limited
 from trundle.files.parser_errors import parser_reason
 from trundle.geometry import Pose3D
 from trundle.geometry.solids import Box, Color, Cylinder, Solid
@@ -75,13 +75,8 @@ def read_dynabarn(path: Path) -> dict[str, dict[str, Any]]:
     Raises:
         WorldError: If the file cannot be read, is damaged or of another kind.
     """
-    try:
-        with open_file(path) as stream:
-            data = read_up_to(stream, _MOST_BYTES + 1)
-    except OSError as error:
-        raise WorldError(describe_unreadable(path, error)) from error
-    if len(data) > _MOST_BYTES:
-        raise WorldError(f"{path}: larger than {_MOST_BYTES // 1_000_000} MB: this is no file of DynaBARN's worlds")
+    too_large = f"larger than {_MOST_BYTES // 1_000_000} MB: this is no file of DynaBARN's worlds"
+    data = read_limited(path, _MOST_BYTES, too_large, error=WorldError)
     try:
         content = json.loads(data)
     except (ValueError, RecursionError) as error:

@@ -16,9 +16,8 @@ from trundle.pictures.colors import START, WARNING
 from trundle.pictures.figure import make_figure
 from trundle.pictures.plan import Plan
 from trundle.worlds.movers.crowd import Crowd
-from trundle.worlds.movers.interaction import RobotMotion
 from trundle.worlds.movers.mover import Mover, outline_of
-from trundle.worlds.movers.walk import CrowdWalk
+from trundle.worlds.movers.walk import CrowdWalk, RobotMotion
 from trundle.worlds.tessellate import solid_triangles
 
 _CEILING_M = 2.0

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from support.mppi_oracle import arguments_of
+from support.mppi_values import arguments_of
 from trundle import _core
 from trundle.control.mppi.fields import FieldStyle, Window, cover_with_discs
 from trundle.costmap import Costmap

@@ -287,7 +287,7 @@ def test_an_odometry_far_from_its_origin_is_held():
 
 
 def test_a_layer_that_may_not_grow_further_keeps_what_is_near(monkeypatch):
-    monkeypatch.setattr("trundle.costmap.layers.obstacle_layer._MOST_CELLS", 1_000_000)
+    monkeypatch.setattr("trundle.costmap.layers.evidence_grid._MOST_CELLS", 1_000_000)
     layer, around = ObstacleLayer(CARTER), Surroundings(WALL)
     see(layer, around)
     windows = [layer.update([], estimate(1.0 + tick, Pose2D(0.0, 1.5 * tick))) for tick in range(40)]
@@ -341,3 +341,26 @@ def test_estimates_without_a_lidar_need_no_scans():
     layer = ObstacleLayer(robot)
     assert layer.update([], Estimate(0.0, HERE)) is not None  # what is under the robot is seen
     assert layer.update([], Estimate(0.1, HERE)) is None
+
+
+def test_what_moved_behind_something_else_is_forgotten_and_what_stands_there_is_not():
+    someone, shelf = [(4.0, 1.0, 0.3)], [(4.0, -3.0, 4.0, -1.0)]
+    hidden = [(2.0, -0.4, 2.0, 1.0)]  # hides where they were, and not the shelf
+    for persistence, left in ((2.0, False), (None, True)):
+        layered = LayeredCostmap(
+            None, CARTER, layers=LayersSettings(obstacle=ObstacleLayerSettings(mover_persistence=persistence))
+        )
+        for tick in range(100):
+            time = 0.05 * tick
+            around = Surroundings(shelf if tick > 20 else [], someone) if tick <= 20 else Surroundings(shelf + hidden)
+            moved = [(4.0, 1.0, 0.3), (4.0, -2.0, 0.3)]
+            layered.update([around.scan(time, HERE)], estimate(time, HERE), moved=moved)
+            if tick == 20:
+                assert near(layered, 4.0, 1.0, 0.4)
+        assert near(layered, 4.0, 1.0, 0.4) == left
+        assert near(layered, 4.0, -2.0, 0.4)
+
+
+def near(layered, x, y, within):
+    found = layered.obstacles()
+    return bool((np.hypot(found[:, 0] - x, found[:, 1] - y) < within).any())

@@ -3,43 +3,12 @@
 import numpy as np
 import pytest
 
-from trundle.maps import OccupancyGrid
-from trundle.mission import Episode, Outcome, Scenario, sample_tight_ends
+from support.batch_missions import assert_alike, in_kernel, in_python, scenario, wall
+from trundle.mission import Outcome, Scenario, sample_tight_ends
 from trundle.mission.batch.missions import BatchMission, HandedOver, MissionBatch
 from trundle.mission.batch.needs import needs_python
-from trundle.mission.metrics import measure_truth
 from trundle.path import Path
 from trundle.robots import Robot
-
-TOLERANCE = 1e-9
-"""Of poses [m, rad] and commands [m/s, rad/s]; on one machine they are equal bit for bit."""
-
-SMALL = {"name": "warehouse", "options": {"size": [14, 11]}, "seed": 3}
-
-
-def scenario(**settings) -> Scenario:
-    return Scenario.make(**{"world": SMALL, "backend": "kinematic", "robot": "nova_carter"} | settings)
-
-
-def in_python(chosen: Scenario) -> Episode:
-    with chosen.build() as mission:
-        return mission.run()
-
-
-def in_kernel(chosen: Scenario):
-    (end,) = MissionBatch().drive([BatchMission(chosen.prepare(), measure_truth)])
-    return end
-
-
-def assert_alike(one: Episode, other: Episode) -> None:
-    assert (one.outcome, one.message, one.goals_reached) == (other.outcome, other.message, other.goals_reached)
-    assert len(one.trajectory) == len(other.trajectory)
-    for name in one.trajectory.columns():
-        ours, theirs = getattr(one.trajectory, name), getattr(other.trajectory, name)
-        assert np.abs(ours - theirs).max() <= TOLERANCE, name
-    assert np.array_equal(one.paths[0].poses, other.paths[0].poses)
-    assert one.metrics.min_clearance_m == pytest.approx(other.metrics.min_clearance_m, abs=TOLERANCE)
-    assert one.metrics.standing_reasons == other.metrics.standing_reasons
 
 
 def test_commands_are_those_of_the_navigator_in_10_000_control_periods():
@@ -83,14 +52,6 @@ def test_commands_are_those_of_the_navigator_in_10_000_control_periods():
 def test_settings_have_the_same_effect(settings):
     chosen = scenario(seed=2, **settings)
     assert_alike(in_kernel(chosen), in_python(chosen))
-
-
-def wall(doorway: bool) -> OccupancyGrid:
-    cells = np.zeros((80, 120), dtype=np.int8)
-    cells[:2] = cells[-2:] = cells[:, :2] = cells[:, -2:] = cells[:, 58:62] = 100
-    if doorway:
-        cells[10:30, 58:62] = 0
-    return OccupancyGrid(cells, 0.05)
 
 
 @pytest.fixture
@@ -170,8 +131,7 @@ def test_a_robot_that_stands_closer_to_a_wall_than_its_padding_drives_off_alike(
     ("settings", "named"),
     [
         ({"controller": "mppi"}, "controller mppi"),
-        ({"lidar": True}, "lidar"),
-        ({"collision_monitor": True}, "collision_monitor"),
+        ({"collision_monitor": True}, "collision_monitor without lidars"),
         ({"latency": {"command_delay_s": 0.1}}, "latency"),
         ({"movers": [{"crowd": "person", "count": 1}]}, "movers"),
         ({"goals": [(1.0, 1.0), (2.0, 2.0)]}, "several goals"),

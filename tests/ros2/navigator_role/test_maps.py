@@ -33,6 +33,25 @@ def test_the_same_map_is_taken(serve, client, room_file):
     assert served.counts == {}
 
 
+def test_a_simulated_world_stays_when_its_map_is_replaced(serve, client, tmp_path):
+    world = {"world": {"name": "warehouse", "seed": 3}, "map": None, "start": None, "goal": None}
+    served = serve(scenario=world)
+    goal = wait_for(lambda: served.bridge.context.session and served.bridge.mission.start)
+    before, stood = served.bridge.mission, served.bridge.mission.start
+    data = np.array(before.grid.data)
+    row, col = before.grid.world_to_cell(goal.x + 2.0, goal.y)
+    data[row : row + 3, col : col + 3] = 100
+    OccupancyGrid(data, before.grid.resolution, before.grid.origin).save(tmp_path / "other.yaml")
+    answer = load(client, str(tmp_path / "other.yaml"))
+    assert answer.result == 0, served.said
+    wait_for(lambda: served.bridge.mission is not before)
+    mission = served.bridge.mission
+    assert np.array_equal(mission.navigator.grid.data, data)
+    assert mission.world is before.world
+    assert mission.start.distance_to(stood) < 0.05
+    assert client.call("/map_server/map", "nav_msgs/srv/GetMap").map.info.width == data.shape[1]
+
+
 def test_another_map_a_missing_one_and_a_broken_one_have_their_codes(serve, client, tmp_path):
     served = serve()
     other = make_room()
@@ -42,7 +61,7 @@ def test_another_map_a_missing_one_and_a_broken_one_have_their_codes(serve, clie
     assert load(client, str(tmp_path / "none.yaml")).result == 1
     assert load(client, str(tmp_path / "broken.yaml")).result == 2
     assert load(client, "package://nav2_bringup/maps/a.yaml").result == 2
-    assert any("start trundle with it" in text for text in served.said)
+    assert any("is made from the map, and would stay" in text for text in served.said)
 
 
 def test_the_map_is_saved_as_nav2s_saver_does(serve, client, tmp_path):

@@ -48,6 +48,7 @@ class Habits:
     edit_cloud: Callable[[Any], None] | None = None
     frames: tuple[str, str] = ("odom", "base_link")
     wheels_m: float | None = None
+    by_hand: Twist2D | None = None
 
 
 def make_cloud(codec: Codec, points: Any, header: Any, kind: str = "<f4") -> Any:
@@ -100,6 +101,7 @@ class FakeRobot:
         self.pose, self.time, self.commands, self.contacts = start, 100.0, [], []
         self.twist = Twist2D()
         self.told: list[Any] = []
+        self._carried: Pose2D | None = None
         self._ends = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
 
@@ -114,6 +116,10 @@ class FakeRobot:
         if self._thread.is_alive():
             self._thread.join(5.0)
         self._sim.close()
+
+    def carry(self, pose: Pose2D) -> None:
+        """Lift the robot, and put it down there: its odometry jumps."""
+        self._carried = pose
 
     def send(self, topic: str, message: Any, qos: Qos | None = None) -> None:
         key = topic + message.__msgtype__
@@ -146,6 +152,11 @@ class FakeRobot:
                 self.told += [self.codec.decode(self._poses[1], one.data) for one in self._poses[0].take()]
             if time.monotonic() - heard > 0.5:
                 command = Twist2D()
+            if self._carried is not None:
+                self._sim.reset(self._carried)
+                self._carried = None
+            if habits.by_hand is not None:
+                command, heard = habits.by_hand, time.monotonic()
             share = habits.speed_share if habits.listens and not (habits.waits_for_pose and not self.told) else 0.0
             state = self._sim.step(Twist2D(share * command.v, share * command.w), PERIOD_S)
             self.pose, self.twist, self.contacts = state.pose, state.twist, self.contacts + list(state.contacts)

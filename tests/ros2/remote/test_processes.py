@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import random
 import signal
 import subprocess
 import sys
@@ -16,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from ros2.domains import claim_domain, release_domain
 from trundle.bags.bag_reader import BagReader
 from trundle.maps import OccupancyGrid
 
@@ -28,7 +28,7 @@ Start = Callable[..., subprocess.Popen[str]]
 @pytest.fixture
 def start() -> Iterator[Start]:
     """Starts `trundle ros2` on a domain of its own; what runs is ended after the test."""
-    domain = str(random.SystemRandom().randrange(1, 102))
+    domain = claim_domain()
     made: list[subprocess.Popen[str]] = []
 
     def start(*arguments: str) -> subprocess.Popen[str]:
@@ -41,7 +41,7 @@ def start() -> Iterator[Start]:
             "--transport",
             "dds",
             "--domain",
-            domain,
+            str(domain),
             "--json",
         ]
         made.append(subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True))
@@ -51,6 +51,7 @@ def start() -> Iterator[Start]:
     for process in made:
         process.kill()
         process.communicate()
+    release_domain(domain)
 
 
 def end(process: subprocess.Popen[str], number: int = signal.SIGINT) -> dict[str, Any]:

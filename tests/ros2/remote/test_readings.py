@@ -19,6 +19,7 @@ from trundle.ros2.remote.clouds import Band, read_cloud
 from trundle.ros2.remote.frames import FrameTree
 from trundle.ros2.remote.mounts import Mount, mount_matrix
 from trundle.ros2.remote.readings import read_scan
+from trundle.ros2.remote.robot import RunTime
 from trundle.ros2.remote.streams import RobotClock, Stream
 
 FORWARD = Mount(mount_matrix(0.2, 0.0, 0.3, 0.0))
@@ -170,3 +171,14 @@ def test_a_robot_whose_clock_is_set_differently_has_its_own_time() -> None:
     clock.see(5000.1, 9000.1)
     assert clock.now(9000.1) == pytest.approx(5000.1)
     assert clock.now(9000.2) == pytest.approx(5000.2)
+
+
+@pytest.mark.parametrize("stamp", [50.0, 3e9])
+def test_a_run_that_began_before_the_robots_clock_is_known_goes_on_in_its_time(stamp: float) -> None:
+    clock, time, wall = RobotClock(), RunTime(), 1.7e9
+    assert time.at(clock.now(wall), clock.epoch) == 0.0
+    for step in range(1, 21):  # a clock that is set differently, and no /clock
+        clock.see(stamp + 0.05 * step, wall + 0.05 * step)
+        now = time.at(clock.now(wall + 0.05 * step), clock.epoch)
+    assert now == pytest.approx(0.95, abs=0.01)
+    assert stamp + 1.0 - time.offset == pytest.approx(now)

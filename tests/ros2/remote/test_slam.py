@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from ros2.fake_transport import FakeNetwork
 from ros2.nav2_texts import nav2_codec
 from ros2.navigator_role.conftest import wait_for
 from ros2.remote.conftest import START, Remote, jazzy, make_room
-from trundle.geometry import Pose2D
+from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.messages.qos import LATCHED
 from trundle.mission import SetGoal
@@ -98,3 +99,22 @@ def test_a_jump_of_the_odometry_does_not_cost_the_map(navigate: Navigate) -> Non
     wait_for(lambda: remote.bridge.guard.counts["odometry jumped"] == 1)
     wait_for(lambda: remote.bridge.localizer.is_located, "for a place that is recognised")
     wait_for(lambda: math.dist((remote.robot.pose.x, remote.robot.pose.y), (3.5, 2.0)) < 0.3, "to arrive")
+
+
+def test_a_robot_that_is_carried_stands_until_it_recognises_its_map(navigate: Navigate) -> None:
+    remote = start_without_a_map(navigate, goal=None)
+    wait_for(lambda: remote.bridge.localizer.is_located, "for a map")
+    remote.put(SetGoal((2.5, 0.0)))
+    wait_for(lambda: remote.robot.pose.x > 3.0, "for a motion")
+    remote.robot.carry(Pose2D(7.5, 5.5, 2.5))
+    wait_for(lambda: "nobody knows how the robot has moved" in remote.bridge.localizer.why, "for the reason")
+    assert remote.wait_until_standing() < 0.6
+    time.sleep(1.0)  # it sees another corner of the room, which its map does not join yet
+    stood = remote.robot.pose
+    assert "not located" in remote.reasons
+    remote.robot.carry(Pose2D(2.2, 2.1, 0.1))
+    remote.habits.by_hand = Twist2D(0.3, 0.0)  # as with a joystick of its own
+    wait_for(lambda: remote.bridge.localizer.is_located, f"for a place that is recognised: {remote.reasons}")
+    remote.habits.by_hand = None
+    assert stood.distance_to(Pose2D(7.5, 5.5, 2.5)) < 0.05
+    wait_for(lambda: math.dist((remote.robot.pose.x, remote.robot.pose.y), (4.5, 2.0)) < 0.35, "to arrive")

@@ -113,6 +113,7 @@ export class Steering {
     this.step.disabled = !going || state !== "paused";
     for (const element of [this.pause, this.step, this.goal, this.queue.parentElement, this.box, this.end]) element.hidden = this.app.isSettingUp;
     for (const element of [this.pose, this.find]) element.hidden = this.app.isSettingUp || !this.app.run.isLocalized;
+    this.find.hidden ||= this.app.lacks.has("find") || !this.app.run.canSearch;
     for (const element of [this.restart, this.next]) element.hidden = state === "idle" || this.app.lacks.has("restart");
     this.box.hidden ||= this.app.lacks.has("box");
     this.speed.parentElement.hidden = this.app.lacks.has("speed");

@@ -40,6 +40,17 @@ double reach_of(const std::vector<Point> &polygon) {
   return reach;
 }
 
+// Where the members of a robot's crowds are, nowhere without crowds.
+void find_members(const BatchCrowds::Run *crowd, double time, Members &members) {
+  members.poses.clear();
+  if (crowd == nullptr) return;
+  members.first = crowd->scene->first;
+  for (std::size_t i = 0; i < crowd->scene->model->members.size(); ++i) {
+    const crowds::Planar now = crowd->state.at(i, time);
+    members.poses.push_back({now.at.x, now.at.y, now.yaw});
+  }
+}
+
 }  // namespace
 
 Batch::Batch(In<std::uint8_t, 1> fields, In<std::int64_t, 2> shapes, In<double, 2> frames, double resolution,
@@ -118,18 +129,23 @@ Batch::Batch(In<std::uint8_t, 1> fields, In<std::int64_t, 2> shapes, In<double, 
   }
 }
 
-void Batch::check_places(const In<std::int64_t, 2> &places) const {
+void Batch::check_places(const In<std::int64_t, 2> &places, const In<bool, 1> &active,
+                         const BatchCrowds *crowds) const {
+  if (crowds != nullptr) crowds->check(active.size(), movers_.all.size(), movers_.recordings.size());
   for (std::size_t i = 0; i < places.shape(0); ++i) {
     const std::int64_t map = places.data()[2 * i], recording = places.data()[2 * i + 1];
     require(map >= 0 && static_cast<std::size_t>(map) < maps_.size(), "there is no such map");
     require(recording >= -1 && recording < static_cast<std::int64_t>(movers_.recordings.size()),
             "there is no such recording");
+    if (crowds != nullptr && active.data()[i]) {
+      require(crowds->fits(i, recording), "a robot is among a crowd that was not placed");
+    }
   }
 }
 
 void Batch::drive_one(double *pose, Motion &motion, double *wheels, double &length, std::int64_t &step,
                       std::int64_t *contact, const double *command, const std::int64_t *place, std::int64_t substeps,
-                      Memory &memory) const {
+                      BatchCrowds::Run *crowd, Memory &memory) const {
   const Limits &limits = model_.limits;
   const Map &map = maps_[static_cast<std::size_t>(place[0])];
   const std::int64_t recording = place[1];
@@ -140,11 +156,17 @@ void Batch::drive_one(double *pose, Motion &motion, double *wheels, double &leng
   // While what it has moved is less than the room that it had, the map needs no look.
   double spare = model_.room({pose[0], pose[1], pose[2]}, map);
   const auto look = [&](std::int64_t substep) {
+    const double time = static_cast<double>(step) * dt;
+    if (crowd != nullptr) {
+      const SinCos turn = sin_cos(pose[2]);
+      crowd->advance(time, {pose[0], pose[1], motion.v * turn.cos, motion.v * turn.sin, model_.radius}, memory.steps);
+    }
     if (touched.kind != 0) return;
     if (spare < 0.0) spare = model_.room({pose[0], pose[1], pose[2]}, map);
     if (spare >= 0.0 && recording < 0) return;
-    touched = model_.touch({pose[0], pose[1], pose[2]}, map, spare >= 0.0, movers_, recording,
-                           static_cast<double>(step) * dt, memory.spans, memory.one, memory.other);
+    find_members(crowd, time, memory.members);
+    touched = model_.touch({pose[0], pose[1], pose[2]}, map, spare >= 0.0, movers_, recording, time, memory.members,
+                           memory.spans, memory.one, memory.other);
     touched.substep = substep;
   };
   if (substeps == 0) look(0);
@@ -186,7 +208,8 @@ void Batch::drive_one(double *pose, Motion &motion, double *wheels, double &leng
 
 void Batch::drive(InOut<double, 2> poses, InOut<double, 2> motions, InOut<double, 2> wheels, InOut<double, 1> lengths,
                   InOut<std::int64_t, 1> steps, InOut<std::int64_t, 2> contacts, In<double, 2> commands,
-                  In<std::int64_t, 2> places, In<bool, 1> active, std::int64_t substeps, std::int64_t threads) const {
+                  In<std::int64_t, 2> places, In<bool, 1> active, std::int64_t substeps, std::int64_t threads,
+                  BatchCrowds *crowds) const {
   const std::size_t count = active.size();
   require(poses.shape(0) == count && poses.shape(1) == 3, "poses need shape (N, 3)");
   require(motions.shape(0) == count && motions.shape(1) == 6, "motions need shape (N, 6)");
@@ -197,44 +220,46 @@ void Batch::drive(InOut<double, 2> poses, InOut<double, 2> motions, InOut<double
   require(places.shape(0) == count && places.shape(1) == 2, "places need shape (N, 2)");
   require(is_finite(poses) && is_finite(commands) && is_finite(motions), "poses and commands must be finite");
   require(substeps >= 0 && substeps <= 10'000'000, "the number of substeps is out of range");
-  check_places(places);
+  check_places(places, active, crowds);
   double *pose = poses.data(), *motion = motions.data(), *wheel = wheels.data(), *length = lengths.data();
   std::int64_t *step = steps.data(), *contact = contacts.data();
   nb::gil_scoped_release release;
-  each(active, threads, 32, [&](std::size_t i, Memory &memory) {
+  each_robot<Memory>(count, active.data(), threads, 32, [&](std::size_t i, Memory &memory) {
     double *m = motion + 6 * i;
     Motion now{m[0], m[1], m[2], m[3], m[4], m[5]};
     drive_one(pose + 3 * i, now, wheel + 2 * i, length[i], step[i], contact + 4 * i, commands.data() + 2 * i,
-              places.data() + 2 * i, substeps, memory);
+              places.data() + 2 * i, substeps, crowds == nullptr ? nullptr : crowds->run_of(i), memory);
     m[0] = now.ramp_v, m[1] = now.ramp_w, m[2] = now.v, m[3] = now.w, m[4] = now.left_speed, m[5] = now.right_speed;
   });
 }
 
 template <typename Range>
 void Batch::scan(InOut<Range, 2> ranges, In<double, 2> poses, In<std::int64_t, 1> steps, In<std::int64_t, 2> places,
-                 In<bool, 1> active, In<double, 2> errors, In<std::uint64_t, 1> keys, std::int64_t threads) const {
+                 In<bool, 1> active, In<double, 2> errors, In<std::uint64_t, 1> keys, std::int64_t threads,
+                 const BatchCrowds *crowds) const {
   const std::size_t count = active.size(), beams = model_.beams.size();
   require(ranges.shape(0) == count && ranges.shape(1) == beams, "ranges need shape (N, beams)");
   require(poses.shape(0) == count && poses.shape(1) == 3 && is_finite(poses), "poses need shape (N, 3)");
   require(places.shape(0) == count && places.shape(1) == 2, "places need shape (N, 2)");
   require(errors.shape(0) == count && errors.shape(1) == 2 && is_finite(errors), "errors need shape (N, 2)");
   require(steps.size() == count && keys.size() == count, "steps and keys need shape (N,)");
-  check_places(places);
+  check_places(places, active, crowds);
   Range *out = ranges.data();
   nb::gil_scoped_release release;
-  each(active, threads, 2, [&](std::size_t i, Memory &memory) {
+  each_robot<Memory>(count, active.data(), threads, 2, [&](std::size_t i, Memory &memory) {
     const double *pose = poses.data() + 3 * i, *error = errors.data() + 2 * i;
     const std::int64_t *place = places.data() + 2 * i, step = steps.data()[i];
+    const double time = static_cast<double>(step) * model_.limits.timestep;
+    find_members(crowds == nullptr ? nullptr : crowds->run_of(i), time, memory.members);
     model_.scan(Pose{pose[0], pose[1], pose[2]}, maps_[static_cast<std::size_t>(place[0])], movers_, place[1],
-                static_cast<double>(step) * model_.limits.timestep,
-                Errors{error[0], error[1], keys.data()[i], static_cast<std::uint64_t>(step)}, memory.other,
+                time, memory.members, Errors{error[0], error[1], keys.data()[i], static_cast<std::uint64_t>(step)}, memory.other,
                 out + beams * i);
   });
 }
 
 template void Batch::scan(InOut<float, 2>, In<double, 2>, In<std::int64_t, 1>, In<std::int64_t, 2>, In<bool, 1>,
-                          In<double, 2>, In<std::uint64_t, 1>, std::int64_t) const;
+                          In<double, 2>, In<std::uint64_t, 1>, std::int64_t, const BatchCrowds *) const;
 template void Batch::scan(InOut<double, 2>, In<double, 2>, In<std::int64_t, 1>, In<std::int64_t, 2>, In<bool, 1>,
-                          In<double, 2>, In<std::uint64_t, 1>, std::int64_t) const;
+                          In<double, 2>, In<std::uint64_t, 1>, std::int64_t, const BatchCrowds *) const;
 
 }  // namespace trundle

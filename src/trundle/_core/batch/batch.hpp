@@ -3,13 +3,12 @@
 // Nothing of one robot depends on another or on the thread that computes it: N robots get the bits that each alone gets.
 #pragma once
 
+#include "batch/batch_crowds.hpp"
+#include "batch/each_robot.hpp"
 #include "batch/robot_model.hpp"
 #include "shared/arrays.hpp"
 
-#include <atomic>
 #include <cstdint>
-#include <system_error>
-#include <thread>
 #include <vector>
 
 namespace trundle {
@@ -25,51 +24,31 @@ class Batch {
         In<double, 3> tracks, In<std::int64_t, 1> recordings, double period);
 
   // Drive `substeps` with a command (v, w) for each robot, and find the first thing that each touched; none for robots
-  // that are not `active`. Without substeps it finds what they touch where they are.
+  // that are not `active`. Without substeps it finds what they touch where they are. Recordings with crowds need these,
+  // with each robot's placed.
   void drive(InOut<double, 2> poses, InOut<double, 2> motions, InOut<double, 2> wheels, InOut<double, 1> lengths,
              InOut<std::int64_t, 1> steps, InOut<std::int64_t, 2> contacts, In<double, 2> commands,
-             In<std::int64_t, 2> places, In<bool, 1> active, std::int64_t substeps, std::int64_t threads) const;
+             In<std::int64_t, 2> places, In<bool, 1> active, std::int64_t substeps, std::int64_t threads,
+             BatchCrowds *crowds) const;
 
   // Turn every lidar of the active robots once.
   template <typename Range>
   void scan(InOut<Range, 2> ranges, In<double, 2> poses, In<std::int64_t, 1> steps, In<std::int64_t, 2> places,
-            In<bool, 1> active, In<double, 2> errors, In<std::uint64_t, 1> keys, std::int64_t threads) const;
+            In<bool, 1> active, In<double, 2> errors, In<std::uint64_t, 1> keys, std::int64_t threads,
+            const BatchCrowds *crowds) const;
 
  private:
   struct Memory {
     batch::Spans spans;
     std::vector<batch::Point> one, other;
+    batch::Members members;
+    crowds::StepMemory steps;
   };
 
   void drive_one(double *pose, batch::Motion &motion, double *wheels, double &length,
                  std::int64_t &step, std::int64_t *contact, const double *command, const std::int64_t *place,
-                 std::int64_t substeps, Memory &memory) const;
-  void check_places(const In<std::int64_t, 2> &places) const;
-
-  // Call `work(robot, memory)` for each active robot.
-  template <typename Work>
-  void each(const In<bool, 1> &active, std::int64_t threads, std::size_t block, const Work &work) const {
-    const std::size_t count = active.size();
-    const bool *wanted = active.data();
-    std::atomic<std::size_t> next{0};
-    const auto run = [&] {
-      Memory memory;
-      for (std::size_t first = next.fetch_add(block); first < count; first = next.fetch_add(block)) {
-        for (std::size_t i = first; i < std::min(first + block, count); ++i) {
-          if (wanted[i]) work(i, memory);
-        }
-      }
-    };
-    std::vector<std::thread> others;
-    const std::size_t useful = std::min(static_cast<std::size_t>(std::max<std::int64_t>(threads, 1)), count / block + 1);
-    try {
-      for (std::size_t i = 1; i < useful; ++i) others.emplace_back(run);
-    } catch (const std::system_error &) {
-      // The machine has no more threads to give; those that run do all.
-    }
-    run();
-    for (std::thread &other : others) other.join();
-  }
+                 std::int64_t substeps, BatchCrowds::Run *crowd, Memory &memory) const;
+  void check_places(const In<std::int64_t, 2> &places, const In<bool, 1> &active, const BatchCrowds *crowds) const;
 
   std::vector<std::uint8_t> fields_;
   std::vector<double> tracks_;

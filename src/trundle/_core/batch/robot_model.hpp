@@ -83,7 +83,7 @@ class RobotModel {
   // The first thing that the footprint touches at a pose: a cell before movers, the movers by their numbers.
   // `map_is_free`: whether it is known to touch no cell.
   Touched touch(const Pose &pose, const Map &map, bool map_is_free, const Movers &movers, std::int64_t recording,
-                double time, Spans &spans, std::vector<Point> &one, std::vector<Point> &other) const {
+                double time, const Members &members, Spans &spans, std::vector<Point> &one, std::vector<Point> &other) const {
     if (!map_is_free) {
       const Point base = map.to_cells(pose.x, pose.y, resolution);
       place(sin_cos(pose.yaw - map.yaw), one);
@@ -96,7 +96,7 @@ class RobotModel {
     bool placed = false;
     for (std::size_t index = present.first; index < present.end; ++index) {
       const Mover &mover = movers.all[index];
-      const Pose at = movers.at(index, time);
+      const Pose at = movers.at(index, time, members);
       const double dx = at.x - pose.x, dy = at.y - pose.y, reach = radius + mover.radius;
       if (!(dx * dx + dy * dy < reach * reach)) continue;
       if (!placed) place(sin_cos(pose.yaw), one);
@@ -139,7 +139,7 @@ class RobotModel {
   // One turn of every lidar. Ranges are infinite without a return.
   template <typename Range>
   void scan(const Pose &pose, const Map &map, const Movers &movers, std::int64_t recording, double time,
-            const Errors &errors, std::vector<Point> &corners, Range *ranges) const {
+            const Members &members, const Errors &errors, std::vector<Point> &corners, Range *ranges) const {
     const SinCos turn = sin_cos(pose.yaw - map.yaw), heading = sin_cos(pose.yaw);
     const Point base = map.to_cells(pose.x, pose.y, resolution);
     for (const Lidar &lidar : lidars) {
@@ -154,7 +154,7 @@ class RobotModel {
       if (recording >= 0) {
         const Recording &present = movers.recordings[static_cast<std::size_t>(recording)];
         for (std::size_t index = present.first; index < present.end; ++index) {
-          see(movers.all[index], movers.at(index, time), pose, heading, lidar, corners, ranges);
+          see(movers.all[index], movers.at(index, time, members), pose, heading, lidar, corners, ranges);
         }
       }
       for (std::size_t i = lidar.first; i < lidar.end; ++i) ranges[i] = measure(ranges[i], lidar, errors, i);

@@ -1,4 +1,5 @@
-// What robots drive among: maps with their frames, and movers on recorded tracks. All of it is read only.
+// What robots drive among: maps with their frames, and movers on recorded tracks. All of it is read only but for the
+// members of crowds, who are where they are for one robot.
 #pragma once
 
 #include "batch/outlines.hpp"
@@ -28,7 +29,7 @@ struct Pose {
   double x, y, yaw;
 };
 
-// A disc about its frame's origin, or a convex polygon.
+// A disc about its frame's origin, or a convex polygon; of a member of a crowd the track is of no use.
 struct Mover {
   double radius;  // of the disc, or of the circle about the origin that has the polygon in it
   std::vector<Point> corners;
@@ -41,13 +42,20 @@ struct Recording {
   std::size_t first, end;
 };
 
+// The members of the crowds that are around one robot now: movers from `first` on.
+struct Members {
+  std::size_t first = 0;
+  std::vector<Pose> poses;
+};
+
 struct Movers {
   std::vector<Mover> all;
   std::vector<Recording> recordings;
   std::size_t samples = 0;
   double period = 1.0;
 
-  Pose at(std::size_t mover, double time) const {
+  Pose at(std::size_t mover, double time, const Members &members) const {
+    if (mover - members.first < members.poses.size()) return members.poses[mover - members.first];
     const double *track = all[mover].track;
     const double sample = std::max(time / period, 0.0);
     const double whole = std::floor(sample);

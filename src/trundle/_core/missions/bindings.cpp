@@ -2,6 +2,8 @@
 #include "missions/driver.hpp"
 #include "missions/measures.hpp"
 
+#include <nanobind/stl/unique_ptr.h>
+
 void bind_missions(nanobind::module_ &m) {
   using namespace trundle;
   using nanobind::arg;
@@ -11,7 +13,13 @@ void bind_missions(nanobind::module_ &m) {
            arg("costs"), arg("free"), arg("resolution"), arg("origin"), arg("inflation"), arg("outline"),
            arg("padded"), arg("limits"), arg("pursuit"), arg("goal"), arg("progress"))
       .def("drive", &MissionDriver::drive, arg("starts"), arg("goals"), arg("time_limits"), arg("paths"),
-           arg("backward"), arg("path_ends"), arg("checks"), arg("along"), arg("check_ends"), arg("threads"));
+           arg("backward"), arg("path_ends"), arg("checks"), arg("along"), arg("check_ends"), arg("threads"))
+      .def("begin", &MissionDriver::begin, arg("start"), arg("goal"), arg("time_limit"), arg("path"), arg("backward"),
+           arg("check"), arg("along"), arg("patience"), nb::keep_alive<0, 1>());
+  nb::class_<MissionRun>(m, "MissionRun")
+      .def("decide", &MissionRun::decide)
+      .def("move", &MissionRun::move, arg("v"), arg("w"))
+      .def("result", &MissionRun::result);
   m.def("polyline_distances", &polyline_distances, arg("points"), arg("corners"));
   m.def("stopping_poses", &stopping_poses, arg("x"), arg("y"), arg("yaw"), arg("v"), arg("w"), arg("goal_v"),
         arg("goal_w"), arg("forward"), arg("reverse"), arg("turning"), arg("acceleration"), arg("angular_acceleration"),

@@ -124,40 +124,117 @@ bool MissionDriver::move(Pose &pose, Wheels &wheels, const Twist &command, Touch
   return touched;
 }
 
-void MissionDriver::drive_one(const Mission &mission, Driven &driven) const {
-  PurePursuit pursuit(limits_, track_width_, footprint_, padded_, pursuit_);
-  pursuit.set_path(mission.path, mission.backward, mission.poses);
-  FollowedPath followed(mission.check, mission.along, mission.checked);
-  PathProgress along_path;
-  BlockWatch watch;
-  ProgressChecker progress(progress_radius_, progress_angle_);
-  Touching touching;
-  Wheels wheels;
-  Pose real = mission.start;
-  Twist sent{0.0, 0.0};
-  std::int64_t steps = 0;
-  bool has_touched = touching.collides(*ground_, footprint_, real);
-  while (true) {
-    const Pose pose = stands_at(real);
-    const Twist twist{wheels.v, wheels.w};
-    driven.rows.insert(driven.rows.end(), {pose.x, pose.y, pose.yaw, twist.v, twist.w, sent.v, sent.w});
-    const auto end = [&](std::int64_t ending) { driven.ending = ending; };
-    if (has_touched) return end(kTouched);
-    const double time = static_cast<double>(steps) * timestep_;
-    if (is_reached(mission, pose, twist)) return end(kArrived);
-    if (!(progress.standing(pose, time) <= progress_allowance_)) return end(kStood);
-    followed.advance(pose.x, pose.y);
-    const std::optional<Twist> found = pursuit.compute(*ground_, pose, twist, period_);
-    if (pursuit.is_beyond()) return end(kBeyond);
-    if (!found) ++driven.standing;
-    const Twist command = found.value_or(Twist{0.0, 0.0});
-    if (along_path.may_be_lost(followed.left(), twist, period_)) return end(kLost);
-    if (watch.is_blocked(command, twist, period_)) return end(kBlocked);
-    if (time >= mission.time_limit - 1e-9) return end(kTimedOut);
-    has_touched = move(real, wheels, command, touching);
-    steps += substeps_;
-    sent = command;
+MissionDriver::Drive::Drive(const MissionDriver &driver, const Mission &mission, const Patience &patience)
+    : driver_(driver), mission_(mission),
+      pursuit_(driver.limits_, driver.track_width_, driver.footprint_, driver.padded_, driver.pursuit_),
+      followed_(mission.check, mission.along, mission.checked),
+      progress_(driver.progress_radius_, driver.progress_angle_), place_(patience.radius, patience.angle),
+      patience_(patience.seconds), real_(mission.start) {
+  pursuit_.set_path(mission.path, mission.backward, mission.poses);
+  has_touched_ = touching_.collides(*driver.ground_, driver.footprint_, real_);
+}
+
+std::int64_t MissionDriver::Drive::decide() {
+  const Pose pose = stands_at(real_);
+  const Twist twist{wheels_.v, wheels_.w};
+  driven.rows.insert(driven.rows.end(), {pose.x, pose.y, pose.yaw, twist.v, twist.w, sent_.v, sent_.w});
+  const auto end = [&](std::int64_t ending) { return driven.ending = ending; };
+  if (has_touched_) return end(kTouched);
+  const double time = static_cast<double>(steps_) * driver_.timestep_, period = driver_.period_;
+  if (driver_.is_reached(mission_, pose, twist)) return end(kArrived);
+  const bool is_patient = place_.standing(pose, time) <= patience_;
+  if (is_held_) {  // what stops the robot may move away
+    if (!is_patient) return end(kHeld);
+    progress_.reset();
   }
+  if (!(progress_.standing(pose, time) <= driver_.progress_allowance_)) return end(kStood);
+  followed_.advance(pose.x, pose.y);
+  const std::optional<Twist> found = pursuit_.compute(*driver_.ground_, pose, twist, period);
+  if (pursuit_.is_beyond()) return end(kBeyond);
+  if (!found) ++driven.standing;
+  command = found.value_or(Twist{0.0, 0.0});
+  if (along_path_.may_be_lost(followed_.left(), twist, period)) return end(kLost);
+  if (watch_.is_blocked(command, twist, period)) return end(kBlocked);
+  if (time >= mission_.time_limit - 1e-9) return end(kTimedOut);
+  return kDriving;
+}
+
+void MissionDriver::Drive::move(const Twist &sent) {
+  const Twist stand{0.0, 0.0};
+  is_held_ = sent == stand && !(command == stand);
+  has_touched_ = driver_.move(real_, wheels_, sent, touching_);
+  steps_ += driver_.substeps_;
+  sent_ = sent;
+}
+
+void MissionDriver::drive_one(const Mission &mission, Driven &driven) const {
+  Drive drive(*this, mission, Patience());
+  while (drive.decide() == kDriving) drive.move(drive.command);
+  driven = std::move(drive.driven);
+}
+
+MissionRun::MissionRun(const MissionDriver &driver, const MissionDriver::Mission &mission,
+                       const MissionDriver::Patience &patience)
+    : path_(mission.path, mission.path + 3 * mission.poses), check_(mission.check, mission.check + 3 * mission.checked),
+      along_(mission.along, mission.along + mission.checked), backward_(new bool[mission.poses]), mission_(mission),
+      drive_(driver, [&]() -> const MissionDriver::Mission & {
+        std::copy_n(mission.backward, mission.poses, backward_.get());
+        mission_.path = path_.data(), mission_.backward = backward_.get();
+        mission_.check = check_.data(), mission_.along = along_.data();
+        return mission_;
+      }(), patience) {}
+
+nb::tuple MissionRun::decide() {
+  if (may_move_) throw nb::value_error("the robot has to move before the next decision");
+  if (!drive_.driven.rows.empty() && drive_.driven.ending != MissionDriver::kDriving) {
+    throw nb::value_error("the drive has ended");
+  }
+  drive_.driven.ending = MissionDriver::kDriving;
+  const std::int64_t ending = drive_.decide();
+  may_move_ = ending == MissionDriver::kDriving;
+  const double *row = drive_.driven.rows.data() + drive_.driven.rows.size() - 7;
+  return nb::make_tuple(ending, row[0], row[1], row[2], row[3], row[4], drive_.command.v, drive_.command.w);
+}
+
+void MissionRun::move(double v, double w) {
+  if (!may_move_) throw nb::value_error("there is no command to be sent: decide first");
+  if (!(std::abs(v) < 1e9 && std::abs(w) < 1e9)) throw nb::value_error("a command must be finite");
+  may_move_ = false;
+  drive_.move({v, w});
+}
+
+nb::tuple MissionRun::result() const {
+  std::vector<double> rows = drive_.driven.rows;
+  const std::size_t count = rows.size() / 7;
+  return nb::make_tuple(to_numpy(std::move(rows), {count, 7}), drive_.driven.standing);
+}
+
+void MissionDriver::check_mission(const Mission &mission) const {
+  require(std::abs(mission.goal.x) < 1e9 && std::abs(mission.goal.y) < 1e9, "goals must be finite");
+  require(mission.time_limit >= 0.0 && mission.time_limit / period_ <= kMostPeriods,
+          "a time limit has at most a million control periods");
+  double far = 0.0;
+  for (std::size_t i = 0; i + 1 < mission.poses; ++i) {
+    const double *pose = mission.path + 3 * i;
+    far += length(pose[3] - pose[0], pose[4] - pose[1]);
+  }
+  require(far <= kLongest, "a path is at most 10 km long");
+}
+
+std::unique_ptr<MissionRun> MissionDriver::begin(In<double, 1> start, In<double, 1> goal, double time_limit,
+                                                 In<double, 2> path, In<bool, 1> backward, In<double, 2> check,
+                                                 In<double, 1> along, In<double, 1> patience) const {
+  require(start.size() == 3 && is_finite(start) && goal.size() == 3, "a start and a goal have three numbers");
+  require(path.shape(0) > 0 && path.shape(1) == 3 && is_finite(path) && backward.size() == path.shape(0),
+          "a path needs shape (P, 3)");
+  require(check.shape(0) > 0 && check.shape(1) == 3 && is_finite(check) && along.size() == check.shape(0),
+          "its check needs shape (C, 3)");
+  require(patience.size() == 3 && is_finite(patience), "the patience has three numbers");
+  const double *s = start.data(), *g = goal.data(), *p = patience.data();
+  const Mission mission{{s[0], s[1], s[2]}, {g[0], g[1], g[2]}, !std::isfinite(g[2]), time_limit,    path.data(),
+                        backward.data(),    path.shape(0),      check.data(),         along.data(), check.shape(0)};
+  check_mission(mission);
+  return std::make_unique<MissionRun>(*this, mission, Patience{p[0], p[1], p[2]});
 }
 
 nb::tuple MissionDriver::drive(In<double, 2> starts, In<double, 2> goals, In<double, 1> time_limits,
@@ -177,24 +254,18 @@ nb::tuple MissionDriver::drive(In<double, 2> starts, In<double, 2> goals, In<dou
     require(path < path_end && check < check_end && static_cast<std::size_t>(path_end) <= paths.shape(0) &&
                 static_cast<std::size_t>(check_end) <= checks.shape(0),
             "each mission needs a path with poses, and its check");
-    const double *start = starts.data() + 3 * i, *goal = goals.data() + 3 * i, limit = time_limits.data()[i];
-    require(std::abs(goal[0]) < 1e9 && std::abs(goal[1]) < 1e9, "goals must be finite");
-    require(limit >= 0.0 && limit / period_ <= kMostPeriods, "a time limit has at most a million control periods");
-    double far = 0.0;
-    for (const double *pose = paths.data() + 3 * path; pose + 3 < paths.data() + 3 * path_end; pose += 3) {
-      far += length(pose[3] - pose[0], pose[4] - pose[1]);
-    }
-    require(far <= kLongest, "a path is at most 10 km long");
+    const double *start = starts.data() + 3 * i, *goal = goals.data() + 3 * i;
     all.push_back({{start[0], start[1], start[2]},
                    {goal[0], goal[1], goal[2]},
                    !std::isfinite(goal[2]),
-                   limit,
+                   time_limits.data()[i],
                    paths.data() + 3 * path,
                    backward.data() + path,
                    static_cast<std::size_t>(path_end - path),
                    checks.data() + 3 * check,
                    along.data() + check,
                    static_cast<std::size_t>(check_end - check)});
+    check_mission(all.back());
     path = path_end, check = check_end;
   }
   std::vector<Driven> driven(count);

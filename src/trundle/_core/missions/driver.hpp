@@ -3,21 +3,27 @@
 // Each control period has the decisions of the navigator with regulated pure pursuit, and the motion of the kinematic
 // simulator, with their operations in their order. What they would do beyond following the path (recover, give up, touch
 // something) ends a drive as handed over: Python drives that mission from its start.
+//
+// `MissionRun` is one of these drives, whose commands somebody else may change on their way to the wheels.
 #pragma once
 
 #include "missions/progress.hpp"
 #include "missions/pure_pursuit.hpp"
 #include "shared/arrays.hpp"
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
 namespace trundle {
 
+class MissionRun;
+
 class MissionDriver {
  public:
-  enum Ending : std::int64_t { kArrived, kTimedOut, kTouched, kBlocked, kLost, kStood, kBeyond };
+  enum Ending : std::int64_t { kArrived, kTimedOut, kTouched, kBlocked, kLost, kStood, kBeyond, kHeld, kDriving };
 
   // `limits`: forward, reverse and turning speed, both accelerations, wheel radius, track width, the wheels' largest
   // speed, the length of a substep and the number of them in a control period, and the length of that.
@@ -37,7 +43,14 @@ class MissionDriver {
                   In<bool, 1> backward, In<std::int64_t, 1> path_ends, In<double, 2> checks, In<double, 1> along,
                   In<std::int64_t, 1> check_ends, std::int64_t threads) const;
 
+  // Begin one of them, to be stepped. `patience`: radius, angle and time of standing, after which a robot that is held by
+  // what changes its commands may be taken to be stuck.
+  std::unique_ptr<MissionRun> begin(In<double, 1> start, In<double, 1> goal, double time_limit, In<double, 2> path,
+                                    In<bool, 1> backward, In<double, 2> check, In<double, 1> along,
+                                    In<double, 1> patience) const;
+
  private:
+  friend class MissionRun;
   struct Mission {
     missions::Pose start, goal;
     bool any_yaw;
@@ -55,7 +68,39 @@ class MissionDriver {
   struct Wheels {
     double ramp_v = 0.0, ramp_w = 0.0, v = 0.0, w = 0.0;
   };
+  struct Patience {
+    double radius = 0.0, angle = 0.0, seconds = 0.0;
+  };
 
+  // A drive in progress. The mission's arrays and the driver must live as long.
+  class Drive {
+   public:
+    Drive(const MissionDriver &driver, const Mission &mission, const Patience &patience);
+    // Log the state and decide on a command; `kDriving`, or how the drive ends instead.
+    std::int64_t decide();
+    void move(const missions::Twist &sent);
+
+    Driven driven;
+    missions::Twist command{0.0, 0.0};
+
+   private:
+    const MissionDriver &driver_;
+    const Mission &mission_;
+    missions::PurePursuit pursuit_;
+    missions::FollowedPath followed_;
+    missions::PathProgress along_path_;
+    missions::BlockWatch watch_;
+    missions::ProgressChecker progress_, place_;
+    double patience_;
+    missions::Touching touching_;
+    Wheels wheels_;
+    missions::Pose real_;
+    missions::Twist sent_{0.0, 0.0};
+    std::int64_t steps_ = 0;
+    bool has_touched_, is_held_ = false;
+  };
+
+  void check_mission(const Mission &mission) const;
   void drive_one(const Mission &mission, Driven &driven) const;
   bool is_reached(const Mission &mission, const missions::Pose &pose, const missions::Twist &twist) const;
   void accelerate(Wheels &wheels, const missions::Twist &target) const;
@@ -70,6 +115,27 @@ class MissionDriver {
   std::int64_t substeps_;
   double xy_tolerance_, yaw_tolerance_, stopped_v_, stopped_w_;
   double progress_radius_, progress_angle_, progress_allowance_;
+};
+
+class MissionRun {
+ public:
+  MissionRun(const MissionDriver &driver, const MissionDriver::Mission &mission,
+             const MissionDriver::Patience &patience);
+
+  // Decide on the command of the next control period: how the drive ends instead (`kDriving` where it goes on), the
+  // state (x, y, yaw, v, w), and the command (v, w).
+  nb::tuple decide();
+  // Drive one control period with what is sent instead of the command.
+  void move(double v, double w);
+  // The rows so far, as of `MissionDriver::drive`, and the control periods without a valid command.
+  nb::tuple result() const;
+
+ private:
+  std::vector<double> path_, check_, along_;
+  std::unique_ptr<bool[]> backward_;
+  MissionDriver::Mission mission_;
+  MissionDriver::Drive drive_;
+  bool may_move_ = false;
 };
 
 }  // namespace trundle

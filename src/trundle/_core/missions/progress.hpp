@@ -94,6 +94,8 @@ class ProgressChecker {
  public:
   ProgressChecker(double radius, double angle) : radius_(radius), angle_(angle) {}
 
+  void reset() { has_pose_ = false; }
+
   double standing(const Pose &pose, double time) {
     if (!has_pose_ || length(pose.x - last_.x, pose.y - last_.y) >= radius_ ||
         std::abs(wrap_angle(pose.yaw - last_.yaw)) >= angle_) {

@@ -143,6 +143,8 @@ def navigate(
         output.remark(f"{bag}: {line}", quiet=quiet)
     factor = float("inf") if speed is None else options.parse_speed(speed)
     lacks = _NO_SIMULATION if recorded is None else _NO_SIMULATION[:2]
+    if locates != "amcl":
+        lacks = (*lacks, "find")
     with ends_as_by_ctrl_c(), ExitStack() as opened:
         transport = at.open(settings, names)
         opened.callback(transport.close)

@@ -81,7 +81,7 @@ def open_page(
         speed: How fast it passes at first.
         shows: Whether a page is wanted.
         quiet: Without remarks.
-        lacks: What cannot be done with what is driven: "restart", "box", "speed".
+        lacks: What cannot be done with what is driven: "restart", "box", "speed", "find".
     """
     if not shows:
         yield None, None

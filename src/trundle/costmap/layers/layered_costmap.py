@@ -246,12 +246,14 @@ class LayeredCostmap:
                     self._rebuild()
             return self._costmap
 
-    def update(self, scans: Sequence[Scan], estimate: Estimate) -> Costmap:
+    def update(self, scans: Sequence[Scan], estimate: Estimate, *, moved: npt.ArrayLike = ()) -> Costmap:
         """Take the scans that arrived since the last update, and return the costmap.
 
         Args:
             scans: Oldest first; each is placed by the estimates at its own time.
             estimate: Where the robot is now.
+            moved: Where something was seen to move of late: x, y and radius [m], map frame, shape (N, 3). What was
+                marked there and is not seen any more is forgotten; see `ObstacleLayerSettings.mover_persistence`.
 
         Returns:
             The same object as before if nothing changed.
@@ -265,12 +267,16 @@ class LayeredCostmap:
         """
         taken = check_scans(scans)
         check_kind(estimate, Estimate, "an estimate", "a localizer's update returns one")
+        places = as_array(moved, np.float64, "moved").reshape(-1, 3)
         with self._lock:
             if self._time is not None and not estimate.time > self._time:
                 raise InputError(
                     f"times must increase: an estimate of {estimate.time:g} s came after one of {self._time:g} s"
                 )
             windows = [window for layer in self._layers if (window := layer.update(taken, estimate)) is not None]
+            if self._obstacle is not None:
+                forgot = self._obstacle.forget_movers(places, estimate.time)
+                windows += [] if forgot is None else [forgot]
             if self._pose is None:
                 windows = [EVERYWHERE]
             self._time, self._pose = estimate.time, estimate.pose

@@ -8,10 +8,10 @@ from types import MappingProxyType
 from typing import Annotated, Self
 
 import numpy as np
-import numpy.typing as npt
 from pydantic import Field, model_validator
 
 from trundle import _core
+from trundle.costmap.layers.evidence_grid import EvidenceGrid
 from trundle.costmap.layers.layer import EVERYWHERE, MapPart, MapWindow
 from trundle.costmap.layers.scan_filter import ScanFilter
 from trundle.files.config_fields import NotNegative, Positive
@@ -24,16 +24,13 @@ from trundle.values import check_kind, check_number
 _LARGEST_CELL_M = 10.0
 _MOST_SENSORS = 32  # whose place is remembered: some robots move theirs
 _BESIDE_M = 2.0  # room for the mount, and for what the robot drives while a scan is on its way
-_SPARE_M = 4.0  # by how much more than needed the grid grows, as each growth copies it
-_MOST_CELLS = 25_000_000  # 250 x 250 m at 5 cm
 
 _JUMP_M, _JUMP_RAD = 0.25, math.radians(5.0)
 """A correction by more than this is a jump: one of a localizer that tracks is some centimetres, and tenths of a degree.
 What is off by less lies beside its place by less than a robot leaves for clearance, and scans clear it."""
 _WORTH_A_WARNING_M = 1.0
-
-MARKED = 128
-"""Bit of a cell that is marked."""
+_LOOK_EVERY_S = 0.5
+_BESIDE_MOVER_M = 0.3  # marks lie on the near side of a mover, and beside the place that its track has
 
 
 class ObstacleLayerSettings(Config):
@@ -50,6 +47,8 @@ class ObstacleLayerSettings(Config):
         raytrace_max_range: Farthest range at which a beam clears [m].
         raytrace_min_range: Nearest range at which a beam clears [m].
         observation_persistence: Time after which a mark that no scan has hit disappears [s]. If None, only beams clear.
+        mover_persistence: The same [s] for marks where something was seen to move: what is hidden since has probably
+            moved on. If None, only beams clear these, too.
         source_timeout: Scans that are older than this are ignored [s].
         hits_to_mark: Number of scans in which a cell must be hit before it is marked, 1 to 5.
         misses_to_clear: How many scans must pass through a marked cell before it is cleared, 1 to 10.
@@ -69,6 +68,7 @@ class ObstacleLayerSettings(Config):
     raytrace_max_range: Positive = 12.0
     raytrace_min_range: NotNegative = 0.0
     observation_persistence: NotNegative | None = None
+    mover_persistence: NotNegative | None = 2.0
     source_timeout: Positive = 1.0
     hits_to_mark: Annotated[int, Field(ge=1, le=5)] = 2
     misses_to_clear: Annotated[int, Field(ge=1, le=10)] = 5
@@ -85,109 +85,6 @@ class ObstacleLayerSettings(Config):
                     f"{name}_max_range {high:g} m must be above {name}_min_range {low:g} m, and at most 1000 m"
                 )
         return self
-
-
-class EvidenceGrid:
-    """A byte of evidence per cell, where in the cell the hit was that marked it, and if asked for when it was hit last.
-
-    The grid grows with what it must hold. One that would become too large, or is told to roll, keeps what lies around
-    the robot.
-
-    Args:
-        resolution: Edge of a cell [m].
-        timed: Whether times of hits are kept.
-        rolling: Whether it only keeps what it must hold.
-    """
-
-    def __init__(self, resolution: float, *, timed: bool, rolling: bool) -> None:
-        self.resolution = resolution
-        self._timed = timed
-        self._rolling = rolling
-        self.clear()
-
-    def clear(self) -> None:
-        """Forget everything."""
-        self._allocate(0, 0, (0, 0))
-
-    def forget(self, x: float, y: float, half: float, *, outside: bool) -> None:
-        """Forget a square of ±`half` [m] around a point, or all outside of it."""
-        low, high = self._cells_of(x - half, y - half), self._cells_of(x + half, y + half)
-        rows = slice(max(0, low[0] - self.row), max(0, high[0] + 1 - self.row))
-        cols = slice(max(0, low[1] - self.col), max(0, high[1] + 1 - self.col))
-        kept = self.cells[rows, cols].copy() if outside else 0
-        if outside:
-            self.cells[:] = 0
-        self.cells[rows, cols] = kept  # points and times are not looked at where it is 0
-
-    def hold(self, x: float, y: float, half: float) -> bool:
-        """Make room for a square of ±`half` [m] around a point; return whether something was forgotten."""
-        low, high = self._cells_of(x - half, y - half), self._cells_of(x + half, y + half)
-        rows, cols = self.cells.shape
-        if self.row <= low[0] and self.col <= low[1] and high[0] < self.row + rows and high[1] < self.col + cols:
-            return False
-        spare = math.ceil(_SPARE_M / self.resolution)
-        row, col, row_end, col_end = low[0] - spare, low[1] - spare, high[0] + spare + 1, high[1] + spare + 1
-        union = (
-            min(row, self.row),
-            min(col, self.col),
-            max(row_end, self.row + rows),
-            max(col_end, self.col + cols),
-        )
-        too_large = (union[2] - union[0]) * (union[3] - union[1]) > _MOST_CELLS
-        if rows and not self._rolling and not too_large:
-            row, col, row_end, col_end = union
-        old = self.row, self.col, self.cells, self.points, self.times
-        self._allocate(row, col, (row_end - row, col_end - col))
-        self._take(*old)
-        return bool(rows) and too_large
-
-    def window(self, box: tuple[int, int, int, int]) -> MapWindow | None:
-        """Return where a rectangle of cells (row, row end, col, col end) lies in the map; None if it is empty."""
-        row, row_end, col, col_end = box
-        if row == row_end:
-            return None
-        edge = self.resolution
-        return MapWindow(
-            (self.col + col) * edge, (self.row + row) * edge, (self.col + col_end) * edge, (self.row + row_end) * edge
-        )
-
-    def marks(self) -> FloatArray:
-        """Return where marked cells were hit [m], map frame, shape (N, 2)."""
-        row, col = np.nonzero(self.cells & MARKED)
-        inside = (self.points[row, col].astype(np.float64) + 0.5) / 256.0
-        return (inside + np.column_stack([col + self.col, row + self.row])) * self.resolution
-
-    def _cells_of(self, x: float, y: float) -> tuple[int, int]:
-        return math.floor(y / self.resolution), math.floor(x / self.resolution)
-
-    def _allocate(self, row: int, col: int, shape: tuple[int, int]) -> None:
-        self.row, self.col = row, col
-        self.cells: npt.NDArray[np.uint8] = np.zeros(shape, np.uint8)
-        self.points: npt.NDArray[np.uint8] = np.zeros((*shape, 2), np.uint8)
-        self.times: FloatArray = np.zeros(shape if self._timed else (0, 0))
-
-    def _take(
-        self,
-        row: int,
-        col: int,
-        cells: npt.NDArray[np.uint8],
-        points: npt.NDArray[np.uint8],
-        times: FloatArray,
-    ) -> None:
-        """Copy what another grid holds of this one's cells."""
-        first = max(row, self.row), max(col, self.col)
-        end = (
-            min(row + cells.shape[0], self.row + self.cells.shape[0]),
-            min(col + cells.shape[1], self.col + self.cells.shape[1]),
-        )
-        if first[0] >= end[0] or first[1] >= end[1]:
-            return
-        source = slice(first[0] - row, end[0] - row), slice(first[1] - col, end[1] - col)
-        target = slice(first[0] - self.row, end[0] - self.row), slice(first[1] - self.col, end[1] - self.col)
-        self.cells[target] = cells[source]
-        self.points[target] = points[source]
-        if self._timed:
-            self.times[target] = times[source]
 
 
 class ObstacleLayer:
@@ -236,6 +133,7 @@ class ObstacleLayer:
         self._rule = self.settings.misses_to_clear, self.settings.hits_to_mark
         self._sensors: dict[tuple[Pose2D, float, float], tuple[FloatArray, FloatArray]] = {}
         self._last: Estimate | None = None
+        self._looked_at = -math.inf
 
     @property
     def warnings(self) -> Mapping[str, int]:
@@ -247,10 +145,33 @@ class ObstacleLayer:
         self._filter.reset()
         self._grid.clear()
         self._last = None
+        self._looked_at = -math.inf
 
     def forget(self, pose: Pose2D, size: float, *, outside: bool) -> None:
         """Forget what was seen in a square of edge `size` [m] around a pose, or outside of it; map frame."""
         self._grid.forget(pose.x, pose.y, 0.5 * size, outside=outside)
+
+    def forget_movers(self, places: FloatArray, time: float) -> MapWindow | None:
+        """Forget marks where something was seen to move, and that were not hit within `mover_persistence`.
+
+        Args:
+            places: Where that was of late: x, y and radius [m], map frame, shape (N, 3).
+            time: Now [s]. It looks for such marks twice a second.
+
+        Returns:
+            What changed, in the map frame, or None if nothing changed.
+        """
+        persistence, grid = self.settings.mover_persistence, self._grid
+        if persistence is None or len(places) == 0 or 0.0 <= time - self._looked_at < _LOOK_EVERY_S:
+            return None
+        self._looked_at = time
+        grid.begin_timing(time)
+        row, col = grid.unseen(places + np.array([0.0, 0.0, _BESIDE_MOVER_M]), time - persistence)
+        if len(row) == 0:
+            return None
+        misses, hits = self._rule
+        grid.cells[row, col] = 1 + hits * misses
+        return grid.window((int(row.min()), int(row.max()) + 1, int(col.min()), int(col.max()) + 1))
 
     def update(self, scans: Sequence[Scan], estimate: Estimate) -> MapWindow | None:
         """Mark and clear by new scans; see `Layer`.

@@ -34,10 +34,12 @@ class Scene:
 
     Args:
         longest: The longest beams that are used [m].
+        oldest_s: Scans are compared with those before up to this age [s].
     """
 
-    def __init__(self, longest: float) -> None:
+    def __init__(self, longest: float, *, oldest_s: float = _OLDEST_S) -> None:
         self._longest = longest
+        self._oldest_s = oldest_s
         self.reset()
 
     def reset(self) -> None:
@@ -67,6 +69,11 @@ class Scene:
         self._keep(scans, odometry)
         return False
 
+    @property
+    def is_doubtful(self) -> bool:
+        """Whether the last scans showed another place, and the next ones will tell."""
+        return self._differ > 0
+
     def _keep(self, scans: Sequence[Scan], odometry: Pose2D) -> None:
         self._before.update((scan.lidar, (scan, odometry)) for scan in scans)
 
@@ -74,7 +81,7 @@ class Scene:
         agree = short = through = 0
         for scan in scans:
             before = self._before.get(scan.lidar)
-            if before is None or not 0.0 < scan.time - before[0].time < _OLDEST_S:
+            if before is None or not 0.0 < scan.time - before[0].time < self._oldest_s:
                 continue
             counts = self._compare(before[0], before[1].inverse() @ odometry, scan)
             agree, short, through = agree + counts[0], short + counts[1], through + counts[2]

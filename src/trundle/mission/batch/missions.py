@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from trundle.costmap import LETHAL
 from trundle.errors import InputError, PlanningError
 from trundle.geometry import FloatArray, Goal, Pose2D, Twist2D
 from trundle.mission.batch.needs import world_needs_python
+from trundle.mission.batch.sensing import Drive, SensedDrive, Sensing, monitors
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.metrics import Measure
 from trundle.mission.observers import RunInfo
@@ -26,19 +28,21 @@ from trundle.mission.running.run_log import AgentTotals, RunLog
 from trundle.mission.scenario import Setting
 from trundle.mission.trajectory import Trajectory
 from trundle.navigation import Navigator
+from trundle.navigation.obstacle_watch import STANDING_WITHIN
 from trundle.path import Path
 from trundle.planning import PathCheck
 from trundle.sim.kinematic import TIMESTEP
 from trundle.sim.ramp import count_steps
 from trundle.worlds import World
 
-_ARRIVED = 0
+_ARRIVED, _DRIVING = 0, 8
 _HANDED_OVER = {
     2: "contact",
     3: "blocked",
     4: "no progress along the path",
     5: "no progress",
     6: "contact of a robot that stands",
+    7: "held by the collision monitor",
 }
 """Endings of the kernel with which a drive is handed over."""
 
@@ -97,7 +101,8 @@ class MissionBatch:
     """Drives missions from the start to the end: one call of a kernel for all that share a costmap and a robot.
 
     Each is driven as `trundle.run` drives it in a `KinematicSimulator`, with the same commands. Where a mission needs
-    more than to follow its path (a step of recovery, a contact, giving up), it is handed over.
+    more than to follow its path (a step of recovery, a contact, giving up), it is handed over; and so it is where what
+    its lidars see might make the robot drive otherwise: see `Sensing`.
 
     Args:
         threads: How many of them are driven at a time.
@@ -107,6 +112,7 @@ class MissionBatch:
         self._threads = threads
         self._kernels: list[tuple[tuple[object, ...], bytes, MissionDriver]] = []
         self._world: tuple[World, str] | None = None
+        self._sensing = Sensing()
 
     def drive(self, missions: Sequence[BatchMission]) -> list[Episode | HandedOver | PlanningError]:
         """Plan and drive missions.
@@ -127,9 +133,22 @@ class MissionBatch:
                 groups.setdefault(id(kernel), (kernel, []))[1].append(number)
         for kernel, numbers in groups.values():
             group = [planned for number in numbers if isinstance(planned := ends[number], _Planned)]
-            for number, end in zip(numbers, _drive(kernel, group, self._threads), strict=True):
+            for number, end in zip(numbers, self._drive(kernel, group), strict=True):
                 ends[number] = end
         return [end for end in ends if not isinstance(end, _Planned)]
+
+    def _drive(self, kernel: MissionDriver, group: Sequence[_Planned]) -> list[Episode | HandedOver]:
+        """Drive missions by a kernel: at once, but for those whose commands pass a collision monitor."""
+        monitored = [monitors(planned.mission.setting) for planned in group]
+        alone = [planned for planned, is_checked in zip(group, monitored, strict=True) if not is_checked]
+        together = iter(_drive_together(kernel, alone, self._threads))
+        ends: list[Episode | HandedOver] = []
+        for planned, is_checked in zip(group, monitored, strict=True):
+            sensed = self._sensing.begin(planned.mission.setting)
+            driven = _drive_checked(kernel, planned, sensed) if is_checked else next(together)
+            reason = _HANDED_OVER.get(driven.ending) or sensed.find_difference(driven.drive)
+            ends.append(HandedOver(reason) if reason else _conclude(planned, driven, sensed.log.monitor_stops))
+        return ends
 
     def _needs_of(self, world: World) -> str:
         """What of a world has to be simulated in Python; it is kept for the next missions there."""
@@ -199,7 +218,18 @@ def _plan(mission: BatchMission, needs: str) -> _Planned | Episode | HandedOver 
     return planned
 
 
-def _drive(kernel: MissionDriver, group: Sequence[_Planned], threads: int) -> list[Episode | HandedOver]:
+class _Driven(NamedTuple):
+    """A drive, how it ended by the kernel's number, and its control periods without a valid command."""
+
+    drive: Drive
+    ending: int
+    standing: int
+
+
+def _drive_together(kernel: MissionDriver, group: Sequence[_Planned], threads: int) -> Iterator[_Driven]:
+    """Drive missions in one call of a kernel."""
+    if not group:
+        return
     courses = [planned.course for planned in group]
     rows, ends, results = kernel.drive(
         np.array([planned.info.start.as_tuple() for planned in group]),
@@ -213,28 +243,55 @@ def _drive(kernel: MissionDriver, group: Sequence[_Planned], threads: int) -> li
         np.cumsum([len(check.poses) for _, check in courses]),
         threads,
     )
-    driven: list[Episode | HandedOver] = []
     first = 0
     for planned, end, (ending, standing) in zip(group, ends.tolist(), results.tolist(), strict=True):
-        if ending in _HANDED_OVER:
-            driven.append(HandedOver(_HANDED_OVER[ending]))
-        else:
-            driven.append(_conclude(planned, rows[first:end], standing, arrived=ending == _ARRIVED))
+        yield _Driven(_as_drive(planned, rows[first:end]), ending, standing)
         first = end
-    return driven
 
 
-def _conclude(planned: _Planned, rows: FloatArray, standing: int, *, arrived: bool) -> Episode:
-    """The episode of a drive, of its rows (x, y, yaw, v, w, and the command v, w)."""
-    info = planned.info
-    steps = count_steps(info.dt, TIMESTEP)
-    time = np.arange(0.0, len(rows) * steps, steps) * TIMESTEP
+def _drive_checked(kernel: MissionDriver, planned: _Planned, sensed: SensedDrive) -> _Driven:
+    """Drive a mission whose commands pass a collision monitor."""
+    (path, check), info = planned.course, planned.info
+    patience_s = planned.navigator.settings.patience_s
+    run = kernel.begin(
+        np.array(info.start.as_tuple()),
+        np.array(_goal_numbers(info.goals[0])),
+        info.time_limit_s,
+        path.poses,
+        np.append(path.backward, False),
+        check.poses,
+        check.along,
+        np.array([*STANDING_WITHIN, patience_s]),
+    )
+    steps, period = count_steps(info.dt, TIMESTEP), 0
+    while True:
+        ending, x, y, yaw, v, w, wished_v, wished_w = run.decide()
+        if ending != _DRIVING:
+            break
+        time = period * steps * TIMESTEP
+        sent = sensed.check(Twist2D(wished_v, wished_w), Twist2D(v, w), time, Pose2D(x, y, yaw))
+        run.move(sent.v, sent.w)
+        period += 1
+    rows, standing = run.result()
+    return _Driven(_as_drive(planned, rows), ending, standing)
+
+
+def _as_drive(planned: _Planned, rows: FloatArray) -> Drive:
+    steps = count_steps(planned.info.dt, TIMESTEP)
+    return Drive(np.arange(0.0, len(rows) * steps, steps) * TIMESTEP, rows, planned.course[1].poses)
+
+
+def _conclude(planned: _Planned, driven: _Driven, monitor_stops: int | None) -> Episode:
+    """The episode of a drive."""
+    info, rows, time = planned.info, driven.drive.rows, driven.drive.time
     log = RunLog.of(_trajectory(time, rows), (planned.course[0],))
+    log.monitor_stops = monitor_stops
     totals = AgentTotals()
-    if standing:
-        totals.standing_reasons["no valid control"] += standing
+    if driven.standing:
+        totals.standing_reasons["no valid control"] += driven.standing
     state = replace(standing_at(Pose2D(*rows[-1, :3].tolist()))[0], time=float(time[-1]))
-    ending = endings.at_goal(state, None) if arrived else endings.timed_out(info.goals, info.time_limit_s)
+    is_there = driven.ending == _ARRIVED
+    ending = endings.at_goal(state, None) if is_there else endings.timed_out(info.goals, info.time_limit_s)
     return _make_episode(planned, log, totals, ending)
 
 

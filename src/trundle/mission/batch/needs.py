@@ -18,7 +18,6 @@ _NOT_SET = (
     "localizer",
     "speed_mask",
     "assumed",
-    "unmapped",
     "map_errors",
     "movers",
     "actuation",
@@ -39,10 +38,9 @@ def needs_python(scenario: ScenarioFields) -> tuple[str, ...]:
     needs = [name for name in _NOT_SET if getattr(scenario, name)]
     if scenario.controller.is_python or scenario.controller.name != CONTROLLER:
         needs.insert(0, f"controller {scenario.controller.short_name}")
-    if scenario.lidar or scenario.backend.options:
-        needs.append("lidar" if scenario.lidar else "options of the backend")
-    if scenario.collision_monitor:
-        needs.append("collision_monitor")
+    if scenario.backend.options:
+        needs.append("options of the backend")
+    needs += _needed_by_lidars(scenario)
     goals = scenario.goals or ()
     if len(goals) > 1 or any(tasks_of(make_goal(goal)) for goal in goals):
         needs.append("several goals or tasks")
@@ -50,6 +48,23 @@ def needs_python(scenario: ScenarioFields) -> tuple[str, ...]:
     if walls.unknown == "solid" and scenario.unknown != "blocked":
         needs.append("map_options: unknown solid where the robot may drive")
     return tuple(needs)
+
+
+def _needed_by_lidars(scenario: ScenarioFields) -> list[str]:
+    """What of a scenario's lidars is not known beforehand to make no difference."""
+    if not scenario.lidar:
+        return ["collision_monitor without lidars"] if scenario.collision_monitor else []
+    needs: list[str] = []
+    if not scenario.known_map:
+        needs.append("known_map: false")
+    if scenario.unknown != "blocked":
+        needs.append(f"lidars where unknown is {scenario.unknown}")
+    layers = scenario.layers
+    if layers is not None and layers.rolling_window:
+        needs.append("layers: rolling_window")
+    if layers is not None and layers.obstacle is not None and layers.obstacle.clear_static:
+        needs.append("layers: clear_static")
+    return needs
 
 
 def world_needs_python(world: World) -> str:

@@ -142,6 +142,7 @@ def make_episode(
         recoveries=sum(ran.recovery for ran in behaviors),
         standing_reasons=totals.standing_reasons,
         lost_s=log.lost_s,
+        forgotten_m=log.forgotten_m,
         truth=truth,
     )
     return Episode(

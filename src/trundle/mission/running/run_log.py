@@ -48,6 +48,7 @@ class RunLog:
         standing_contacts: Names of moving obstacles that ran into the robot while it stood, and of what they pushed it
             against while its commands were to stand.
         monitor_stops: How often the collision monitor stopped the robot; None if it never reported.
+        forgotten_m: How far the robot was driven in the rows that are not kept [m].
         lost_s: Time [s] of the control periods after which the localizer did not say that it is localized.
     """
 
@@ -59,7 +60,8 @@ class RunLog:
         self.standing_contacts: dict[str, None] = {}
         self.monitor_stops: int | None = None
         self.lost_s = 0.0
-        self._rows: deque[tuple[float, ...]] = deque(maxlen=most_rows)
+        self.forgotten_m = 0.0
+        self._rows: deque[tuple[float, ...]] = deque()
         self._most_rows = most_rows
         self._count = 0
         self._forgotten_paths = 0
@@ -111,6 +113,9 @@ class RunLog:
                 LOCALIZATION_STATES.index(estimate.state),
             )
         )
+        if self._most_rows is not None and len(self._rows) > self._most_rows:
+            (_, x, y, *_), (_, next_x, next_y, *_) = self._rows.popleft(), self._rows[0]
+            self.forgotten_m += math.hypot(next_x - x, next_y - y)
         if state.contacts or self._touching:
             self._note_contacts(state, sent)
         if not state.contacts and _stands(Twist2D(state.twist.v - sent.v, state.twist.w - sent.w)):

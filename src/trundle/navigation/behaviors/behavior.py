@@ -140,7 +140,7 @@ def check_behavior_kind(behavior: object) -> None:
 
 
 def snake_case(name: str) -> str:
-    """The name of a class as the name of a behavior: `BackUp` is back_up."""
+    """The name of a class in snake case, as behaviors and services of ROS are called: `BackUp` is back_up."""
     return "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in name).lstrip("_")
 
 

@@ -28,6 +28,8 @@ _BLIND_S = 5.0
 _NEARER_M = 0.3
 _PATHLESS_S = 1.0
 """A navigator waits for what blocks every path to move away; an explorer looks elsewhere meanwhile [s]."""
+_STANDING_S = 5.0
+"""So long it stands before what blocks its path, where there is no other [s]: people walk on, other things stay."""
 
 _FAILED = {
     NavigationStatus.NO_PATH: "no path",
@@ -124,7 +126,7 @@ class Explorer(Agent):
         if status is NavigationStatus.BEHAVING:
             return
         ended = target is None or status in FINAL
-        if status is NavigationStatus.BLOCKED and self.navigator.error is not None and self.navigator.path is None:
+        if status is NavigationStatus.BLOCKED and self.navigator.error is not None:
             self._pathless_s = min(self._pathless_s, now)
         else:
             self._pathless_s = math.inf
@@ -135,7 +137,7 @@ class Explorer(Agent):
             elif now - self._nearest_s > self.settings.patience:
                 ended = True
                 self._targets.refuse(target, f"not reached in {self.settings.patience:g} s: {self._why('blocked')}")
-            elif now - self._pathless_s > _PATHLESS_S:
+            elif now - self._pathless_s > (_PATHLESS_S if self.navigator.path is None else _STANDING_S):
                 ended = True
                 self._targets.refuse(target, self._why("no path"))
         if not ended and now - self._looks_s < self.settings.period - 1e-9:

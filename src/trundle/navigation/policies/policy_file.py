@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from trundle.errors import InputError
 from trundle.extras import missing_extra
-from trundle.files.opening import describe_unreadable, open_file, read_up_to
+from trundle.files.opening import read_limited
 
 Floats = npt.NDArray[np.float32]
 _Read = TypeVar("_Read")
@@ -224,13 +224,8 @@ def _open_session(path: Path) -> Any:
         runtime: Any = importlib.import_module("onnxruntime")
     except ImportError:
         raise missing_extra(f"the policy {path}", "onnxruntime", "policy") from None
-    try:
-        with open_file(path) as stream:
-            content = read_up_to(stream, _LARGEST_FILE + 1)
-    except OSError as error:
-        raise InputError(describe_unreadable(path, error, "a policy's ONNX file")) from error
-    if len(content) > _LARGEST_FILE:
-        raise InputError(f"{path}: it has more than {_LARGEST_FILE >> 20} MB: this is no policy for a robot")
+    too_large = f"it has more than {_LARGEST_FILE >> 20} MB: this is no policy for a robot"
+    content = read_limited(path, _LARGEST_FILE, too_large, error=InputError, wanted="a policy's ONNX file")
     options = runtime.SessionOptions()
     # One thread computes the same on every machine, and is faster for networks of this size.
     options.intra_op_num_threads = options.inter_op_num_threads = 1

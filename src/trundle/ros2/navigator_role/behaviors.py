@@ -11,7 +11,7 @@ from trundle.geometry import wrap_angle
 from trundle.mission import RunBehavior, Step, TaskEnd
 from trundle.ros2.actions import ActionGoal
 from trundle.ros2.navigator_role.codes import behavior_code
-from trundle.ros2.navigator_role.context import Kit, seconds_of
+from trundle.ros2.navigator_role.context import Kit, ServedAction, seconds_of
 from trundle.ros2.outputs.output import observed
 
 CYCLE_S = 0.1
@@ -72,7 +72,7 @@ class Behaving:
         return took if end.result in ("succeeded", "cancelled") else took | {"error_msg": end.message}
 
 
-class Behave:
+class Behave(ServedAction):
     """Serves an action that runs a behavior. A second goal replaces the first, which is aborted.
 
     Args:
@@ -83,11 +83,8 @@ class Behave:
     """
 
     def __init__(self, kit: Kit, name: str, action: str, read: Read) -> None:
-        self._kit, self._name, self._action, self._read = kit, name, action, read
-
-    def accepts(self, request: Any) -> bool:
-        """Return whether navigation is active."""
-        return self._kit.is_accepting(self._name)
+        super().__init__(kit, name)
+        self._action, self._read = action, read
 
     def accepted(self, goal: ActionGoal) -> None:
         """Run the behavior from now on."""
@@ -95,7 +92,7 @@ class Behave:
         try:
             directive = self._read(goal.request)
         except InputError as error:
-            kit.context.wire.warn(f"{self._name}: bad goal", f"a goal of {self._name} is refused: {error}")
+            self._report("goal", error, "bad goal")
             goal.abort(**kit.failure(self._action, "INVALID_INPUT", str(error)))
             return
         report = Behaving(kit, self._action, float(directive.options.get("seconds", 0.0)))

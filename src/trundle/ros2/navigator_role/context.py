@@ -10,6 +10,7 @@ from trundle.costmap import Costmap
 from trundle.errors import TrundleError
 from trundle.geometry import Pose2D
 from trundle.mission import Step
+from trundle.ros2.actions import ActionGoal
 from trundle.ros2.bad_input import BadInputError, check_pose
 from trundle.ros2.navigator_role.tasks import Tasks
 from trundle.ros2.outputs.output import observed
@@ -68,6 +69,7 @@ class Beliefs:
         now: The latest `Belief`.
         find: Where a frame that is none of map, odom and base is in the base; None where nobody says that.
         map: The map that it has: the one that it was given, or the one that its localizer makes; None without one.
+        stands: Where the simulator has the robot, map frame.
     """
 
     def __init__(self, context: BridgeContext) -> None:
@@ -76,9 +78,11 @@ class Beliefs:
         self.now = Belief(0.0, mission.start, mission.start, mission.navigator.costmap)
         self.find: Callable[[str], Pose2D | None] = lambda frame: None
         self.map = mission.grid if mission.scenario.known_map else None
+        self.stands = mission.start
 
     def take(self, step: Step, time: float) -> None:
         """Take what the robot believes at the end of a control period, at this time on the network's clock [s]."""
+        self.stands = step.state.pose
         pose = step.state.pose if step.estimate is None else step.estimate.pose
         costmap = self.now.costmap if step.costmap is None else step.costmap
         if step.map is not None:
@@ -167,6 +171,31 @@ class Kit:
         if why:
             self.context.wire.warn(f"{action}: refused", f"a goal of {action} is refused: {why}")
         return not why
+
+
+class ServedAction:
+    """An action of the navigator, which takes goals while navigation is active.
+
+    Args:
+        kit: What actions work with.
+        name: Name of the action on the network.
+    """
+
+    def __init__(self, kit: Kit, name: str) -> None:
+        self._kit, self._name = kit, name
+
+    def accepts(self, request: Any) -> bool:
+        """Return whether navigation is active; what is wrong with a goal is in its result."""
+        return self._kit.is_accepting(self._name)
+
+    def cancel(self, goal: ActionGoal) -> bool:
+        """Stop, if the robot drives for this goal."""
+        return self._kit.tasks.drive.cancel(goal, self._name)
+
+    def _report(self, what: str, error: TrundleError, kind: str) -> None:
+        """Report what is refused, by its kind where the error has none."""
+        kind = error.kind if isinstance(error, BadInputError) else kind
+        self._kit.context.wire.warn(f"{self._name}: {kind}", f"a {what} of {self._name} is refused: {error}")
 
 
 def seconds_of(duration: Any) -> float:

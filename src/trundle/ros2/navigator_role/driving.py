@@ -13,7 +13,7 @@ from trundle.mission.steering.goal_directives import MOST_GOALS, MOST_POSES
 from trundle.ros2.actions import ActionGoal
 from trundle.ros2.bad_input import BadInputError
 from trundle.ros2.navigator_role.codes import driving_code, following_code, planning_code
-from trundle.ros2.navigator_role.context import FrameError, Kit, poses_of
+from trundle.ros2.navigator_role.context import FrameError, Kit, ServedAction, poses_of
 
 _SLOWEST_MPS = 0.01
 """As in Nav2: slower than this there is no estimate of the time that is left."""
@@ -76,7 +76,7 @@ class Navigation:
         return {} if end.result in ("succeeded", "cancelled") else {"error_msg": end.message}
 
 
-class Navigate:
+class Navigate(ServedAction):
     """Serves NavigateToPose, or NavigateThroughPoses. A second goal replaces the first, which is aborted.
 
     Args:
@@ -86,12 +86,9 @@ class Navigate:
     """
 
     def __init__(self, kit: Kit, name: str, *, through: bool) -> None:
-        self._kit, self._name, self._through = kit, name, through
+        super().__init__(kit, name)
+        self._through = through
         self._plans = "ComputePathThroughPoses" if through else "ComputePathToPose"
-
-    def accepts(self, request: Any) -> bool:
-        """Return whether navigation is active; what is wrong with a goal is in its result."""
-        return self._kit.is_accepting(self._name)
 
     def accepted(self, goal: ActionGoal) -> None:
         """Drive to the goal from now on."""
@@ -102,7 +99,7 @@ class Navigate:
             goal.abort(**kit.failure(self._plans, "TF_ERROR", str(error)))
             return
         except BadInputError as error:
-            kit.context.wire.warn(f"{self._name}: {error.kind}", f"a goal of {self._name} is refused: {error}")
+            self._report("goal", error, error.kind)
             goal.abort(**kit.failure(self._plans, "UNKNOWN", str(error)))
             return
         except _RefusedError as error:
@@ -110,10 +107,6 @@ class Navigate:
             return
         directive = SetGoals(goals) if self._through else SetGoal(goals[0])
         kit.tasks.drive.start(goal, Navigation(kit, self._plans, goals), directive, self._name)
-
-    def cancel(self, goal: ActionGoal) -> bool:
-        """Stop, if this goal is driven to."""
-        return self._kit.tasks.drive.cancel(goal, self._name)
 
     def _read(self, request: Any) -> list[Pose2D]:
         if request.behavior_tree:
@@ -174,20 +167,8 @@ class Following:
         return {} if end.result in ("succeeded", "cancelled") else {"error_msg": end.message}
 
 
-class Follow:
-    """Serves FollowPath: the path is followed as it is, and nothing is planned.
-
-    Args:
-        kit: What actions work with.
-        name: Name of the action on the network.
-    """
-
-    def __init__(self, kit: Kit, name: str) -> None:
-        self._kit, self._name = kit, name
-
-    def accepts(self, request: Any) -> bool:
-        """Return whether navigation is active."""
-        return self._kit.is_accepting(self._name)
+class Follow(ServedAction):
+    """Serves FollowPath: the path is followed as it is, and nothing is planned."""
 
     def accepted(self, goal: ActionGoal) -> None:
         """Follow the path from now on."""
@@ -203,15 +184,10 @@ class Follow:
             goal.abort(**kit.failure("FollowPath", "TF_ERROR", str(error)))
             return
         except InputError as error:
-            kind = error.kind if isinstance(error, BadInputError) else "no path"
-            kit.context.wire.warn(f"{self._name}: {kind}", f"a path of {self._name} is refused: {error}")
+            self._report("path", error, "no path")
             goal.abort(**kit.failure("FollowPath", "INVALID_PATH", str(error)))
             return
         kit.tasks.drive.start(goal, Following(kit), directive, self._name)
-
-    def cancel(self, goal: ActionGoal) -> bool:
-        """Stop, if this path is followed."""
-        return self._kit.tasks.drive.cancel(goal, self._name)
 
     def _read(self, path: Any) -> FollowPath:
         if not 0 < len(path.poses) <= MOST_POSES:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal
 from urllib.parse import unquote, urlsplit
@@ -25,16 +26,15 @@ _NUMBERS = {_SUCCESS: 0, _NOT_THERE: 1, _BAD: 2, _UNDEFINED: 255}
 
 
 class MapServices:
-    """Answers with the map, takes the same map again, and writes it to a file.
-
-    The map is the one that the robot drives on, as it is now: another one is refused.
+    """Answers with the map, takes another one, and writes it to a file.
 
     Args:
         kit: What actions work with.
+        use: Lets the robot drive on the map of a file, or raises an InputError that says why it cannot.
     """
 
-    def __init__(self, kit: Kit) -> None:
-        self._kit = kit
+    def __init__(self, kit: Kit, use: Callable[[Path], None]) -> None:
+        self._kit, self._use = kit, use
 
     def open(self, serve: Serve) -> None:
         """Offer the services."""
@@ -62,15 +62,15 @@ class MapServices:
 
     def _load(self, request: Any) -> Any:
         kit, name = self._kit, f"{_LOAD}_Response"
-        result, why = self._judge(str(request.map_url))
+        result, why = self._take(str(request.map_url))
         number = kit.types.constant(name, result, _NUMBERS[result])
         if result == _SUCCESS:
             return kit.types.make(name, map=self._message(), result=number)
         kit.context.wire.warn(f"load_map: {result}", f"a request of map_server/load_map is refused: {why}")
         return kit.types.make(name, result=number)
 
-    def _judge(self, url: str) -> tuple[str, str]:
-        """Return the name of the result for a map, and the reason."""
+    def _take(self, url: str) -> tuple[str, str]:
+        """Take a map unless it is the present one; return the name of the result, and the reason."""
         try:
             path = read_url(url)
             if not path.is_file():
@@ -79,12 +79,14 @@ class MapServices:
         except (TrundleError, OSError) as error:
             return _BAD, str(error)
         here = self._kit.beliefs.map
-        if here is None:
-            return _UNDEFINED, "the robot has no map that another one could be compared with"
-        same = loaded.resolution == here.resolution and loaded.origin == here.origin
-        if same and np.array_equal(loaded.data, here.data):
+        same = here is not None and loaded.resolution == here.resolution and loaded.origin == here.origin
+        if here is not None and same and np.array_equal(loaded.data, here.data):
             return _SUCCESS, ""
-        return _UNDEFINED, (f"{path} is not the map that the robot drives on: start trundle with it")
+        try:
+            self._use(path)
+        except (TrundleError, OSError) as error:
+            return _UNDEFINED, str(error)
+        return _SUCCESS, ""
 
     def _save(self, request: Any) -> Any:
         kit = self._kit

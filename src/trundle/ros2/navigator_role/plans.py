@@ -13,15 +13,15 @@ import numpy as np
 from trundle.costmap import Costmap
 from trundle.errors import InputError, PlanningError, TrundleError, UnknownNameError
 from trundle.geometry import FloatArray, Goal, Pose2D, wrap_angles
+from trundle.mission import Mission
 from trundle.navigation.route_planner import join_legs
 from trundle.path import Path
 from trundle.planning import Planner, create_planner, planner_names
 from trundle.planning.cancellation import Cancellation
 from trundle.planning.motions import sample_between
 from trundle.ros2.actions import ActionGoal
-from trundle.ros2.bad_input import BadInputError
 from trundle.ros2.navigator_role.codes import planning_code
-from trundle.ros2.navigator_role.context import FrameError, Kit, poses_of
+from trundle.ros2.navigator_role.context import FrameError, Kit, ServedAction, poses_of
 
 _PLUGINS = ("", "GridBased")
 """Names of Nav2's planner plugin that mean the planner in use."""
@@ -69,9 +69,7 @@ class PlanServer:
 
     def __init__(self, kit: Kit) -> None:
         self._kit = kit
-        mission = kit.context.mission
-        self._robot, self._grid = mission.navigator.robot, mission.navigator.grid
-        self._planner = create_planner(mission.scenario.planner, self._robot, self._grid)
+        self._use(kit.context.mission)
         self._changed = threading.Condition()
         self._next: _Query | None = None
         self._current: _Query | None = None
@@ -84,6 +82,8 @@ class PlanServer:
         Raises:
             UnknownNameError: If there is no such planner.
         """
+        if self._kit.context.mission is not self._mission:  # another map was loaded
+            self._use(self._kit.context.mission)
         if planner_id not in _PLUGINS:
             if planner_id not in planner_names():  # nothing is imported by a name that comes over the network
                 raise UnknownNameError("planner", planner_id, planner_names())
@@ -101,6 +101,12 @@ class PlanServer:
             self._changed.notify_all()
         if replaced is not None:
             self._abort(replaced, "UNKNOWN", "another plan was asked for")
+
+    def _use(self, mission: Mission) -> None:
+        """Plan for the robot of a mission, on its map."""
+        self._mission = mission
+        self._robot, self._grid = mission.navigator.robot, mission.navigator.grid
+        self._planner = create_planner(mission.scenario.planner, self._robot, self._grid)
 
     def cancel(self, goal: ActionGoal) -> bool:
         """End the plan for a goal, and return whether there is one."""
@@ -169,7 +175,7 @@ class PlanServer:
         query.goal.abort(**self._kit.failure(query.action, name, message))
 
 
-class ComputePath:
+class ComputePath(ServedAction):
     """Serves ComputePathToPose, or ComputePathThroughPoses.
 
     Args:
@@ -180,12 +186,9 @@ class ComputePath:
     """
 
     def __init__(self, kit: Kit, server: PlanServer, name: str, *, through: bool) -> None:
-        self._kit, self._server, self._name, self._through = kit, server, name, through
+        super().__init__(kit, name)
+        self._server, self._through = server, through
         self._action = "ComputePathThroughPoses" if through else "ComputePathToPose"
-
-    def accepts(self, request: Any) -> bool:
-        """Return whether navigation is active."""
-        return self._kit.is_accepting(self._name)
 
     def accepted(self, goal: ActionGoal) -> None:
         """Make the plan."""
@@ -196,8 +199,7 @@ class ComputePath:
             goal.abort(**kit.failure(self._action, "TF_ERROR", str(error)))
             return
         except InputError as error:
-            kind = error.kind if isinstance(error, BadInputError) else "bad goal"
-            kit.context.wire.warn(f"{self._name}: {kind}", f"a goal of {self._name} is refused: {error}")
+            self._report("goal", error, "bad goal")
             code = "UNKNOWN" if ends_of(goal.request, self._through) else "NO_VIAPOINTS_GIVEN"
             goal.abort(**kit.failure(self._action, code, str(error)))
             return

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from trundle.errors import InputError
-from trundle.mission import Cancel, Episode, Observer, RunInfo, Session, Step
+from trundle.maps import OccupancyGrid
+from trundle.mission import Cancel, Episode, Observer, Restart, RunInfo, Session, Step
+from trundle.mission.place import Place, load_masks
+from trundle.mission.scenario import Setting
 from trundle.mission.simulation import session_options
 from trundle.ros2.actions import Action
 from trundle.ros2.navigator_role.behaviors import (
@@ -50,6 +55,7 @@ class NavigatorRole:
         tasks = Tasks(context)
         self._kit = Kit(context, tasks, Beliefs(context))
         self._plans = PlanServer(self._kit)
+        self._setting: Setting | None = None
         self.lifecycle = Lifecycle(context.wire, self._change_state)
 
     def open(self) -> None:
@@ -74,15 +80,56 @@ class NavigatorRole:
         self._open_actions()
         self.lifecycle.open(self._serve)
         Services(kit, poses).open(self._serve)
-        MapServices(kit).open(self._serve)
+        MapServices(kit, self.use_map).open(self._serve)
 
     def begin(self, observers: Sequence[Observer], seed: int | None) -> Session:
         """Begin a run; see `Role`. It waits for goals."""
+        self._take_setting()
         mission = self._context.mission
         self._pose_output.begin()
         options = session_options(mission.scenario, mission.grid, mission.navigator.robot)
         outputs = NavigatorOutputs(self._kit, self._outputs, self._markers)
-        return self._context.begin_session(mission.navigator, [*observers, outputs], seed, options)
+        session = self._context.begin_session(mission.navigator, [*observers, outputs], seed, options)
+        self._kit.tasks.drive.resume()
+        return session
+
+    # Another map -----------------------------------------------------------------------------------------------------
+
+    def use_map(self, path: Path) -> None:
+        """Let the robot drive on another map: a run on it begins where the robot stands, with the goals that are left.
+
+        Raises:
+            InputError: If the map cannot be used.
+        """
+        self._setting = setting = self._prepare(path)
+        self._kit.tasks.carry(f"another map was loaded: {path}")
+        self._kit.beliefs.map = setting.grid
+        self._context.driver.steering.put(Restart(), by="load_map")
+        self._context.wire.warnings.note(f"the robot drives on another map: {path}")
+
+    def _prepare(self, path: Path) -> Setting:
+        """Make the robot's map and navigator from the file of another map; the simulated world stays."""
+        mission = self._context.mission
+        scenario = mission.scenario
+        if not scenario.known_map:
+            raise InputError("the robot drives without a map: start trundle with one")
+        if scenario.map is not None:
+            raise InputError(f"the simulated world is made from the map, and would stay: start trundle with {path}")
+        limit = None if scenario.map_options is None else scenario.map_options.max_cells
+        grid = OccupancyGrid.load(path, compat=scenario.compat, max_cells=limit)
+        here = self._kit.beliefs.stands.as_tuple()
+        place = Place(mission.world, mission.robot, grid, scenario.floor_z or 0.0, *load_masks(scenario))
+        given = {"start": here, "goal": here, "goals": None, "unmapped": None, "map_errors": None}
+        setting = scenario.model_copy(update=given).prepare(place)
+        return replace(setting, scenario=scenario, goals=())
+
+    def _take_setting(self) -> Setting | None:
+        """Drive on the map that was loaded, if one was; the thread that drives does that, between two runs."""
+        setting, self._setting = self._setting, None
+        if setting is not None:
+            here = replace(setting, start=self._kit.beliefs.stands)
+            self._context.mission = here.with_simulator(self._context.mission.sim)
+        return setting
 
     def lost(self, why: str) -> None:
         """Stop the robot, because whoever asked it to drive is out of reach."""

@@ -14,8 +14,7 @@ from trundle.mission.steering.goal_directives import MOST_POSES
 from trundle.path import Path
 from trundle.planning.smoother import Smoother, create_smoother, smoother_names
 from trundle.ros2.actions import ActionGoal
-from trundle.ros2.bad_input import BadInputError
-from trundle.ros2.navigator_role.context import Kit, seconds_of
+from trundle.ros2.navigator_role.context import Kit, ServedAction, seconds_of
 from trundle.ros2.navigator_role.driving import drivable
 from trundle.ros2.navigator_role.plans import dense
 
@@ -25,7 +24,7 @@ _PLUGINS = ("", "simple_smoother", "SmoothPath")
 _USUAL = "constrained"
 
 
-class SmoothPath:
+class SmoothPath(ServedAction):
     """Serves SmoothPath. A second goal replaces the first, which is aborted.
 
     A path that touches something where it is given is refused: what comes out is free wherever it was free.
@@ -36,14 +35,10 @@ class SmoothPath:
     """
 
     def __init__(self, kit: Kit, name: str) -> None:
-        self._kit, self._name = kit, name
+        super().__init__(kit, name)
         self._usual: Smoother | None = None
         self._current: ActionGoal | None = None
         kit.tasks.ends.append(self._end)
-
-    def accepts(self, request: Any) -> bool:
-        """Return whether navigation is active."""
-        return self._kit.is_accepting(self._name)
 
     def accepted(self, goal: ActionGoal) -> None:
         """Smooth the path."""
@@ -56,8 +51,7 @@ class SmoothPath:
         try:
             path = self._read(goal.request.path)
         except TrundleError as error:
-            kind = error.kind if isinstance(error, BadInputError) else "no path"
-            self._kit.context.wire.warn(f"{self._name}: {kind}", f"a path of {self._name} is refused: {error}")
+            self._report("path", error, "no path")
             self._abort(goal, "INVALID_PATH", str(error))
             return
         self._current = goal

@@ -5,10 +5,12 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Protocol
 
 from trundle.errors import TrundleError
-from trundle.mission import Cancel, Step, TaskEnd
+from trundle.geometry import Goal
+from trundle.mission import Cancel, SetGoal, SetGoals, Step, TaskEnd
 from trundle.mission.steering.directives import Directive
 from trundle.ros2.actions import ActionGoal
 from trundle.ros2.role import BridgeContext
@@ -51,6 +53,8 @@ class Task:
         later: Calls something in the listening thread.
         runs: Whether the run has taken it up.
         failed: Called where it has failed, or None.
+        given: What gave it to the run, and who; None where it cannot be given again.
+        is_carried: Whether it is given to the next run where this one ends.
     """
 
     def __init__(self, goal: ActionGoal, report: Report, later: Callable[[Callable[[], None]], None]) -> None:
@@ -58,6 +62,19 @@ class Task:
         self._lock = threading.Lock()
         self.runs = False
         self.failed: Callable[[], None] | None = None
+        self.given: tuple[Directive, str] | None = None
+        self.is_carried = False
+        self._left: tuple[Goal, ...] = ()
+
+    def again(self) -> tuple[Directive, str] | None:
+        """Return what gives the goal to the next run, from where it has come to, and who; None where nothing does."""
+        match self.given:
+            case (SetGoals() as goals, by):
+                return (replace(goals, goals=self._left or goals.goals), by)
+            case (SetGoal(), _):
+                return self.given
+            case _:
+                return None
 
     def begin(self, time: float) -> None:
         """Begin to report: the run has taken the goal up; see `TaskWatcher`."""
@@ -70,8 +87,10 @@ class Task:
         self.later(lambda: self._fail(fields))
 
     def end(self, end: TaskEnd) -> None:
-        """Send the result of a goal that the run has ended."""
+        """Send the result of a goal that the run has ended, unless the next run goes on with it."""
         self.runs = False
+        if self.is_carried and end.result == "stopped":
+            return
         fields = self.report.ended(end)
         match end.result:
             case "succeeded":
@@ -91,6 +110,8 @@ class Task:
         """Send feedback for a control period."""
         if not self.runs or self.goal.is_over:
             return
+        if step.steering is not None:
+            self._left = step.steering.goals[step.goal :]
         fields = self.report.feedback(step)
         if fields is not None:
             with self._lock:
@@ -131,6 +152,7 @@ class Slot:
         """Do what a goal asks for from now on; what runs is aborted."""
         task = Task(goal, report, self._later)
         task.failed = lambda: self._give_up(task)
+        task.given = directive, by
         self.adopt(task)
         self._steering.put(directive, by=by, watcher=task)
 
@@ -146,6 +168,26 @@ class Slot:
             return False
         task.preempt(TaskEnd("replaced", why, self._clock.now - self._clock.offset, self._status()))
         return True
+
+    def carry(self, why: str) -> None:
+        """Let what runs go on in the next run; what cannot is aborted."""
+        task = self._current
+        if task is None or task.goal.is_over or task.again() is None:
+            self.preempt(why)
+        else:
+            task.is_carried = True
+
+    def resume(self) -> None:
+        """Give the run that has begun what the one before has left."""
+        task = self._current
+        if task is None or not task.is_carried or task.goal.is_over:
+            return
+        task.is_carried = False
+        again = task.again()
+        if again is not None and not task.goal.cancel_requested:
+            self._steering.put(again[0], by=again[1], watcher=task)
+        else:
+            self._later(lambda: task.finish(task.cancelled, {}))
 
     def cancel(self, goal: ActionGoal, by: str) -> bool:
         """End a goal as its client asks, and return whether it runs."""
@@ -209,6 +251,12 @@ class Tasks:
         self.behavior.preempt(why)
         for end in self.ends:
             end(why)
+
+    def carry(self, why: str) -> None:
+        """Let drives to goals go on in the next run; paths and behaviors are aborted for a reason."""
+        self.flush()
+        self.drive.carry(why)
+        self.behavior.preempt(why)
 
     def later(self, call: Callable[[], None]) -> None:
         """Call this in the listening thread, after what clients have asked for; from any thread."""

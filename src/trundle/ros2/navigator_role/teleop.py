@@ -11,7 +11,7 @@ from trundle.mission import Manual, Release, Step
 from trundle.ros2.actions import ActionGoal
 from trundle.ros2.bad_input import BadInputError, check_twist
 from trundle.ros2.navigator_role.behaviors import CYCLE_S
-from trundle.ros2.navigator_role.context import Kit, seconds_of
+from trundle.ros2.navigator_role.context import Kit, ServedAction, seconds_of
 from trundle.ros2.outputs.output import Cadence
 
 COMMANDS, PREEMPT = "cmd_vel_teleop", "preempt_teleop"
@@ -24,7 +24,7 @@ _TWIST, _STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 _STAND = Twist2D()
 
 
-class AssistedTeleop:
+class AssistedTeleop(ServedAction):
     """Serves AssistedTeleop: what comes on cmd_vel_teleop drives the robot, as far as the stop check lets it pass.
 
     The drive to a goal is interrupted meanwhile, and goes on afterwards. A message on preempt_teleop ends it, as
@@ -36,7 +36,7 @@ class AssistedTeleop:
     """
 
     def __init__(self, kit: Kit, name: str) -> None:
-        self._kit, self._name = kit, name
+        super().__init__(kit, name)
         self._goal: ActionGoal | None = None
         self._begun_s = 0.0
         self._command, self._given_s = _STAND, -math.inf
@@ -49,10 +49,6 @@ class AssistedTeleop:
         for kind in (_TWIST, _STAMPED):
             wire.listen(COMMANDS, kind, Qos(10), self._take)
         wire.listen(PREEMPT, "std_msgs/msg/Empty", Qos(10), self._preempt)
-
-    def accepts(self, request: Any) -> bool:
-        """Return whether navigation is active."""
-        return self._kit.is_accepting(self._name)
 
     def accepted(self, goal: ActionGoal) -> None:
         """Stop, and obey the commands from now on; a goal that ran is aborted."""

@@ -8,11 +8,11 @@ from typing import Any
 from trundle.errors import InputError, TrundleError
 from trundle.geometry import Pose2D
 from trundle.mission import SetGoal, Step, TaskEnd
+from trundle.mission.steering.directives import Directive
 from trundle.mission.steering.goal_directives import MOST_GOALS
 from trundle.ros2.actions import ActionGoal
-from trundle.ros2.bad_input import BadInputError
 from trundle.ros2.navigator_role.codes import driving_code, planning_code
-from trundle.ros2.navigator_role.context import Kit, poses_of
+from trundle.ros2.navigator_role.context import Kit, ServedAction, poses_of
 from trundle.ros2.navigator_role.tasks import Task
 
 _GOAL, _LOOPS = "nav2_msgs/action/FollowWaypoints_Goal", "number_of_loops"
@@ -97,6 +97,7 @@ class TourTask(Task):
         later: Calls something in the listening thread.
         drive: Gives the run a waypoint.
         kit: What actions work with.
+        by: Who gives them.
     """
 
     def __init__(
@@ -106,13 +107,18 @@ class TourTask(Task):
         later: Callable[[Callable[[], None]], None],
         drive: Callable[[Pose2D, TourTask], None],
         kit: Kit,
+        by: str,
     ) -> None:
         super().__init__(goal, tour, later)
-        self._tour, self._drive, self._kit = tour, drive, kit
+        self._tour, self._drive, self._kit, self._by = tour, drive, kit, by
 
     def begin_tour(self) -> None:
         """Drive to the first waypoint."""
         self._drive(self._tour.target, self)
+
+    def again(self) -> tuple[Directive, str]:
+        """Return what gives the next run the present waypoint."""
+        return SetGoal(self._tour.target), self._by
 
     def refuse(self, error: TrundleError) -> None:
         """Leave out a waypoint that cannot be reached."""
@@ -141,20 +147,8 @@ class TourTask(Task):
             self.finish(self.goal.succeed, self._tour.result())
 
 
-class FollowWaypoints:
-    """Serves FollowWaypoints. A second goal replaces the first, which is aborted.
-
-    Args:
-        kit: What actions work with.
-        name: Name of the action on the network.
-    """
-
-    def __init__(self, kit: Kit, name: str) -> None:
-        self._kit, self._name = kit, name
-
-    def accepts(self, request: Any) -> bool:
-        """Return whether navigation is active; what is wrong with a goal is in its result."""
-        return self._kit.is_accepting(self._name)
+class FollowWaypoints(ServedAction):
+    """Serves FollowWaypoints. A second goal replaces the first, which is aborted."""
 
     def accepted(self, goal: ActionGoal) -> None:
         """Drive to the waypoints from now on."""
@@ -162,8 +156,7 @@ class FollowWaypoints:
         try:
             poses, first = self._read(goal.request)
         except TrundleError as error:
-            kind = error.kind if isinstance(error, BadInputError) else "bad goal"
-            kit.context.wire.warn(f"{self._name}: {kind}", f"a goal of {self._name} is refused: {error}")
+            self._report("goal", error, "bad goal")
             unknown = types.constant(_RESULT, "UNKNOWN", 600)
             goal.abort(error_code=types.constant(_RESULT, "NO_VALID_WAYPOINTS", unknown), error_msg=str(error))
             return
@@ -173,13 +166,9 @@ class FollowWaypoints:
         def drive(pose: Pose2D, task: TourTask) -> None:
             steering.put(SetGoal(pose), by=self._name, watcher=task)
 
-        task = TourTask(goal, Tour(kit, poses, first, int(loops)), kit.tasks.later, drive, kit)
+        task = TourTask(goal, Tour(kit, poses, first, int(loops)), kit.tasks.later, drive, kit, self._name)
         kit.tasks.drive.adopt(task)
         task.begin_tour()
-
-    def cancel(self, goal: ActionGoal) -> bool:
-        """Stop, if this goal is driven to."""
-        return self._kit.tasks.drive.cancel(goal, self._name)
 
     def _read(self, request: Any) -> tuple[list[Pose2D], int]:
         stamped = poses_of(request.poses)

@@ -6,10 +6,12 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from trundle.errors import InputError
 from trundle.geometry import FloatArray, wrap_angle
 from trundle.messages.qos import LATCHED
 from trundle.mission import End, Episode, Observer, RunInfo, Scenario, Session, Step
@@ -139,6 +141,14 @@ class _BagRole(NavigatorRole):
     def __init__(self, context: BridgeContext, localizer: RemoteLocalizer) -> None:
         super().__init__(context)
         self._localizer = localizer
+
+    def use_map(self, path: Path) -> None:
+        """Refuse another map: where the robot was on it, nobody knows.
+
+        Raises:
+            InputError: Always.
+        """
+        raise InputError(f"a recording is played on one map: start trundle with {path}")
 
     def begin(self, observers: Sequence[Observer], seed: int | None) -> Session:
         """Begin to play the recording."""

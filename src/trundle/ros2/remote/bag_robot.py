@@ -147,7 +147,7 @@ class BagRobot(Simulator):
         return None
 
     def _observe(self, seen: Observation) -> RobotState:
-        time = self._time.at(seen.time, (self.parts, False))
+        time = self._time.at(seen.time, (self.parts, 0, False))
         offset = self._time.offset
         names = self._lidars
         scans = tuple(

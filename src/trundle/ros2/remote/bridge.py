@@ -87,7 +87,7 @@ class RemoteBridge(NetworkRuns):
             self.commands = commands
             world = setting.world if scenario.known_map else None
             robot = RemoteRobot(setting.robot, world, inputs, commands, self.localizer)
-            self._opened.enter_context(robot)
+            self._opened.callback(robot.close)
             mission = setting.with_simulator(robot)
             self.context = BridgeContext(wire, profile, SimulationClock(), mission, driver)
             wire.now = lambda: inputs.now

@@ -191,7 +191,7 @@ class CommandOutput:
         if now - self._looked >= LOOKS_S:
             self._looked = now
             try:
-                found = self._wire.transport.graph().subscriptions(self._topic)
+                found = self._wire.look_around().subscriptions(self._topic)
             except TrundleError:
                 found = ()
             read = {one.type_name for one in found if not one.ours} & self._outlets.keys()

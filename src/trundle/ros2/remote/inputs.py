@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 import threading
 import time as system
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from trundle.errors import InputError
-from trundle.geometry import Pose2D, Twist2D, integrate_twist, wrap_angle
+from trundle.geometry import Pose2D, Twist2D, wrap_angle
 from trundle.messages import readers
 from trundle.messages.qos import LATCHED, Qos
 from trundle.observation import Scan
@@ -25,7 +25,7 @@ from trundle.ros2.remote.frames import FrameTree
 from trundle.ros2.remote.guard import Guard, Reasons
 from trundle.ros2.remote.mounts import Mounts
 from trundle.ros2.remote.outline import OutlineCheck
-from trundle.ros2.remote.readings import read_odometry
+from trundle.ros2.remote.readings import Odometry, read_odometry
 from trundle.ros2.remote.scans import ScanInputs
 from trundle.ros2.remote.streams import AHEAD_S, RobotClock, Stream
 from trundle.ros2.wire import Wire
@@ -45,28 +45,8 @@ JUMP_M, JUMP_RAD, JUMP_TIMES = 0.3, 0.5, 3.0
 APART_M, APART_RAD = 0.5, 0.5
 """Odometry of the topic and of tf that have moved so far apart since both began disagree."""
 
-_LONGEST_EXTRAPOLATION_S = 0.3
-
-
-@dataclass(frozen=True, slots=True)
-class Odometry:
-    """Odometry that has arrived.
-
-    Attributes:
-        time: Its stamp [s], on the robot's clock.
-        pose: Pose of the base in the odom frame.
-        twist: Its twist.
-    """
-
-    time: float
-    pose: Pose2D
-    twist: Twist2D
-
-    def at(self, time: float) -> Pose2D:
-        """Return where the robot is at a later time [s], if it goes on like this."""
-        ahead = min(max(0.0, time - self.time), _LONGEST_EXTRAPOLATION_S)
-        x, y, yaw = integrate_twist(*self.pose.as_tuple(), self.twist.v, self.twist.w, ahead)
-        return Pose2D(x, y, wrap_angle(yaw))
+ZEROS = 3
+"""So many stamps of 0 are no clock that begins: a simulation has one before its first /clock is here."""
 
 
 class RobotInputs:
@@ -122,6 +102,7 @@ class RobotInputs:
         self._by_tf: Odometry | None = None
         self._topic_stamp = -math.inf
         self._apart: tuple[Pose2D, Pose2D] | None = None
+        self._zeros: Counter[str] = Counter()
 
     def open(self) -> None:
         """Listen."""
@@ -356,9 +337,14 @@ class RobotInputs:
         wall = self._wall()
         begins = self.clock.is_simulated and self.clock.now(wall) < OLD_S  # 0 is a time then
         if stamp == 0.0 and not begins:
-            self._wire.warn(f"{what}: stamp of 0", f"{what}: stamps are 0; messages count as sent when they arrive")
+            self._zeros[what] += 1
+            if self._zeros[what] >= ZEROS:
+                self._wire.warn(f"{what}: stamp of 0", f"{what}: stamps are 0; messages count as sent when they arrive")
             return self.clock.now(wall)
+        epoch = self.clock.epoch
         self.clock.see(stamp, wall)
+        if self.clock.epoch != epoch:
+            self._forget()
         now = self.clock.now(wall)
         if stamp > now + AHEAD_S:
             self._drop(what, "stamp in the future", f"its stamp {stamp:.3f} s is ahead of the time {now:.3f} s", "")

@@ -104,6 +104,19 @@ class RemoteLocalizer(Localizer):
         """Whether it wants odometry that goes on where it was before a jump: scans say whether that is true."""
         return self._mapper is not None and self.is_told
 
+    def use_map(self, inner: Localizer, fit: MapFit | None, pose: Pose2D | None) -> None:
+        """Locate the robot on another map.
+
+        Args:
+            inner: What estimates its pose there.
+            fit: Says whether its scans fit that map; None where that is not asked.
+            pose: Where it is, map frame; None where that is to be told.
+        """
+        self._inner, self._fit = inner, fit
+        self._pending = None if pose is None else (pose, None)
+        self._last, self.is_told, self.is_located = None, False, False
+        self.why = "" if pose is None else _NO_SCAN
+
     # Where it is -----------------------------------------------------------------------------------------------------
 
     @property

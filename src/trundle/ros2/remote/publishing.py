@@ -117,7 +117,7 @@ class StartPose:
             return
         self._looked = now
         try:
-            found = self._context.wire.transport.graph().subscriptions(self._outlet.topic)
+            found = self._context.wire.look_around().subscriptions(self._outlet.topic)
         except TrundleError:
             return
         listeners = {one.source or one.node for one in found if not one.ours and one.type_name == POSE}

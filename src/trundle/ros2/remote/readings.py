@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from trundle.errors import InputError
-from trundle.geometry import Pose2D, Twist2D
+from trundle.geometry import Pose2D, Twist2D, integrate_twist, wrap_angle
 from trundle.messages import readers
 from trundle.observation import Scan
 from trundle.ros2.bad_input import BadInputError, check_pose, check_twist
@@ -18,8 +19,31 @@ MOST_BEAMS = 100_000
 _STEP_SHARE = 0.02
 """Angles of the last beam that differ by more than this share of the field of view do not match."""
 
+_LONGEST_EXTRAPOLATION_S = 0.3
+
 Remark = tuple[str, str]
 """What is wrong and taken all the same: its kind, and the text."""
+
+
+@dataclass(frozen=True, slots=True)
+class Odometry:
+    """Odometry that has arrived.
+
+    Attributes:
+        time: Its stamp [s], on the robot's clock.
+        pose: Pose of the base in the odom frame.
+        twist: Its twist.
+    """
+
+    time: float
+    pose: Pose2D
+    twist: Twist2D
+
+    def at(self, time: float) -> Pose2D:
+        """Return where the robot is at a later time [s], if it goes on like this."""
+        ahead = min(max(0.0, time - self.time), _LONGEST_EXTRAPOLATION_S)
+        x, y, yaw = integrate_twist(*self.pose.as_tuple(), self.twist.v, self.twist.w, ahead)
+        return Pose2D(x, y, wrap_angle(yaw))
 
 
 def read_scan(message: Any, lidar: str, time: float, mount: Mount) -> tuple[Scan, list[Remark]]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time as system
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Self
 
 from trundle.geometry import Pose2D, Twist2D
 from trundle.observation import Observation
@@ -46,18 +45,18 @@ class RunTime:
     def __init__(self) -> None:
         self.offset = 0.0
         self._last: float | None = None
-        self._clock: tuple[int, bool] | None = None
+        self._clock: tuple[int, int, bool] | None = None
 
     def begin(self) -> None:
         """Begin a run at 0."""
         self._last = None
 
-    def at(self, now: float, clock: tuple[int, bool]) -> float:
+    def at(self, now: float, clock: tuple[int, int, bool]) -> float:
         """Return the time of the run at a time of the robot's clock [s].
 
         Args:
             now: What time it is there.
-            clock: Which clock that is: how often it has jumped, and whether it is simulated.
+            clock: Which clock that is; see `RobotClock.epoch`.
         """
         if self._last is None:
             self._last, self._clock, self.offset = 0.0, clock, now
@@ -125,6 +124,10 @@ class RemoteRobot(Simulator):
         """What the robot's clock is ahead of the time of the run [s]."""
         return self._time.offset
 
+    def use_world(self, world: World) -> None:
+        """Be in the world of another map from now on."""
+        self._world = world
+
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
         """Begin a run where the robot is: it is not moved."""
         self._time.begin()
@@ -144,12 +147,6 @@ class RemoteRobot(Simulator):
     def close(self) -> None:
         """Stop the robot."""
         self._commands.stop()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     # One control period ---------------------------------------------------------------------------------------------
 
@@ -171,8 +168,8 @@ class RemoteRobot(Simulator):
             self._has_jumped = True
         taken = inputs.take_scans()
         now = max([inputs.now, *(scan.time for scan in taken)])
-        odometry, clock = inputs.odometry, inputs.clock
-        time = self._time.at(now, (clock.jumps, clock.is_simulated))
+        odometry = inputs.odometry
+        time = self._time.at(now, inputs.clock.epoch)
         twist = _STAND
         if odometry is not None:
             if self._has_jumped:

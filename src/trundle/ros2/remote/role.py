@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import time as system
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 from trundle.control.latency import Latency
-from trundle.errors import TrundleError
-from trundle.geometry import Goal
+from trundle.errors import InputError, TrundleError
+from trundle.geometry import Goal, Pose2D
+from trundle.localization import Localizer
+from trundle.maps import OccupancyGrid
 from trundle.mission import Cancel, End, Episode, Observer, RunInfo, Session, SetGoal, SetGoals, Step, TaskEnd
+from trundle.mission.scenario import Setting
 from trundle.mission.simulation import SessionOptions
 from trundle.ros2.navigator_role.context import NAVIGATOR
 from trundle.ros2.navigator_role.role import NavigatorOutputs, NavigatorRole
@@ -16,8 +20,10 @@ from trundle.ros2.outputs.output import Output
 from trundle.ros2.remote.guard import Guard, GuardedMonitor
 from trundle.ros2.remote.inputs import RobotInputs
 from trundle.ros2.remote.localizer import RemoteLocalizer, TfLocalizer
+from trundle.ros2.remote.map_fit import MapFit
 from trundle.ros2.remote.publishing import StartPose
 from trundle.ros2.remote.robot import RemoteRobot
+from trundle.ros2.remote.setting import RemoteOptions, make_parts, prepare
 from trundle.ros2.role import BridgeContext
 
 NOT_LOCATED = "the robot does not know yet where it is: give its pose on /initialpose, or with --start"
@@ -77,6 +83,7 @@ class RemoteRole(NavigatorRole):
         self._robot, self._inputs, self._localizer, self._guard = robot, inputs, localizer, guard
         self._monitor, self._locates, self._delay_s = monitor, locates, delay_s
         self._applied_s, self._looked_s = -1.0, 0.0
+        self._loaded: tuple[Localizer, MapFit | None]
 
     def open(self) -> None:
         """Open topics, services and actions."""
@@ -93,12 +100,35 @@ class RemoteRole(NavigatorRole):
 
     def begin(self, observers: Sequence[Observer], seed: int | None) -> Session:
         """Begin a run where the robot is; it waits for goals."""
+        setting = self._take_setting()
+        if setting is not None:
+            self._robot.use_world(setting.world)
+            if isinstance(self._localizer, RemoteLocalizer):
+                self._localizer.use_map(*self._loaded, self._start_on(setting.grid))
         self._pose_output.begin()
         self._localizer.begin()
         options: SessionOptions = {"localizer": self._localizer, "latency": None, "monitor": self._monitor}
         outputs = NavigatorOutputs(self._kit, self._outputs, self._markers)
         agent = self._context.mission.navigator
-        return self._context.begin_session(agent, [_First(self), *observers, outputs], seed, options)
+        session = self._context.begin_session(agent, [_First(self), *observers, outputs], seed, options)
+        self._kit.tasks.drive.resume()
+        return session
+
+    def _prepare(self, path: Path) -> Setting:
+        """Make map, navigator and localizer from the file of another map."""
+        mission, inputs = self._context.mission, self._inputs
+        if not mission.scenario.known_map:
+            raise InputError("the robot makes its map itself, as it drives: start trundle with a map, and amcl")
+        scenario = mission.scenario.model_copy(update={"map": str(path), "world": None})
+        setting = prepare(scenario, self._context.profile, RemoteOptions(), robot=mission.robot)
+        if isinstance(self._localizer, RemoteLocalizer):
+            self._loaded = make_parts(setting, has_scans=bool(inputs.sensors))
+        return setting
+
+    def _start_on(self, grid: OccupancyGrid) -> Pose2D | None:
+        """Return where the robot is on a map that was loaded: where it was; None where that is not on it."""
+        here = self._kit.beliefs.now.pose
+        return here if bool(grid.contains(*grid.world_to_cell(here.x, here.y))) else None
 
     def lost(self, why: str) -> None:
         """Cancel what runs: whoever asked for it, and the robot, are out of reach."""
@@ -182,7 +212,7 @@ class GoalDrive:
     ) -> None:
         self._goals, self._context, self._localizer, self._guard = tuple(goals), context, localizer, guard
         self.waits_s = waits_s
-        self._given = False
+        self._given, self._left = False, self._goals
         self._held_since: float | None = None
         self.arrived = False
         self.message = ""
@@ -193,6 +223,8 @@ class GoalDrive:
     def on_step(self, step: Step) -> None:
         """Give the goals once the robot may drive; give up where it may not for too long."""
         now = system.monotonic()
+        if self._given and step.steering is not None:
+            self._left = step.steering.goals[step.goal :]
         reasons = self._guard.reasons
         if not reasons:
             self._held_since = None
@@ -200,6 +232,7 @@ class GoalDrive:
                 self._given = True
                 goals = self._goals
                 directive = SetGoal(goals[0]) if len(goals) == 1 else SetGoals(goals, through=False)
+                self._left = goals
                 self._context.driver.steering.put(directive, by="--goal", watcher=self)
             return
         if self._held_since is None:
@@ -218,7 +251,10 @@ class GoalDrive:
         self._end(str(error))
 
     def end(self, end: TaskEnd) -> None:
-        """End: the goals are reached, or given up."""
+        """End: the goals are reached, or given up; a run on another map goes on with those that are left."""
+        if end.result == "stopped":
+            self._given, self._goals = False, self._left or self._goals
+            return
         self.arrived = end.result == "succeeded"
         self._end("arrived" if self.arrived else end.message or end.result)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from trundle.errors import InputError
 from trundle.geometry import Goal, Pose2D
-from trundle.localization import create_localizer
+from trundle.localization import Localizer, create_localizer
 from trundle.mapping.slam_localizer import SlamLocalizer
 from trundle.maps import OccupancyGrid
 from trundle.mission import Scenario
@@ -91,13 +91,31 @@ def make_localizer(
     Raises:
         InputError: If there is none, or it cannot be made.
     """
+    inner, fit = make_parts(setting, has_scans=has_scans)
+    start = options.start
+    if start is None and isinstance(inner, SlamLocalizer):
+        start = Pose2D(0.0, 0.0)  # its map begins where the robot stands
+    return RemoteLocalizer(inner, start, is_ready, needs_scan=_sees(setting, has_scans=has_scans), fit=fit)
+
+
+def make_parts(setting: Setting, *, has_scans: bool) -> tuple[Localizer, MapFit | None]:
+    """Make what estimates the pose on a setting's map, and what says whether scans fit it; None where nothing does.
+
+    Args:
+        setting: Map, robot and navigator.
+        has_scans: Whether the robot sends scans.
+
+    Raises:
+        InputError: If there is none, or it cannot be made.
+    """
     scenario = setting.scenario
     if scenario.localizer is None:
         raise InputError("a robot on the network needs a localizer: amcl, slam, odometry or tf")
     inner = create_localizer(scenario.localizer, setting.grid if scenario.known_map else None, setting.robot)
-    start = options.start
-    if start is None and isinstance(inner, SlamLocalizer):
-        start = Pose2D(0.0, 0.0)  # its map begins where the robot stands
-    sees = has_scans and scenario.localizer.name != "odometry"
-    fit = MapFit(setting.grid) if sees and scenario.known_map else None
-    return RemoteLocalizer(inner, start, is_ready, needs_scan=sees, fit=fit)
+    return inner, MapFit(setting.grid) if scenario.known_map and _sees(setting, has_scans=has_scans) else None
+
+
+def _sees(setting: Setting, *, has_scans: bool) -> bool:
+    """Whether the localizer of a scenario locates the robot by its scans."""
+    choice = setting.scenario.localizer
+    return has_scans and choice is not None and choice.name != "odometry"

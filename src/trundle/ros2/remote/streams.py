@@ -75,17 +75,23 @@ class RobotClock:
         is_simulated: Whether there is a /clock.
         offset: How far the robot's clock is ahead of this machine's [s], where it is set differently; else 0.
         jumps: How often the time has jumped.
+        settings: How often `offset` was found anew, which makes all times before those of another clock.
         age: Mean age of stamps on arrival [s].
     """
 
     def __init__(self) -> None:
         self.is_simulated = False
         self.offset = 0.0
-        self.jumps = 0
+        self.jumps = self.settings = 0
         self.age = 0.0
         self.stream = Stream("/clock")
         self._clock: float | None = None
         self._stamp: float | None = None
+
+    @property
+    def epoch(self) -> tuple[int, int, bool]:
+        """Which time it tells: where this changes, times of before are those of another clock."""
+        return self.jumps, self.settings, self.is_simulated
 
     def set(self, time: float, real: float) -> bool:
         """Take a time of /clock [s] that came at a real time [s]; return whether the time has jumped.
@@ -113,8 +119,10 @@ class RobotClock:
         if not self.is_simulated:
             ahead = stamp - wall
             if abs(ahead) <= _WALL_S:
+                self.settings += self.offset != 0.0
                 self.offset = 0.0
             elif self.offset == 0.0 or abs(ahead - self.offset) > _WALL_S:
+                self.settings += 1
                 self.offset = ahead
             else:  # the least delayed stamp tells the most
                 self.offset = max(self.offset, ahead)

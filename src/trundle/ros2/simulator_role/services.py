@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from trundle.errors import InputError, UnknownNameError
+from trundle.navigation.behaviors.behavior import snake_case
 from trundle.ros2.bad_input import BadInputError, check_frame, check_pose
 from trundle.ros2.role import BridgeContext
 from trundle.ros2.simulator_role.control import SimulationControl, SimulationState, StepAction
@@ -95,7 +96,6 @@ class SimulationServices:
 
     def _serve(self, name: str, handler: Callable[[Any], dict[str, Any]]) -> None:
         type_name = f"{PACKAGE}/srv/{name}"
-        words = "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in name).lstrip("_")
 
         def answer(request: Any) -> Any:
             try:
@@ -108,7 +108,7 @@ class SimulationServices:
                 fields = {"result": self._result(FAILED, str(error))}
             return self._types.make(f"{type_name}_Response", **{"result": self._result(OK), **fields})
 
-        self._wire.serve(f"{self._prefix}{words}", type_name, answer)
+        self._wire.serve(f"{self._prefix}{snake_case(name)}", type_name, answer)
 
     def _result(self, code: int, message: str = "") -> Any:
         return self._types.make(f"{PACKAGE}/msg/Result", result=code, error_message=message)

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from trundle._core import Batch
 from trundle.geometry import FloatArray
 from trundle.sim.batch.arrays import BatchModel
+from trundle.sim.batch.crowds import RobotCrowds
 
 Mask = npt.NDArray[np.bool_]
 
@@ -66,10 +67,12 @@ class CpuEngine:
         model: What the robots share.
         count: Number of robots.
         threads: Number of threads.
+        crowds: The live crowds around the robots.
     """
 
-    def __init__(self, model: BatchModel, count: int, threads: int) -> None:
+    def __init__(self, model: BatchModel, count: int, threads: int, crowds: RobotCrowds) -> None:
         self._batch = Batch(*model)
+        self._crowds = crowds
         self._model, self._count, self._threads = model, count, threads
         self.poses = np.zeros((count, 3))
         self.wheels = np.zeros((count, 2))
@@ -95,6 +98,7 @@ class CpuEngine:
     def put(self, chosen: npt.NDArray[np.int64] | None, **given: npt.NDArray) -> None:
         """Put robots at rest, and find what they touch there."""
         rows = slice(None) if chosen is None else chosen
+        self._crowds.place(chosen, given["recordings"], given["poses"], given["seeds"])
         self.poses[rows] = given["poses"]
         self.places[rows, 0], self.places[rows, 1] = given["maps"], given["recordings"]
         self._errors[rows, 0], self._errors[rows, 1] = given["noise"], given["dropouts"]
@@ -107,7 +111,7 @@ class CpuEngine:
         """Drive substeps, and find what is touched first."""
         active = self._everyone if robots is None else robots
         state = (self.poses, self.motions, self.wheels, self.lengths, self.steps, self.contacts)
-        self._batch.drive(*state, commands, self.places, active, substeps, self._threads)
+        self._batch.drive(*state, commands, self.places, active, substeps, self._threads, self._crowds.kernel)
 
     def scan(self, robots: Mask | None) -> None:
         """Turn the lidars of some robots once, or of all if None."""
@@ -133,7 +137,8 @@ class CpuEngine:
         """Do nothing: the processor is done when a call returns."""
 
     def _scan_into(self, ranges: npt.NDArray[Any], active: Mask) -> None:
-        self._batch.scan(ranges, self.poses, self.steps, self.places, active, self._errors, self._keys, self._threads)
+        where = (self.poses, self.steps, self.places, active, self._errors, self._keys)
+        self._batch.scan(ranges, *where, self._threads, self._crowds.kernel)
 
 
 def mask_of(chosen: npt.NDArray[np.int64], count: int) -> Mask:

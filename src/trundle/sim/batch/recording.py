@@ -1,9 +1,10 @@
-"""`MoverRecording`: where the movers of a world are, recorded once for all robots of a batch."""
+"""`MoverRecording`: where the movers of a world are, recorded once for all robots of a batch; crowds may be live."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Self
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -14,14 +15,26 @@ from trundle.robots import Robot
 from trundle.sim.movers import MoverField
 from trundle.values import as_array, check_kind, check_number
 from trundle.worlds import World
-from trundle.worlds.movers.mover import outline_of
-
-PERIOD_S = 0.05
-"""Time between two samples of a recording [s]."""
+from trundle.worlds.movers.crowd import Crowd
+from trundle.worlds.movers.mover import Mover, outline_of, radius_of
+from trundle.worlds.movers.walk import PERIOD_S, CrowdWalk
 
 _MOST_SAMPLES = 10_000_000
 _FAR_AWAY = Pose2D(1e5, 1e5)
 """Where the robot is while a crowd is recorded: no walker sees it."""
+
+
+class LiveCrowds(NamedTuple):
+    """Crowds that are computed for each robot by itself, and see it.
+
+    Attributes:
+        walk: The crowds.
+        movers: (x, y, vx, vy) of the other movers at each step of the crowds [m, m/s], shape (steps, M, 4). After the
+            last one they stand.
+    """
+
+    walk: CrowdWalk
+    movers: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,7 +43,8 @@ class MoverRecording:
 
     Positions are interpolated between them; after the last one the movers stand.
 
-    They do not react to robots. Lidars and footprints meet the outline of a mover whatever their height.
+    They do not react to robots, but for live crowds. Lidars and footprints meet the outline of a mover whatever their
+    height.
 
     Attributes:
         outlines: The convex outline of each mover in its frame [m], counter-clockwise, shape (N, 2), or the radius [m]
@@ -38,6 +52,8 @@ class MoverRecording:
         tracks: (x, y, yaw) at each sample, map frame [m, rad], shape (movers, samples, 3), read-only. Yaws are
             continuous: a turn from π to −π is no jump.
         period: Time between two samples [s].
+        crowds: Crowds whose members are the last of the movers; their tracks are of no use then. If None, there are
+            none that react.
 
     Raises:
         InputError: If there are other numbers of outlines than of tracks, no samples, or numbers that are not finite.
@@ -46,6 +62,7 @@ class MoverRecording:
     outlines: tuple[FloatArray | float, ...]
     tracks: FloatArray
     period: float = field(default=PERIOD_S)
+    crowds: LiveCrowds | None = None
 
     def __post_init__(self) -> None:
         tracks = as_array(self.tracks, np.float64, "tracks of a recording")
@@ -66,7 +83,14 @@ class MoverRecording:
 
     @classmethod
     def of_world(
-        cls, world: World, robot: Robot, *, duration_s: float, seed: int = 0, period_s: float = PERIOD_S
+        cls,
+        world: World,
+        robot: Robot,
+        *,
+        duration_s: float,
+        seed: int = 0,
+        period_s: float = PERIOD_S,
+        live_crowds: bool = False,
     ) -> Self:
         """Record the movers of a world, crowds included, as if there were no robot.
 
@@ -74,8 +98,10 @@ class MoverRecording:
             world: The world.
             robot: The robot that will drive there.
             duration_s: How long [s]; for a motion that repeats, as long as the episodes are.
-            seed: Of the crowds.
+            seed: Of the crowds, where they are recorded.
             period_s: Time between two samples [s].
+            live_crowds: Whether crowds are not recorded, but computed for each robot of a batch: with its seed, and
+                members that see the robot give way to it.
 
         Raises:
             InputError: If the world has no movers, or a number is out of range.
@@ -86,7 +112,10 @@ class MoverRecording:
         duration = check_number("duration_s", duration_s, 0.0, 86_400.0, "s")
         if not world.movers:
             raise InputError(f"the world {world.name!r} has no movers to record")
-        movers = MoverField(world, robot)
+        crowds = [mover for mover in world.movers if isinstance(mover, Crowd)]
+        live = live_crowds and bool(crowds)
+        scripted = [mover for mover in world.movers if isinstance(mover, Mover)]
+        movers = MoverField(replace(world, movers=tuple(scripted)) if live else world, robot)
         samples = int(np.ceil(duration / period - 1e-9)) + 1
         if samples * len(movers.names) > _MOST_SAMPLES:
             raise InputError(
@@ -99,13 +128,26 @@ class MoverRecording:
             tracks[:, sample] = movers.advance(sample * period, lambda: (_FAR_AWAY, 0.0))[:, :3]
         tracks[:, :, 2] = np.unwrap(tracks[:, :, 2], axis=1)
         shapes = [_shape_of(body) for body in movers.bodies]
-        return cls(tuple(shapes[kind] for kind in movers.kinds), tracks, period)
+        outlines = tuple(shapes[kind] for kind in movers.kinds)
+        if not live:
+            return cls(outlines, tracks, period)
+        members = [_shape_of(crowd.body) for crowd in crowds for _ in range(crowd.count)]
+        tracks = np.concatenate([tracks, np.zeros((len(members), samples, 3))])
+        return cls((*outlines, *members), tracks, period, _live(crowds, scripted, world, duration))
+
+
+def _live(crowds: Sequence[Crowd], movers: Sequence[Mover], world: World, duration: float) -> LiveCrowds:
+    walk = CrowdWalk(crowds, movers, world.solids)
+    steps = np.array([walk.movers_at(step) for step in range(int(np.ceil(duration / PERIOD_S)) + 1 if movers else 1)])
+    last = steps[-1:].copy()
+    last[:, :, 2:] = 0.0
+    return LiveCrowds(walk, np.concatenate([steps, last]))
 
 
 def _shape_of(body: tuple[Solid, ...]) -> FloatArray | float:
-    """The radius of a body of one upright cylinder about its origin, else its outline."""
-    if len(body) == 1 and isinstance(body[0].shape, Cylinder) and body[0].pose.is_upright():
-        x, y, _ = body[0].pose.position
-        if x == 0.0 and y == 0.0:
-            return body[0].shape.radius
+    """The radius of an upright cylinder about the origin that contains the body, seen from above, else its outline."""
+    reach = radius_of(body)
+    for part in body:
+        if isinstance(part.shape, Cylinder) and part.pose.is_upright() and part.shape.radius >= reach - 1e-9:
+            return part.shape.radius  # then its axis is at the origin
     return outline_of(body)

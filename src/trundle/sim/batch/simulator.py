@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +16,7 @@ from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
 from trundle.sim.batch.arrays import BatchModel, blocked_cells, check_maps, check_recordings, make_model
 from trundle.sim.batch.cpu import BatchEngine, CpuEngine, mask_of
+from trundle.sim.batch.crowds import RobotCrowds
 from trundle.sim.batch.recording import MoverRecording
 from trundle.sim.lidar import LidarChoice
 from trundle.sim.ramp import count_steps
@@ -47,7 +48,8 @@ class BatchSimulator:
         robot: The robot.
         count: Number of robots, N.
         lidar: Lidars to simulate: all of the robot's, none, or those named.
-        recordings: Movers that robots may be among; all have one period and length.
+        recordings: Movers that robots may be among; all have one period and length. Live crowds of them are computed
+            for each robot by itself, on the CPU alone.
         timestep: Length of a substep [s].
         unknown: Treat unknown cells as "solid" or "free".
         device: Where it computes: "cpu"; or "cuda" or "cuda:1", a GPU of NVIDIA's, with the same bits (extra `gpu`).
@@ -96,10 +98,10 @@ class BatchSimulator:
         names = _choose_lidars(robot, lidar)
         chosen = [robot.lidars[name] for name in names]
         blocked = [blocked_cells(grid, unknown_is_solid=unknown == "solid") for grid in self._maps]
-        make_engine = _find_device(device, _choose_threads(threads))
-        self._engine = make_engine(
-            make_model(self._maps, blocked, robot, chosen, self._recordings, self._timestep), self._count
-        )
+        workers = _choose_threads(threads)
+        model = make_model(self._maps, blocked, robot, chosen, self._recordings, self._timestep)
+        self._crowds = RobotCrowds(model, self._recordings, self._count, workers)
+        self._engine = _find_device(device, workers, self._crowds)(model, self._count)
         ends = np.cumsum([0, *(each.beams for each in chosen)]).tolist()
         self._columns = {name: slice(first, end) for name, first, end in zip(names, ends, ends[1:], strict=False)}
         self.poses: FloatArray = self._engine.poses
@@ -132,8 +134,7 @@ class BatchSimulator:
     @property
     def times(self) -> FloatArray:
         """Time since each robot's reset [s], shape (N,); a copy on the host."""
-        steps = self.steps if isinstance(self.steps, np.ndarray) else self._engine.steps.numpy()
-        return steps.astype(np.float64) * self._timestep
+        return self._host(self.steps).astype(np.float64) * self._timestep
 
     @property
     def twists(self) -> FloatArray:
@@ -168,12 +169,13 @@ class BatchSimulator:
             robots: Which: indices, a bool for each robot, or None for all.
             maps: Number of the map, for all of them or for each.
             recordings: Number of the recording, −1 for none; likewise.
-            seeds: Of the noise of the lidars; likewise.
+            seeds: Of the noise of the lidars, and of live crowds; likewise.
             noise: Standard deviation of a range [m]; likewise.
             dropouts: Share of the beams without a return, 0 to 1; likewise.
 
         Raises:
             InputError: If a value is out of range or has another shape; nothing is reset then.
+            WorldError: If a live crowd has no room beside a robot; nothing is reset then, too.
         """
         engine = self._engine
         if engine.takes(poses, robots, maps, recordings, seeds, noise, dropouts):
@@ -236,6 +238,24 @@ class BatchSimulator:
         """Turn every lidar of all robots once; as `scan`, in float64, and a copy on the host."""
         return self._engine.scan_exactly()
 
+    def movers(self, robot: int) -> FloatArray:
+        """Return where the movers around a robot are now: (x, y, yaw), map frame [m, rad], shape (M, 3).
+
+        They are in the order of the outlines of its recording; none without a recording.
+        """
+        if isinstance(robot, bool) or not isinstance(robot, int | np.integer) or not 0 <= robot < self._count:
+            raise InputError(f"a robot is a number from 0 to {self._count - 1}, got {robot!r}")
+        number = int(self._host(self.places)[robot, 1])
+        if number < 0:
+            return np.zeros((0, 3))
+        recording, time = self._recordings[number], float(self.times[robot])
+        last = recording.tracks.shape[1] - 1
+        sample = min(time / recording.period, float(last))
+        first, second = recording.tracks[:, int(sample)], recording.tracks[:, min(int(sample) + 1, last)]
+        poses = first + (sample - int(sample)) * (second - first)
+        members = self._crowds.members(int(robot), time)
+        return np.concatenate([poses[: len(poses) - len(members)], members])
+
     def is_off_map(self) -> npt.NDArray[np.bool_]:
         """Return which robots have their base_link beyond their map, shape (N,)."""
         return self._engine.off_map()
@@ -247,6 +267,10 @@ class BatchSimulator:
             InputError: If an array of the device that was given before holds a bad value.
         """
         self._engine.synchronize()
+
+    @staticmethod
+    def _host(array: Any) -> npt.NDArray[Any]:
+        return array if isinstance(array, np.ndarray) else array.numpy()
 
     def _choose(self, robots: Robots) -> npt.NDArray[np.int64] | None:
         """Return the indices of robots, or None for all."""
@@ -304,18 +328,23 @@ def _choose_lidars(robot: Robot, choice: LidarChoice) -> tuple[str, ...]:
     return names
 
 
-def _find_device(name: str, threads: int) -> Callable[[BatchModel, int], BatchEngine]:
+def _find_device(name: str, threads: int, crowds: RobotCrowds) -> Callable[[BatchModel, int], BatchEngine]:
     """Return what makes the state of a batch on a device.
 
     Raises:
         UnknownNameError: If there is no such kind of device.
         MissingExtraError: If the extra gpu is not installed.
-        InputError: If this machine has no such device.
+        InputError: If this machine has no such device, or it cannot compute live crowds.
     """
     if name == "cpu":
-        return lambda model, count: CpuEngine(model, count, threads)
+        return lambda model, count: CpuEngine(model, count, threads, crowds)
     if str(name).partition(":")[0] != "cuda":
         raise UnknownNameError("device", str(name), _DEVICES)
+    if crowds.kernel is not None:
+        raise InputError(
+            f'device="{name}": live crowds are computed on the CPU alone; use device="cpu", or record the crowds, '
+            "without live_crowds"
+        )
     check_extra("gpu", f'device="{name}"')
     from trundle.sim.batch.warp import make_engine
 

@@ -1,50 +1,41 @@
-"""`CrowdWalk`: the crowds of a world while a run goes on."""
+"""`CrowdWalk`: the crowds of a world while a run goes on, stepped by the kernel."""
 
 from __future__ import annotations
 
 import math
 import zlib
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from trundle._core import CrowdFloor, CrowdModel, CrowdRun
 from trundle.errors import WorldError
-from trundle.geometry import FloatArray, wrap_angles
+from trundle.geometry import FloatArray
 from trundle.geometry.solids import Solid, solids_bounds
 from trundle.worlds.movers.crowd import Crowd
-from trundle.worlds.movers.interaction import (
-    RobotMotion,
-    border_force,
-    driving,
-    enters_way,
-    give_way,
-    keep_apart,
-    repulsion,
-    swings_into,
-)
 from trundle.worlds.movers.mover import Mover, outline_of, radius_of, top_of
-from trundle.worlds.movers.walkable import IndexArray, WalkableFloor
+from trundle.worlds.movers.walkable import make_floor
 
 PERIOD_S = 0.05
 """Crowds are stepped at this period; between two steps they move straight at constant speed."""
 
-# Members start at least this far from the robot [m], beside both radii, so that nobody touches it before it can brake.
-_CLEAR_OF_ROBOT = 2.0
-# Random places that are tried for one member, and placings of a whole crowd that are tried: the first members may leave
-# no room for the last. A placing that ends below 80 % of them, less 5, is not repeated: others would fail as well.
-_TRIES = 400
-_PLACINGS = 20
-_NEARLY_ALL, _A_FEW = 0.8, 5
-_LEAST_WALK_M = 4.0  # to the next place, where there is one so far away
-_LEAST_RETREAT_M = 1.5  # the same for one who is stuck
-_RETREATS = 12  # places that one who is stuck looks at
-_BLOCKING_M = 0.5  # those who are nearer than this block it
-_THERE_M = 0.4  # a member this near to its goal has reached it, or nearer than its radius if that is larger
-_STUCK_S = 2.0  # one that gets nowhere for so long goes elsewhere
-_SLOW = 0.1  # a member that is slower than this [m/s] waits
-_SWING_M = 0.2  # bodies that are farther from the robot's circle do not swing into it [m]
-_TURN, _STEER = 4.0, 1.2  # how fast those who step aside, and those who steer, turn [rad/s]
+
+class RobotMotion(NamedTuple):
+    """Place and speed of the robot, for those who see it.
+
+    Attributes:
+        x, y: Position [m], map frame.
+        vx, vy: Velocity [m/s], map frame.
+        radius: Radius of its circumscribed circle [m].
+    """
+
+    x: float
+    y: float
+    vx: float
+    vy: float
+    radius: float
 
 
 class CrowdWalk:
@@ -62,16 +53,17 @@ class CrowdWalk:
     def __init__(self, crowds: Sequence[Crowd], movers: Sequence[Mover], solids: Sequence[Solid]) -> None:
         self._crowds, self._movers = tuple(crowds), tuple(movers)
         self.names = [name for crowd in crowds for name in crowd.members]
-        counts = [crowd.count for crowd in crowds]
-        self._outlines = [outline_of(crowd.body) for crowd in crowds for _ in range(crowd.count)]
-        self._radii = np.repeat([radius_of(crowd.body) for crowd in crowds], counts)
-        self._top = np.repeat([crowd.speed for crowd in crowds], counts)
-        self._sees = np.repeat([crowd.sees_robot for crowd in crowds], counts)
-        self._steers = np.repeat([crowd.steers for crowd in crowds], counts)
-        self._mover_radii = np.array([radius_of(mover.parts) for mover in movers])
-        self._floors = [_make_floor(crowd, solids) for crowd in crowds]
-        ends = np.cumsum(counts)
-        self._slices = [slice(int(end - count), int(end)) for end, count in zip(ends, counts, strict=True)]
+        outlines = [outline_of(crowd.body) for crowd in crowds for _ in range(crowd.count)]
+        self.model = CrowdModel(
+            [_make_floor(crowd, solids) for crowd in crowds],
+            np.array([crowd.count for crowd in crowds]),
+            np.array([_numbers_of(crowd) for crowd in crowds for _ in range(crowd.count)]),
+            np.concatenate(outlines),
+            np.array([len(outline) for outline in outlines]),
+            np.array([radius_of(mover.parts) for mover in movers]),
+        )
+        """What the kernel knows of the crowds."""
+        self._run = CrowdRun(self.model)
 
     def reset(self, seed: int, robot: RobotMotion) -> None:
         """Start from a seed, away from the robot.
@@ -79,24 +71,13 @@ class CrowdWalk:
         Raises:
             WorldError: If there is no room for all of them.
         """
-        count = len(self.names)
-        self._rngs = [
-            np.random.default_rng([seed if crowd.seed is None else crowd.seed, zlib.crc32(crowd.name.encode())])
-            for crowd in self._crowds
-        ]
-        self._from = np.zeros((count, 6))
-        self._goals = np.zeros((count, 2))
-        self._waits = np.zeros(count)
-        self._preferred = np.zeros(count)
-        self._fields = [np.zeros((0, 0, 0), dtype=np.float32)] * len(self._crowds)
-        for index, part in enumerate(self._slices):
-            self._place(index, part, robot)
-        self._step_index = 0
-        self._to = self._next(robot)
+        missing = self._run.reset(self.words(seed), np.array(robot), self.movers_at(0))
+        if missing >= 0:
+            raise self.has_no_room(missing)
 
     def is_due(self, time: float) -> bool:
         """Return whether `at` needs the robot for this time [s]."""
-        return math.floor(time / PERIOD_S + 1e-9) > self._step_index
+        return _steps_until(time) > self._run.index
 
     def at(self, time: float, robot: RobotMotion | None = None) -> FloatArray:
         """Return (x, y, yaw, vx, vy, w) of all members at a time [s] not before the last one, shape (N, 6).
@@ -105,189 +86,47 @@ class CrowdWalk:
             time: Since the start of the run [s].
             robot: Where the robot is; needed where the time is due.
         """
-        wanted = math.floor(time / PERIOD_S + 1e-9)
-        while self._step_index < wanted:
-            self._step_index += 1
-            self._from = self._to
-            self._to = self._next(robot)
-        state = self._to.copy()
-        share = time / PERIOD_S - self._step_index
-        state[:, :3] = self._from[:, :3] + (share * PERIOD_S) * self._to[:, 3:]
-        return state
+        for step in range(self._run.index + 1, _steps_until(time) + 1):
+            self._run.step(None if robot is None else np.array(robot), self.movers_at(step))
+        return self._run.at(time)
 
-    def _place(self, index: int, part: slice, robot: RobotMotion) -> None:
-        """Put the members of a crowd at random places, and let each draw where it goes."""
-        crowd, floor = self._crowds[index], self._floors[index]
-        low, high = self._top[part] * 0.7, self._top[part]
-        self._preferred[part] = self._rngs[index].uniform(low, high)
-        number = part.start
-        for _ in range(_PLACINGS):
-            number = part.start
-            while number < part.stop and self._place_one(index, number, robot):
-                number += 1
-            if number == part.stop:
-                self._fields[index] = np.zeros((crowd.count, *floor.shape), dtype=np.float32)
-                for cell, field in zip(floor.cells_of(self._goals[part]), self._fields[index], strict=True):
-                    field[:] = floor.field_to(cell)
-                return
-            if number - part.start < _NEARLY_ALL * crowd.count - _A_FEW:
+    def words(self, seed: int) -> npt.NDArray[np.uint64]:
+        """Return the random words that the kernel starts from with a seed, shape (crowds, 4)."""
+        words = np.empty((len(self._crowds), 4), dtype=np.uint64)
+        for row, crowd in zip(words, self._crowds, strict=True):
+            key = [seed if crowd.seed is None else crowd.seed, zlib.crc32(crowd.name.encode())]
+            row[:] = np.random.SeedSequence(key).generate_state(4, np.uint64)
+        return words
+
+    def movers_at(self, step: int) -> FloatArray:
+        """Return (x, y, vx, vy) of the others at a step of the crowds, shape (M, 4)."""
+        states = [mover.motion.at(step * PERIOD_S) for mover in self._movers]
+        return np.array([(each.x, each.y, each.vx, each.vy) for each in states]).reshape(-1, 4)
+
+    def has_no_room(self, number: int) -> WorldError:
+        """Return the error for a member that finds no place at the start."""
+        first = 0
+        crowd = self._crowds[0]
+        for crowd in self._crowds:
+            if number < first + crowd.count:
                 break
-        raise WorldError(
+            first += crowd.count
+        return WorldError(
             f"the crowd {crowd.name!r}: found no place for {self.names[number]!r} with a radius of "
-            f"{self._radii[number]:.2f} m that is {_CLEAR_OF_ROBOT:g} m from the robot and clear of the "
-            f"{number - part.start} before it; make the crowd smaller"
+            f"{radius_of(crowd.body):.2f} m that is 2 m from the robot and clear of the {number - first} before it; "
+            "make the crowd smaller"
         )
 
-    def _place_one(self, index: int, number: int, robot: RobotMotion) -> bool:
-        """Put one at a random place that is clear of those before it, and draw where it goes; whether there is one."""
-        floor, rng, radius = self._floors[index], self._rngs[index], float(self._radii[number])
-        for _ in range(_TRIES):
-            point = floor.middles_of(floor.free[int(rng.integers(len(floor.free)))])
-            gaps = np.hypot(*(self._from[:number, :2] - point).T) - self._radii[:number] - radius
-            from_robot = math.hypot(point[0] - robot.x, point[1] - robot.y) - robot.radius - radius
-            if from_robot > _CLEAR_OF_ROBOT and (gaps > 0.1).all() and self._is_off_movers(point, radius):
-                self._from[number, :3] = *point, rng.uniform(-math.pi, math.pi)
-                cell = self._far_cell(floor, rng, self._from[number, :2], _LEAST_WALK_M)
-                self._goals[number] = floor.middles_of(cell)
-                return True
-        return False
 
-    def _is_off_movers(self, point: FloatArray, radius: float) -> bool:
-        states = [mover.motion.at(0.0) for mover in self._movers]
-        return all(
-            math.hypot(state.x - point[0], state.y - point[1]) > radius + other
-            for state, other in zip(states, self._mover_radii.tolist(), strict=True)
-        )
-
-    def _draw_goal(self, index: int, number: int) -> None:
-        """Draw where one goes."""
-        floor = self._floors[index]
-        cell = self._far_cell(floor, self._rngs[index], self._from[number, :2], _LEAST_WALK_M)
-        self._go_to(index, number, cell, floor.field_to(cell))
-
-    def _back_out(self, index: int, number: int) -> None:
-        """Draw where one who is stuck goes: where it gets without passing those next to it, if there is any."""
-        floor, here = self._floors[index], self._from[number, :2]
-        apart = np.hypot(*(self._from[:, :2] - here).T)
-        least = self._radii + self._radii[number]
-        near = (apart < least + _BLOCKING_M) & (apart > 0.0)
-        if not near.any():
-            self._draw_goal(index, number)
-            return
-        discs = np.column_stack([self._from[near, :2], np.minimum(least[near], apart[near] - floor.resolution)])
-        reached = floor.field_to(floor.cells_of(here[None])[0], discs)
-        for choice in self._rngs[index].integers(len(floor.free), size=_RETREATS).tolist():
-            cell = floor.free[choice]
-            is_far = math.hypot(*(floor.middles_of(cell) - here)) >= _LEAST_RETREAT_M
-            if is_far and math.isfinite(reached[cell[0], cell[1]]):
-                self._go_to(index, number, cell, floor.field_to(cell, discs))
-                return
-
-    def _go_to(self, index: int, number: int, cell: IndexArray, field: npt.NDArray[np.float32]) -> None:
-        self._goals[number] = self._floors[index].middles_of(cell)
-        self._fields[index][number - self._slices[index].start] = field
-
-    @staticmethod
-    def _far_cell(floor: WalkableFloor, rng: np.random.Generator, here: FloatArray, walk: float) -> IndexArray:
-        """Return a free cell at least as far away as `walk` [m], if one is found soon."""
-        cell = floor.free[int(rng.integers(len(floor.free)))]
-        for _ in range(8):
-            if math.hypot(*(floor.middles_of(cell) - here)) >= walk:
-                break
-            cell = floor.free[int(rng.integers(len(floor.free)))]
-        return cell
-
-    def _next(self, robot: RobotMotion | None) -> FloatArray:
-        """Return the state a period later; its velocities are those of the period between."""
-        points, yaws = self._from[:, :2], self._from[:, 2]
-        velocities = np.zeros_like(points) if self._step_index == 0 else self._from[:, 3:5]
-        self._choose_goals(points, velocities)
-        directions, forces = self._wishes(points)
-        forces += driving(velocities, directions, self._preferred)
-        moving = [mover.motion.at(self._step_index * PERIOD_S) for mover in self._movers]
-        others = np.vstack([points, np.array([state[:2] for state in moving]).reshape(-1, 2)])
-        other_velocities = np.vstack([velocities, np.array([state[3:5] for state in moving]).reshape(-1, 2)])
-        radii = np.concatenate([self._radii, self._mover_radii])
-        forces += repulsion(points, self._radii, directions, others, other_velocities, radii).sum(axis=1)
-        if robot is not None and self._sees.any():
-            there, speed = np.array([[robot.x, robot.y]]), np.array([[robot.vx, robot.vy]])
-            push = repulsion(points, self._radii, directions, there, speed, np.array([robot.radius]))
-            forces += push[:, 0] * self._sees[:, None]
-        wanted = velocities + forces * PERIOD_S
-        fast = np.hypot(wanted[:, 0], wanted[:, 1])
-        wanted *= np.minimum(1.0, self._top / np.maximum(fast, 1e-9))[:, None]
-        wanted, turned = self._steer(wanted, points, yaws, robot)
-        if robot is not None:
-            wanted = give_way(points, wanted, self._radii, self._sees, robot, PERIOD_S)
-        reached = self._off_solids(points, points + wanted * PERIOD_S)
-        reached = keep_apart(points, reached, others, radii)
-        allowed = np.concatenate(
-            [floor.is_free(reached[part]) for floor, part in zip(self._floors, self._slices, strict=True)]
-        )
-        if robot is not None:
-            allowed &= ~(self._sees & enters_way(points, reached, self._radii, robot))
-        reached = np.where(allowed[:, None], reached, points)
-        state = np.empty_like(self._from)
-        state[:, :2], state[:, 2] = reached, turned
-        state[:, 3:5] = (reached - points) / PERIOD_S
-        state[:, 5] = (turned - yaws) / PERIOD_S
-        return state
-
-    def _choose_goals(self, points: FloatArray, velocities: FloatArray) -> None:
-        slow = np.hypot(velocities[:, 0], velocities[:, 1]) < _SLOW
-        self._waits = np.where(slow, self._waits + PERIOD_S, np.minimum(self._waits, 0.0))
-        there = np.hypot(*(self._goals - points).T) < np.maximum(_THERE_M, self._radii)
-        for index, part in enumerate(self._slices):
-            for number in np.flatnonzero(there[part] | (self._waits[part] > _STUCK_S)) + part.start:
-                (self._draw_goal if there[number] else self._back_out)(index, int(number))
-                # Two who block each other do not both try again at the same time, and those who steer turn first.
-                turning = math.pi / _STEER if self._steers[number] else 0.0
-                self._waits[number] = -float(self._rngs[index].uniform(0.0, _STUCK_S)) - turning
-
-    def _wishes(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the directions in which the members want to go, and the forces [m/s²] that solids exert on them."""
-        directions, forces = np.zeros_like(points), np.zeros_like(points)
-        for floor, field, part in zip(self._floors, self._fields, self._slices, strict=True):
-            directions[part] = floor.ahead(points[part], field) - points[part]
-            distances, away = floor.push(points[part])
-            forces[part] = border_force(distances, away, self._radii[part])
-        length = np.hypot(directions[:, 0], directions[:, 1])
-        return directions / np.maximum(length, 1e-9)[:, None], forces
-
-    def _steer(
-        self, wanted: FloatArray, points: FloatArray, yaws: FloatArray, robot: RobotMotion | None
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return velocities of those who drive where they face, and the new yaws of all (not wrapped).
-
-        Those who see the robot do not turn their body into it.
-        """
-        speed = np.hypot(wanted[:, 0], wanted[:, 1])
-        off = wrap_angles(np.arctan2(wanted[:, 1], wanted[:, 0]) - yaws)
-        off[speed < 0.02] = 0.0
-        most = np.where(self._steers, _STEER, _TURN) * PERIOD_S
-        turned = yaws + np.clip(off, -most, most)
-        if robot is not None:
-            near = np.hypot(points[:, 0] - robot.x, points[:, 1] - robot.y) < self._radii + robot.radius + _SWING_M
-            beside = np.flatnonzero(self._sees & self._steers & near & (turned != yaws))
-            outlines = [self._outlines[index] for index in beside.tolist()]
-            stays = beside[swings_into(points[beside], yaws[beside], turned[beside], outlines, robot)]
-            turned[stays] = yaws[stays]
-        ahead = speed * np.maximum(0.0, np.cos(off))
-        steered = ahead[:, None] * np.column_stack([np.cos(turned), np.sin(turned)])
-        return np.where(self._steers[:, None], steered, wanted), turned
-
-    def _off_solids(self, points: FloatArray, reached: FloatArray) -> FloatArray:
-        """Return where the members get without entering a solid: along one axis where not along both, or nowhere."""
-        for floor, part in zip(self._floors, self._slices, strict=True):
-            for number in np.flatnonzero(~floor.is_free(reached[part])) + part.start:
-                (x, y), (to_x, to_y) = points[number], reached[number]
-                options = np.array([[to_x, y], [x, to_y]])
-                open_ones = floor.is_free(options)
-                reached[number] = options[int(np.argmax(open_ones))] if open_ones.any() else points[number]
-        return reached
+def _steps_until(time: float) -> int:
+    return math.floor(time / PERIOD_S + 1e-9)
 
 
-def _make_floor(crowd: Crowd, solids: Sequence[Solid]) -> WalkableFloor:
+def _numbers_of(crowd: Crowd) -> tuple[float, float, bool, bool]:
+    return radius_of(crowd.body), crowd.speed, crowd.sees_robot, crowd.steers
+
+
+def _make_floor(crowd: Crowd, solids: Sequence[Solid]) -> CrowdFloor:
     if crowd.area is not None:
         bounds = crowd.area
     elif solids:
@@ -297,8 +136,8 @@ def _make_floor(crowd: Crowd, solids: Sequence[Solid]) -> WalkableFloor:
     else:
         raise WorldError(f"the crowd {crowd.name!r}: the world has no solids that bound it; give its area")
     radius = radius_of(crowd.body)
-    floor = WalkableFloor(solids, bounds, radius, top_of(crowd.body))
-    if len(floor.free) == 0:
+    floor = make_floor(solids, bounds, radius, top_of(crowd.body))
+    if floor is None:
         raise WorldError(
             f"the crowd {crowd.name!r}: the world has no room for one; a member has a radius of {radius:.2f} m"
         )

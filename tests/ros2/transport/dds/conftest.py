@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import random
 import time
 from collections.abc import Callable, Iterator
 
 import pytest
 
+from ros2.domains import claim_domain, release_domain
 from trundle.messages import Distro
 from trundle.ros2.transport.dds.node import DdsTransport
 from trundle.ros2.transport.domain import Settings
@@ -26,9 +26,11 @@ def libraries() -> None:
 
 
 @pytest.fixture
-def domain() -> int:
-    """A domain that hardly any other test uses at the same time."""
-    return random.SystemRandom().randrange(1, 102)
+def domain() -> Iterator[int]:
+    """A domain that no other test uses at the same time."""
+    claimed = claim_domain()
+    yield claimed
+    release_domain(claimed)
 
 
 @pytest.fixture

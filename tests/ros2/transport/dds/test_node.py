@@ -1,6 +1,7 @@
 """Two nodes in this process, on a domain of their own."""
 
 import threading
+import time
 from functools import cache
 
 import pytest
@@ -169,6 +170,26 @@ def test_the_graph_has_nodes_topics_and_quality_of_service(open_node: Open) -> N
     theirs.close()
     until(lambda: ours.graph().nodes == ("/trundle",), "theirs to leave")
     assert ours.graph().subscriptions("/map") == ()
+
+
+def test_the_graph_is_read_only_where_it_has_changed(open_node: Open, monkeypatch: pytest.MonkeyPatch) -> None:
+    ours, theirs = open_node(), open_node("theirs")
+    ours.publisher("/map", TEXT, LATCHED)
+    until(lambda: len(ours.graph().nodes) == 2 and len(ours.graph().endpoints) == 1, "both nodes")
+    reads: list[str] = []
+    for kind, reader in ours._discovery._builtin.items():
+        read = reader.read
+        monkeypatch.setattr(
+            reader, "read", lambda *of, kind=kind, read=read, **how: (reads.append(kind), read(*of, **how))[1]
+        )
+    time.sleep(0.2)
+    ours.graph()
+    reads.clear()
+    assert len(ours.graph().endpoints) == 1
+    assert not reads
+    theirs.subscription("/map", TEXT, BEST_EFFORT)
+    until(lambda: len(ours.graph().endpoints) == 2, "their subscription")
+    assert set(reads) == {"subscription"}
 
 
 def test_after_close_nothing_is_sent_and_nothing_fails(open_node: Open) -> None:

@@ -84,6 +84,9 @@ class Discovery:
         }
         self._builtin = {kind: BuiltinDataReader(participant, one) for kind, one in builtin.items()}
         self._living = {kind: ReadCondition(reader, self._alive) for kind, reader in self._builtin.items()}
+        unread = SampleState.NotRead | ViewState.Any | InstanceState.Any
+        self._unread = {kind: ReadCondition(reader, unread) for kind, reader in self._builtin.items()}
+        self._found: dict[str, list[Any]] = {}
         self._write = Writing()
         self._lock = threading.Lock()
         self._gid_size = gid_size(codec.distro)
@@ -122,11 +125,11 @@ class Discovery:
         with self._lock:
             alive = [one.key.bytes for one in self._read("participant")]
             nodes = [*self._participants.nodes(alive)]
+            found: list[_Found] = [(kind, one) for kind in _KINDS for one in self._read(kind)]
             ours = self._node
         if ours.full_name not in {node.full_name for node in nodes}:
             nodes.append(ours)
         owners = {guid: node.full_name for node in nodes for guid in (*node.readers, *node.writers)}
-        found: list[_Found] = [(kind, one) for kind in _KINDS for one in self._read(kind)]
         return Graph(
             tuple(sorted({node.full_name for node in nodes})),
             tuple(self._endpoint(kind, one, owners) for kind, one in found if ros_topic(one.topic_name)),
@@ -137,7 +140,12 @@ class Discovery:
         self._write(self._writer._ref, encode_info(self._guid, [self._node], self._gid_size))
 
     def _read(self, kind: str) -> list[Any]:
-        return self._builtin[kind].read(MOST_ENDPOINTS, condition=self._living[kind])
+        """Return the entities that live; they are read only where that has changed: Cyclone's reading leaks memory."""
+        if kind not in self._found or self._unread[kind].triggered:
+            reader = self._builtin[kind]
+            reader.read(MOST_ENDPOINTS, condition=self._unread[kind])  # also those that have left are read then
+            self._found[kind] = reader.read(MOST_ENDPOINTS, condition=self._living[kind])
+        return self._found[kind]
 
     def _endpoint(self, kind: _Kind, one: Any, owners: dict[bytes, str]) -> Endpoint:
         guid = one.key.bytes

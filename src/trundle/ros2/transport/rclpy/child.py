@@ -50,6 +50,9 @@ PATIENCE_S = 0.05
 LEAVING_S = 1.2
 CANCELING_S = 2.0
 COUNTS_EVERY_S = 0.1
+LOOKS_NS = 100_000_000
+MOST_AT_ONCE = 50
+"""So many messages of a topic are taken before it is the turn of the next."""
 
 # Both sides ----------------------------------------------------------------------------------------------------------
 
@@ -292,6 +295,79 @@ class Goal:
         self.end = queue.SimpleQueue()
 
 
+class Topics:
+    """Takes the messages of a node's topics, in a thread of its own.
+
+    An executor of rclpy looks at all services and actions of the node whenever a message arrives, and hands it to
+    another thread: several times the work.
+
+    Args:
+        context: The context of the node.
+        report: Called with what goes wrong.
+    """
+
+    def __init__(self, context, report):
+        from rclpy.callback_groups import ReentrantCallbackGroup
+        from rclpy.guard_condition import GuardCondition
+
+        class OfNoExecutor(ReentrantCallbackGroup):
+            """Keeps what is in it from executors."""
+
+            def can_execute(self, entity):
+                return False
+
+        self.group = OfNoExecutor()
+        self._context, self._report = context, report
+        self._taken = ()
+        self._changed = GuardCondition(None, None, context=context)
+        self._is_leaving = False
+        self._thread = threading.Thread(target=self._run, name="topics", daemon=True)
+
+    def add(self, subscription, callback):
+        """Call back with the message and the info of each message from now on."""
+        self._taken = (*self._taken, (subscription, callback))
+        self._changed.trigger()
+        if not self._thread.is_alive() and not self._is_leaving:
+            self._thread.start()
+
+    def _run(self):
+        while not self._is_leaving:
+            try:
+                self._take(self._taken)
+            except Exception as error:  # noqa: BLE001 - of rclpy, while nodes come and go; the others go on
+                if not self._is_leaving:
+                    self._report(f"rclpy: {type(error).__name__}: {error}")
+                    time.sleep(0.01)
+
+    def _take(self, taken):
+        """Take what arrives on these topics, until there are others."""
+        from rclpy.impl.implementation_singleton import rclpy_implementation
+
+        waiting = rclpy_implementation.WaitSet(len(taken), 1, 0, 0, 0, 0, self._context.handle)
+        while taken is self._taken and not self._is_leaving:
+            waiting.clear_entities()
+            for subscription, _ in taken:
+                waiting.add_subscription(subscription.handle)
+            waiting.add_guard_condition(self._changed.handle)
+            waiting.wait(LOOKS_NS)
+            ready = waiting.get_ready_entities("subscription")
+            for subscription, callback in taken if ready else ():
+                handle = subscription.handle
+                if handle.pointer in ready:
+                    for _ in range(MOST_AT_ONCE):
+                        found = handle.take_message(subscription.msg_type, True)
+                        if found is None:
+                            break
+                        callback(*found)
+
+    def leave(self):
+        """Take nothing more."""
+        self._is_leaving = True
+        self._changed.trigger()
+        if self._thread.is_alive():
+            self._thread.join(0.3)
+
+
 class Node:
     """A node, its participant and the threads that take what arrives for it.
 
@@ -322,6 +398,7 @@ class Node:
         else:
             self._executor = SingleThreadedExecutor(context=self.context)
         self._executor.add_node(self.node)
+        self.topics = Topics(self.context, lambda text: self._report(text))
         self._is_leaving = False
         self._thread = threading.Thread(target=self._spin, name="spin", daemon=True)
 
@@ -342,6 +419,7 @@ class Node:
     def leave(self):
         """Take the node off the network."""
         self._is_leaving = True
+        self.topics.leave()
         with contextlib.suppress(Exception):
             self._executor.create_task(lambda: None)  # so that the thread sees it
             self._thread.join(0.3)
@@ -464,8 +542,6 @@ class Relay:
         )
 
     def _do_subscription(self, number, topic, type, qos):
-        from rclpy.subscription import Subscription
-
         kind = load_kind(type)
         stream = Stream(SAMPLE, number, qos["depth"])
 
@@ -473,12 +549,17 @@ class Relay:
             source = _source(info)
             self.outbox.put_message(stream, bytes([len(source)]) + source + data)
 
-        # Humble calls it with the message alone; later ones look at the parameters that have no default.
-        callback = pass_on if hasattr(Subscription, "CallbackType") else lambda data: pass_on(data, None)
         home = self._home_of(topic, type)
         subscription = home.node.create_subscription(
-            kind, topic, callback, _profile(qos), raw=True, event_callbacks=_no_events("SubscriptionEventCallbacks")
+            kind,
+            topic,
+            lambda data: None,
+            _profile(qos),
+            callback_group=home.topics.group,
+            raw=True,
+            event_callbacks=_no_events("SubscriptionEventCallbacks"),
         )
+        home.topics.add(subscription, pass_on)
         self._subscriptions[number], self._streams[number] = subscription, stream
 
     def _do_service(self, number, name, type):

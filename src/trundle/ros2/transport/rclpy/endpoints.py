@@ -186,7 +186,7 @@ class Requests:
                 continue
             try:
                 answer = self._answer(kind, subject, data)
-            except Exception:
+            except Exception:  # whatever it raises, its client is answered
                 _logger.exception("the handler of a service or action failed")
                 answer = _NO
             outbox.put(child.ANSWER, number, answer)
@@ -208,6 +208,6 @@ class Requests:
         self._goals[number] = goal, handler
         try:
             handler.accepted(goal)
-        except Exception:
+        except Exception:  # whatever it raises, its client gets a result
             _logger.exception("the handler of an action failed")
             goal.abort(b"")

@@ -226,6 +226,8 @@ class RclpyTransport:
             self._is_closed.set()
             self._has_lost.set()
         self._link.close()
+        # Whoever is starting the child again may still be at it when the program ends: it holds this, and no more.
+        self._requests = Requests()
 
     def _open_link(self) -> Link:
         return Link(self.python, self._environ, self._options, self._receive, self._on_lost)

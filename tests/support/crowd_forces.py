@@ -17,7 +17,7 @@ from trundle.geometry import FloatArray
 
 # How near those who see the robot come to it [m], and to the line that it drives in the next seconds [s]: more holds
 # them up far from its path, less lets them touch it before either has braked.
-_MARGIN, _LOOK_S = 0.5, 1.5
+MARGIN_M, _LOOK_S = 0.5, 1.5
 # Kept from the robot's circle by what turns beside it [m]: the tail of a forklift swings out where its middle stands.
 _SWING_MARGIN = 0.1
 
@@ -129,7 +129,7 @@ def enters_way(points: FloatArray, reached: FloatArray, radii: FloatArray, robot
     start, along = np.array([robot.x, robot.y]), np.array([robot.vx, robot.vy]) * _LOOK_S
     _, gap = _from_line(points, start, along)
     _, then = _from_line(reached, start, along)
-    return (then < radii + robot.radius + _MARGIN) & (then < gap - 1e-12)
+    return (then < radii + robot.radius + MARGIN_M) & (then < gap - 1e-12)
 
 
 def swings_into(

@@ -1,0 +1,293 @@
+"""`Sensing`: what robots sense on their drives, and whether it would have made them drive otherwise."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle._core import chebyshev_field
+from trundle.control import CollisionMonitor
+from trundle.control.pursuit_settings import PursuitSettings
+from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
+from trundle.costmap import LETHAL, Costmap
+from trundle.costmap.layers import LayersSettings, ObstacleLayerSettings
+from trundle.costmap.layers.extent import Extent, read_static
+from trundle.errors import InputError
+from trundle.geometry import FloatArray, Pose2D, Twist2D
+from trundle.geometry.solids import Solid
+from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
+from trundle.mission.obstacles import KIND
+from trundle.mission.running.run_log import RunLog
+from trundle.mission.scenario import Setting
+from trundle.navigation import Navigator
+from trundle.observation import Scan
+from trundle.robots import Lidar, Robot
+from trundle.sim.lidar import LidarSet, SceneBeams
+from trundle.worlds import World
+
+_TICK_S = 0.1
+"""Control periods up to this [s] are part of what a robot needs to stop; longer ones count as they are."""
+_CLEARANCE_M = 0.1  # the stop check looks no farther than this beside the footprint
+_SPARE_CELLS = 2.0  # for the corners of cells
+_ROUNDED_CELLS = 1.0 / 128.0  # marks lie within 1/512 of a cell of their hits
+_FARTHEST_CELLS = 254.0  # that a field of Chebyshev distances has
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """A drive along a path on the map alone.
+
+    Attributes:
+        time: At the beginning of each control period, and at the end [s], shape (N,).
+        rows: (x, y, yaw, v, w) then, and the command (v, w) of the period before, shape (N, 7).
+        course: Poses of the path that are checked, shape (P, 3).
+    """
+
+    time: FloatArray
+    rows: FloatArray
+    course: FloatArray
+
+    @cached_property
+    def places(self) -> FloatArray:
+        """Where the robot was, and where its path leads [m], shape (N + P, 2)."""
+        return np.concatenate([self.rows[:, :2], self.course[:, :2]])
+
+
+class Sensing:
+    """Makes what robots sense of their worlds; it keeps what missions in one world share.
+
+    With the right map, layers change only cells that are unknown, and free ones beside these: whatever the lidars see
+    and miss, the costmap lies between one in which all of them are free and one in which all are occupied. Where those
+    agree on all that the navigator looks up on a drive, nothing that its layers show makes a difference.
+
+    `regulated_pure_pursuit` takes no tracks, and a tracker matters only where a path is blocked; so it need not run.
+    """
+
+    def __init__(self) -> None:
+        self._doubts: tuple[Costmap, float | None, _Doubts] | None = None
+        self._beams: tuple[World, SceneBeams] | None = None
+
+    def begin(self, setting: Setting) -> SensedDrive:
+        """Begin a drive.
+
+        Raises:
+            UnknownNameError: If the robot has no lidar of a chosen name.
+        """
+        layers, doubts = setting.scenario.layers, None
+        obstacle = (LayersSettings() if layers is None else layers).obstacle
+        if setting.scenario.lidar and obstacle is not None:
+            doubts = self._doubts_of(setting.navigator, obstacle)
+        return SensedDrive(setting, self._beams_in(setting.world), doubts)
+
+    def _beams_in(self, world: World) -> SceneBeams:
+        if self._beams is None or self._beams[0] is not world:
+            self._beams = world, SceneBeams(world, None)
+        return self._beams[1]
+
+    def _doubts_of(self, navigator: Navigator, layer: ObstacleLayerSettings) -> _Doubts:
+        costmap, kept = navigator.costmap, self._doubts
+        if kept is None or kept[0] is not costmap or kept[1] != layer.static_tolerance:
+            kept = costmap, layer.static_tolerance, _Doubts.of(costmap, navigator.robot, layer.static_tolerance)
+            self._doubts = kept
+        return kept[2]
+
+
+class SensedDrive:
+    """What the robot of one mission senses.
+
+    Args:
+        setting: The mission.
+        beams: Of its world.
+        doubts: Where its layers may change the costmap; None where it has none.
+
+    Attributes:
+        log: What the collision monitor did.
+    """
+
+    def __init__(self, setting: Setting, beams: SceneBeams, doubts: _Doubts | None) -> None:
+        self._setting, self._doubts = setting, doubts
+        robot, chosen = setting.robot, setting.scenario.lidar
+        self._lidars = LidarSet(robot, chosen, beams.cast)
+        beams.prepare(self._lidars.heights)
+        self._lidars.reset(setting.scenario.seed)
+        self._since = -1.0
+        names = () if not chosen else tuple(robot.lidars) if chosen is True else chosen
+        self._scatters = not all(_reads_exactly(robot.lidars[name], robot) for name in names)
+        self._unexpected: list[FloatArray] = []
+        self._monitor = _make_monitor(setting)
+        self.log = RunLog()
+
+    def check(self, command: Twist2D, twist: Twist2D, time: float, pose: Pose2D) -> Twist2D:
+        """Take the scans of now [s], and say what the collision monitor sends instead of a command."""
+        scans = self._look(time, pose)
+        if self._monitor is None:
+            return command
+        report = self._monitor.check(command, twist, scans, time, pose)
+        self.log.add_report(report)
+        return report.command
+
+    def find_difference(self, drive: Drive) -> str:
+        """What was sensed that might have made a difference to a drive, in a few words; empty where nothing was."""
+        setting, costmap = self._setting, self._setting.navigator.costmap
+        reach = _stopping_reach(setting.navigator)
+        far = max(reach, costmap.inflation_radius) + _SPARE_CELLS * costmap.resolution
+        boxes = [solid for solid in setting.world.solids if solid.kind == KIND] if setting.scenario.unmapped else []
+        if any(_is_near(drive, box, far + costmap.resolution) for box in boxes):
+            return "an unmapped box near the path"
+        low, high = setting.robot.z_range
+        if not all(low <= height <= high for height in self._lidars.heights):
+            return "a lidar that sees what is not on the map"
+        if self._doubts is None:
+            return ""
+        if self._doubts.matter_to(drive, reach):
+            return "unknown cells near the path"
+        if self._scatters:
+            seen = 0 if self._monitor is None else len(drive.rows) - 1
+            for time, pose in zip(drive.time[seen:].tolist(), drive.rows[seen:, :3].tolist(), strict=True):
+                self._look(time, Pose2D(*pose))
+            places = np.concatenate([np.zeros((0, 2)), *self._unexpected]).tolist()
+            if any(_distance(drive, x, y) <= far for x, y in places):
+                return "noise of a lidar near the path"
+        return ""
+
+    def _look(self, time: float, pose: Pose2D) -> tuple[Scan, ...]:
+        """Take the scans that are due after the last look and up to now [s]."""
+        scans = self._lidars.scan(pose, self._since, time)
+        self._since = time
+        if self._scatters and self._doubts is not None:
+            layers = self._setting.scenario.layers
+            obstacle = (LayersSettings() if layers is None else layers).obstacle or ObstacleLayerSettings()
+            limits = obstacle.obstacle_min_range, obstacle.obstacle_max_range
+            self._unexpected += [self._doubts.unexpected(scan, pose, *limits) for scan in scans]
+        return scans
+
+
+def monitors(setting: Setting) -> bool:
+    """Whether the commands of a mission pass a collision monitor."""
+    chosen = setting.scenario.collision_monitor
+    return bool(setting.scenario.lidar) if chosen is None else chosen is not False
+
+
+def _stopping_reach(navigator: Navigator) -> float:
+    """How far from base_link [m] an obstacle can matter to pursuit and its stop check, and not by its inflation."""
+    robot, controller = navigator.robot, navigator.controller
+    settings = controller.settings if isinstance(controller, RegulatedPurePursuit) else PursuitSettings()
+    limits = robot.limits
+    fastest = max(limits.linear_speed, limits.reverse_speed or 0.0)
+    stop = fastest * (max(_TICK_S, navigator.dt) + fastest / (2.0 * limits.linear_acceleration))
+    around = robot.circumscribed_radius + settings.footprint_padding + _CLEARANCE_M
+    return around + max(stop, settings.lookahead_dist)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Doubts:
+    """Where the layers of a costmap may differ from it, whatever is seen of a world that is as the map.
+
+    Attributes:
+        costmap: The costmap.
+        costs: Cells whose cost may be another, bool, shape (rows, cols).
+        near: Chebyshev distance [cells] of each cell from the nearest one that is free or beside a free one, and may
+            become blocked or no longer be, uint8, shape (rows, cols).
+        expected: Cells in which hits change nothing else, bool, shape (rows, cols).
+    """
+
+    costmap: Costmap
+    costs: npt.NDArray[np.bool_]
+    near: npt.NDArray[np.uint8]
+    expected: npt.NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, costmap: Costmap, robot: Robot, tolerance: float | None) -> _Doubts:
+        """Find them for a distance from static obstacles within which nothing is marked [m]."""
+        _, grid, style = read_static(costmap, robot, None, None, costmap.resolution)
+        if grid is None:
+            raise InputError("the layers of a mission in a batch need a map")
+        extent = Extent(
+            grid,
+            floor=costmap.keepout,
+            keepout=None,
+            resolution=costmap.resolution,
+            size=(1.0, 1.0),
+            rolling=False,
+            tolerance=tolerance,
+        )
+        cells, kept = grid.data, extent.near() != 0
+        unknown, solid = cells == UNKNOWN, cells != FREE
+        # A hit lies on the edge of a cell that is not free, or by rounding in one of the eight around.
+        beside = (chebyshev_field(solid.view(np.uint8)) <= 1) & ~solid & ~kept
+        least, most = np.where(unknown, np.int8(FREE), cells), np.where(unknown | beside, np.int8(OCCUPIED), cells)
+        given = np.minimum(costmap.data, LETHAL)
+        costs, blocked = np.zeros(given.shape, np.bool_), np.zeros(given.shape, np.bool_)
+        for occupancy in (least, most):
+            made = style.make(np.ascontiguousarray(occupancy), costmap.resolution, costmap.origin, extent.floor())
+            found = np.minimum(made.data, LETHAL)
+            costs |= found != given
+            blocked |= (found == LETHAL) != (given == LETHAL)
+        # What lies deeper in a blocked area is not touched before its edge is.
+        blocked &= chebyshev_field((given < LETHAL).view(np.uint8)) <= 1
+        return cls(costmap, costs, chebyshev_field(blocked.view(np.uint8)), solid | kept | beside)
+
+    def matter_to(self, drive: Drive, reach: float) -> bool:
+        """Whether one of these cells is looked up on a drive; blocked ones are within a reach [m]."""
+        cells = reach / self.costmap.resolution + _SPARE_CELLS
+        if cells > _FARTHEST_CELLS:
+            return bool((self.near < _FARTHEST_CELLS).any())
+        row, col = self._cells_at(drive.places.T)
+        count = len(drive.rows)
+        return bool(self.costs[row[:count], col[:count]].any() or (self.near[row, col] <= cells).any())
+
+    def unexpected(self, scan: Scan, pose: Pose2D, least: float, most: float) -> FloatArray:
+        """Hits of a scan at a pose, from a range on and up to another [m], that may mark other cells.
+
+        Returns:
+            Where they are [m], map frame, shape (hits, 2).
+        """
+        hit = np.isfinite(scan.ranges) & (scan.ranges >= least) & (scan.ranges <= most)
+        sensor, ranges, angles = pose @ scan.mount, scan.ranges[hit], scan.angles[hit]
+        x = sensor.x + ranges * np.cos(angles + sensor.yaw)
+        y = sensor.y + ranges * np.sin(angles + sensor.yaw)
+        spare = _ROUNDED_CELLS * self.costmap.resolution
+        fits = np.ones(len(x), np.bool_)
+        for dx, dy in ((-spare, -spare), (-spare, spare), (spare, -spare), (spare, spare)):
+            row, col = self.costmap.world_to_cell(x + dx, y + dy)
+            inside = self.costmap.contains(row, col)
+            fits &= ~inside | self.expected[np.where(inside, row, 0), np.where(inside, col, 0)]
+        return np.column_stack([x, y])[~fits]
+
+    def _cells_at(self, places: FloatArray) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+        """Rows and columns of the cells that hold some places [m], or of those nearest to them on the map."""
+        row, col = self.costmap.world_to_cell(places[0], places[1])
+        rows, cols = self.costmap.shape
+        return np.clip(row, 0, rows - 1), np.clip(col, 0, cols - 1)
+
+
+def _make_monitor(setting: Setting) -> CollisionMonitor | None:
+    if not monitors(setting):
+        return None
+    chosen = setting.scenario.collision_monitor
+    return CollisionMonitor(setting.navigator.robot, None if isinstance(chosen, bool) else chosen)
+
+
+def _reads_exactly(lidar: Lidar, robot: Robot) -> bool:
+    """Whether a lidar has no noise, and all that it can see without the robot touching it is in its range."""
+    outline = robot.planar.outline
+    along = np.roll(outline, -1, axis=0) - outline
+    off = (lidar.x, lidar.y) - outline
+    inwards = (along[:, 0] * off[:, 1] - along[:, 1] * off[:, 0]) / np.hypot(along[:, 0], along[:, 1])
+    return lidar.noise == 0.0 and bool(inwards.min() >= lidar.range_min)
+
+
+def _is_near(drive: Drive, box: Solid, reach: float) -> bool:
+    """Whether a box comes within a reach [m] of where a robot was or of its path."""
+    low, high = box.bounds()
+    half = 0.5 * math.hypot(float(high[0] - low[0]), float(high[1] - low[1]))
+    x, y, _ = box.pose.position
+    return _distance(drive, x, y) <= reach + half
+
+
+def _distance(drive: Drive, x: float, y: float) -> float:
+    return float(np.hypot(drive.places[:, 0] - x, drive.places[:, 1] - y).min())

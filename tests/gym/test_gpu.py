@@ -1,0 +1,147 @@
+"""`NavigationVectorEnv` with `device="cuda"`: tensors that stay there, and the episodes of the processor.
+
+Warp's own CPU device runs the same kernels where there is no GPU.
+"""
+
+import gymnasium
+import numpy as np
+import pytest
+
+import trundle.gym
+from trundle.errors import InputError
+
+wp = pytest.importorskip("warp", reason="needs Warp, of the extra gpu")
+torch = pytest.importorskip("torch", reason="needs PyTorch")
+
+from trundle.sim.batch import warp as devices  # noqa: E402 - needs Warp
+
+ALL = {"path_points": 3, "costmap_cells": 8, "critic": True}
+REWARDS = {"progress": 2.0, "time": -0.5, "smoothness": -0.1, "reverse": -1.0, "contact": -3.0, "success": 5.0}
+COUNT = 12
+
+
+def is_missing_a_gpu() -> bool:
+    devices.find_device("cpu")
+    return not wp.get_cuda_devices()
+
+
+@pytest.fixture(
+    params=["cpu", pytest.param("cuda", marks=pytest.mark.skipif(is_missing_a_gpu(), reason="needs a GPU of NVIDIA's"))]
+)
+def device(request, monkeypatch):
+    """Where `device="cuda"` computes: Warp's CPU device, or a GPU."""
+    find = devices.find_device
+    monkeypatch.setattr(devices, "find_device", lambda _name: find(request.param))
+    return request.param
+
+
+def make(options, where="cuda", **more):
+    return gymnasium.make_vec("trundle/Navigation-v0", num_envs=COUNT, device=where, **options, **more)
+
+
+def actions(steps: int) -> np.ndarray:
+    drawn = np.random.default_rng(0).uniform(-1.0, 1.0, (steps, COUNT, 2)).astype(np.float32)
+    drawn[:, :, 0] = 0.5 + 0.5 * np.abs(drawn[:, :, 0])
+    return drawn
+
+
+def agree(mine, other) -> None:
+    """Check that tensors are the arrays of the processor: all but sines, cosines and square roots has its bits."""
+    assert mine.keys() == other.keys()
+    for name, values in mine.items():
+        if isinstance(values, dict):
+            agree(values, other[name])
+            continue
+        assert isinstance(values, torch.Tensor), name
+        found, expected = values.cpu().numpy(), other[name]
+        assert found.dtype == expected.dtype, name
+        np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-6, err_msg=name)
+
+
+@pytest.mark.parametrize("mode", ["next_step", "same_step"])
+@pytest.mark.parametrize(
+    "more",
+    [
+        {},
+        {**ALL, "rewards": REWARDS, "max_time_s": 4.0},
+        {"movers": 3, "max_time_s": 4.0, "vary": {"wheel_radius": {"uniform": [0.9, 1.1]}, "lidar_noise": 0.02}},
+    ],
+    ids=["plain", "all observations", "movers and noise"],
+)
+def test_episodes_are_those_of_the_processor(quick_options, device, mode, more):
+    mine, other = (
+        make(quick_options, autoreset_mode=mode, **more),
+        make(quick_options, "cpu", autoreset_mode=mode, **more),
+    )
+    for observed, expected in zip(mine.reset(seed=3), other.reset(seed=3), strict=True):
+        agree(observed, expected)
+    ends = 0
+    for action in actions(60):
+        observed, rewards, terminated, truncated, info = mine.step(torch.from_numpy(action).to(device))
+        expected, *rest, figures = other.step(action)
+        agree(observed, expected)
+        agree(
+            {"rewards": rewards, "terminated": terminated, "truncated": truncated},
+            dict(zip(("rewards", "terminated", "truncated"), rest, strict=True)),
+        )
+        final, ended = info.pop("final_obs", None), figures.pop("final_obs", None)
+        agree(info, figures)
+        done = rest[1] | rest[2]
+        ends += int(done.sum())
+        assert (final is not None) == (ended is not None) == (mode == "same_step" and done.any())
+        for robot in np.flatnonzero(done) if final is not None else ():
+            agree({name: values[robot] for name, values in final.items()}, ended[robot])
+    assert ends > 5
+
+
+def test_tensors_are_on_the_device_and_numpy_actions_are_taken(quick_options, device):
+    env = make(quick_options)
+    observed, info = env.reset(seed=0)
+    assert all(values.device.type == device for values in (*observed.values(), *info.values()))
+    moved = env.step(actions(1)[0])[4]
+    assert moved["path_length"].device.type == device
+
+
+def test_robots_are_reset_by_a_mask_on_the_device(quick_options, device):
+    env = make(quick_options, autoreset_mode="disabled", max_time_s=1.0)
+    env.reset(seed=0)
+    for _ in range(5):
+        observed, _, _, truncated, _ = env.step(torch.zeros((COUNT, 2), device=device))
+    assert truncated.all()
+    with pytest.raises(InputError, match="autoreset is disabled"):
+        env.step(torch.zeros((COUNT, 2), device=device))
+    mask = torch.arange(COUNT, device=device) % 2 == 0
+    fresh, info = env.reset(options={"reset_mask": mask})
+    assert torch.equal(fresh["ranges"][~mask], observed["ranges"][~mask])
+    assert not torch.equal(fresh["goal"][mask], observed["goal"][mask])
+    assert torch.equal(info["_spl"], mask)
+
+
+@pytest.mark.parametrize("bad", [float("nan"), 1.5])
+def test_a_bad_action_is_an_error_that_names_the_robot(quick_options, device, bad):
+    env = make(quick_options)
+    env.reset(seed=0)
+    given = torch.zeros((COUNT, 2), device=device)
+    given[7, 1] = bad
+
+    def step_on() -> None:
+        for _ in range(3):  # the GPU may find it during a later step
+            env.step(given)
+            wp.synchronize()
+
+    with pytest.raises(InputError, match=r"robot 7 .*from \[-1.0, -1.0\] to \[1.0, 1.0\]: clip it"):
+        step_on()
+    env.reset(seed=0)
+    env.step(torch.zeros((COUNT, 2), device=device))
+    with pytest.raises(InputError, match=r"shape \(12, 2\)"):
+        env.step(given[:3])
+
+
+def test_pictures_and_metadata_are_made_of_tensors_too(quick_options, device):
+    env = make(quick_options, render_mode="rgb_array")
+    env.reset(seed=1)
+    pictures = env.render()
+    other = make(quick_options, "cpu", render_mode="rgb_array")
+    other.reset(seed=1)
+    np.testing.assert_array_equal(pictures[3], other.render()[3])
+    assert trundle.gym.policy_metadata(env) == trundle.gym.policy_metadata(other)

@@ -1,0 +1,131 @@
+"""Another map while a robot is driven: the goal, the localizer and the page go on with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ros2.navigator_role.conftest import LATCHED, Client, wait_for
+from ros2.remote.conftest import Remote, make_room
+from trundle.geometry import Pose2D
+from trundle.maps import OccupancyGrid
+
+LOAD = "nav2_msgs/srv/LoadMap"
+GRID = "nav_msgs/msg/OccupancyGrid"
+Navigate = Callable[..., Remote]
+
+
+def changed_room(folder: Path, name: str, *, shift: Pose2D = Pose2D(0.0, 0.0), wall: bool = False) -> str:
+    """The room with a table more, or with a wall across it."""
+    room = make_room()
+    data = np.array(room.data)
+    data[60:70, 150:160] = 100
+    if wall:
+        data[:, 100:104] = 100
+    path = folder / f"{name}.yaml"
+    OccupancyGrid(data, room.resolution, shift).save(path)
+    return str(path)
+
+
+@pytest.fixture
+def client(network: Any) -> Client:
+    return Client(network, "jazzy")
+
+
+def load(client: Client, path: str) -> Any:
+    return client.call("/map_server/load_map", LOAD, map_url=path)
+
+
+def test_a_goal_goes_on_on_another_map(navigate: Navigate, client: Client, tmp_path: Path) -> None:
+    client.read("/map", GRID, LATCHED)
+    remote = navigate(goal=(5.5, 2.5), localizer="amcl", has_services=True)
+    remote.wait_until_moving()
+    before = remote.bridge.mission
+    path = changed_room(tmp_path, "table")
+    assert load(client, path).result == 0
+    wait_for(lambda: remote.bridge.mission is not before, "for the run on it")
+    loaded = OccupancyGrid.load(path)
+    wait_for(
+        lambda: any(
+            np.count_nonzero(one.data == 100) == np.count_nonzero(loaded.data == 100) for one in client.got("/map")
+        ),
+        "for the map",
+    )
+    episode = remote.wait_for_end(60.0)
+    assert remote.bridge.drive is not None
+    assert remote.bridge.drive.arrived, episode.message
+    assert remote.robot.pose.distance_to(Pose2D(5.5, 2.5)) < 0.35
+    assert not remote.robot.contacts
+    assert np.array_equal(remote.bridge.mission.navigator.grid.data, loaded.data)
+
+
+def test_a_goal_that_is_out_of_reach_on_it_ends_with_the_reason(
+    navigate: Navigate, client: Client, tmp_path: Path
+) -> None:
+    remote = navigate(goal=(8.0, 2.5), has_services=True)
+    remote.wait_until_moving()
+    assert load(client, changed_room(tmp_path, "walled", wall=True)).result == 0
+    remote.wait_for_end()
+    drive = remote.bridge.drive
+    assert drive is not None
+    assert not drive.arrived
+    assert "path" in drive.message
+    assert remote.robot.twist.v == 0.0
+
+
+def test_a_client_s_goal_goes_on(navigate: Navigate, client: Client, tmp_path: Path) -> None:
+    remote = navigate(goal=None, has_services=True)
+    wait_for(lambda: not remote.reasons, "for the robot")
+    goal = client.send("/navigate_to_pose", "NavigateToPose", pose=client.pose(5.0, 2.5))
+    remote.wait_until_moving()
+    assert load(client, changed_room(tmp_path, "table")).result == 0
+    goal.wait()
+    assert goal.status == "succeeded"
+    assert remote.robot.pose.distance_to(Pose2D(5.0, 2.5)) < 0.35
+
+
+def test_a_robot_that_is_not_on_it_waits_for_its_pose(navigate: Navigate, client: Client, tmp_path: Path) -> None:
+    remote = navigate(goal=None, localizer="amcl", has_services=True)
+    wait_for(lambda: not remote.reasons, "for the robot")
+    assert load(client, changed_room(tmp_path, "elsewhere", shift=Pose2D(50.0, 50.0))).result == 0
+    wait_for(lambda: "not located" in remote.reasons)
+    assert remote.bridge.localizer.waits_for_pose
+
+
+def test_a_map_of_another_site_does_not_fit_and_the_robot_stands(
+    navigate: Navigate, client: Client, tmp_path: Path
+) -> None:
+    remote = navigate(goal=None, localizer="amcl", has_services=True)
+    wait_for(lambda: not remote.reasons, "for the robot")
+    other = np.zeros((160, 200), dtype=np.int8)
+    other[40:44, :] = other[:, 60:64] = 100
+    OccupancyGrid(other, 0.05).save(tmp_path / "other.yaml")
+    assert load(client, str(tmp_path / "other.yaml")).result == 0
+    wait_for(lambda: "do not fit the map" in remote.bridge.localizer.why, "for the reason")
+    assert "not located" in remote.reasons
+
+
+def test_files_that_are_no_map_change_nothing(navigate: Navigate, client: Client, tmp_path: Path) -> None:
+    remote = navigate(goal=(2.7, 2.2), has_services=True)
+    before = remote.bridge.mission
+    (tmp_path / "broken.yaml").write_text("image: [")
+    full = np.full((160, 200), 100, dtype=np.int8)
+    OccupancyGrid(full, 0.05).save(tmp_path / "full.yaml")
+    assert load(client, str(tmp_path / "none.yaml")).result == 1
+    assert load(client, str(tmp_path / "broken.yaml")).result == 2
+    assert load(client, str(tmp_path / "full.yaml")).result == 255
+    assert load(client, str(tmp_path)).result in (1, 2)
+    remote.wait_for_end()
+    assert remote.bridge.mission is before
+    assert remote.bridge.drive is not None
+    assert remote.bridge.drive.arrived
+
+
+def test_a_robot_that_makes_its_map_takes_none(navigate: Navigate, client: Client, tmp_path: Path) -> None:
+    remote = navigate(goal=None, localizer="slam", has_map=False, has_services=True)
+    assert load(client, changed_room(tmp_path, "table")).result == 255
+    assert any("makes its map itself" in text for text in remote.said)
