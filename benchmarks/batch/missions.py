@@ -1,6 +1,6 @@
 """Ten thousand missions on a map by the backend `batch`, and some by `kinematic`: from sampling to rows and a report.
 
-    python -m benchmarks.batch.missions MAP.yaml [--missions 10000] [--workers 1] [--kinematic 300]
+    python -m benchmarks.batch.missions MAP.yaml [--missions 10000] [--workers 1] [--kinematic 300] [--sensing layers]
 
 Wall time is that of `trundle evaluate` as a whole, with its report; CPU time is of all its processes. Rows of missions
 that both backends drive are compared.
@@ -21,6 +21,15 @@ from trundle.evaluation.engine import run_suite
 from trundle.evaluation.report.summary import count_handed_over
 from trundle.evaluation.suite import Suite
 
+SENSING = {
+    "none": {},
+    "scans": {"lidar": True, "layers": {"obstacle": None}, "collision_monitor": False},
+    "layers": {"lidar": True, "collision_monitor": False},
+    "monitor": {"lidar": True, "layers": {"obstacle": None}, "collision_monitor": True},
+    "all": {"lidar": True},
+}
+"""What the robot senses by its lidars, and what its software makes of that."""
+
 _OWN = ("id", "index", "backend", "handed_over")
 
 
@@ -30,9 +39,11 @@ def cpu_s() -> float:
     return sum(each.ru_utime + each.ru_stime for each in used)
 
 
-def measure(grid: str, backend: str, missions: int, workers: int, folder: Path) -> tuple[Evaluation, float, float]:
+def measure(
+    grid: str, backend: str, missions: int, workers: int, folder: Path, sensing: str
+) -> tuple[Evaluation, float, float]:
     """Evaluate missions; return the evaluation, its wall time [s] and its CPU time [s]."""
-    suite = Suite.make(worlds=[grid], missions=f"0:{missions}", backends=[backend])
+    suite = Suite.make(worlds=[grid], missions=f"0:{missions}", backends=[backend], **SENSING[sensing])
     wall, cpu = time.perf_counter(), cpu_s()
     run_suite(suite, folder / backend, workers=workers)
     evaluation = Evaluation(folder / backend, suite=suite)
@@ -54,12 +65,15 @@ def main() -> None:
     parser.add_argument("--missions", type=int, default=10_000)
     parser.add_argument("--kinematic", type=int, default=300, help="missions of the backend kinematic")
     parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--sensing", choices=SENSING, default="none", help="what the robot makes of its lidars")
     options = parser.parse_args()
     lines = []
     with tempfile.TemporaryDirectory() as folder:
         ends = []
         for backend, missions in (("batch", options.missions), ("kinematic", options.kinematic)):
-            evaluation, wall, cpu = measure(options.map, backend, missions, options.workers, Path(folder))
+            evaluation, wall, cpu = measure(
+                options.map, backend, missions, options.workers, Path(folder), options.sensing
+            )
             ends.append(evaluation)
             per_10_000 = f"{cpu / missions * 1e4:.0f} s"
             lines.append((backend, f"{missions:,}", f"{wall:.1f} s", f"{cpu:.1f} s", per_10_000))

@@ -17,7 +17,7 @@ from trundle.geometry import Goal, Pose2D
 from trundle.geometry.footprint import convex_hull
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome
-from trundle.mission.batch.missions import kernel_numbers
+from trundle.mission.batch.model import numbers_of
 from trundle.mission.running.session import Session
 from trundle.navigation import Navigator
 from trundle.path import Path
@@ -94,7 +94,7 @@ def drive(generator: random.Random) -> None:
     limit_s, check = generator.choice((4.0, 60.0)), PathCheck(path)
     model = (
         *(costmap.data, chebyshev_field((costmap.data >= 254).view(np.uint8)), costmap.resolution),
-        *(np.array(costmap.origin.as_tuple()), *kernel_numbers(navigator)),
+        *(np.array(costmap.origin.as_tuple()), *numbers_of(navigator)),
     )
     mission = (
         *(np.array([start.as_tuple()]), np.array([goal.pose.as_tuple()]), np.array([limit_s]), path.poses),

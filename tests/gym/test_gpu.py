@@ -145,3 +145,37 @@ def test_pictures_and_metadata_are_made_of_tensors_too(quick_options, device):
     other.reset(seed=1)
     np.testing.assert_array_equal(pictures[3], other.render()[3])
     assert trundle.gym.policy_metadata(env) == trundle.gym.policy_metadata(other)
+
+
+def test_stable_baselines_gets_arrays_of_the_host(device):
+    pytest.importorskip("stable_baselines3", reason="needs Stable-Baselines3")
+    from trundle.gym.sb3 import Sb3VecEnv
+
+    options = {"world": "office", "worlds": 1, "robot": "jackal", "beams": 24, "max_time_s": 4.0}
+    mine, other = Sb3VecEnv(3, device="cuda", **options), Sb3VecEnv(3, **options)
+    for env in (mine, other):
+        env.seed(3)
+        env.reset()
+    for _ in range(20):
+        observed, rewards, dones, infos = mine.step(np.zeros((3, 2), dtype=np.float32))
+        expected, _, ends, figures = other.step(np.zeros((3, 2), dtype=np.float32))
+    assert all(isinstance(values, np.ndarray) for values in (*observed.values(), rewards, dones))
+    np.testing.assert_allclose(observed["ranges"], expected["ranges"])
+    assert dones.tolist() == ends.tolist() == [True] * 3
+    assert infos[1]["path_length"] == figures[1]["path_length"]
+    np.testing.assert_allclose(infos[1]["terminal_observation"]["ranges"], figures[1]["terminal_observation"]["ranges"])
+
+
+def test_rsl_rls_tensors_stay_on_the_device(device):
+    pytest.importorskip("rsl_rl", reason="needs RSL-RL")
+    from trundle.gym.rsl_rl import RslRlVecEnv
+
+    options = {"world": "office", "worlds": 1, "robot": "jackal", "beams": 24, "max_time_s": 4.0}
+    env = RslRlVecEnv(3, device="cuda", learner_device=device, **options)
+    env.episode_length_buf = torch.tensor([18, 0, 0], device=device)
+    for _ in range(2):
+        observed, rewards, dones, extras = env.step(torch.full((3, 2), 0.0, device=device))
+    assert {each.device.type for each in (*observed.values(), rewards, dones, extras["time_outs"])} == {device}
+    assert dones.tolist() == [True, False, False]  # what was set counts towards the time limit
+    assert env.episode_length_buf.tolist() == [0, 2, 2]
+    assert extras["log"]["/time_s"] == pytest.approx(4.0)

@@ -39,7 +39,7 @@ _MOVER_STEPS = 5
 _INTENT_S, _INTENT_STEPS = 2.0, 11  # an intent is known for longer than a command can be taken for granted
 _SLOWEST_MPS = 0.02  # of any point of the robot: slower, it would creep until the noise of a scan lets it touch
 _STRAIGHT_RAD = 1e-6
-_AT_HERE = np.zeros((1, 3))
+_AT_HERE, _NONE = np.zeros((1, 3)), np.zeros(0, np.intp)
 
 
 class MonitorSettings(Config):
@@ -249,7 +249,7 @@ class CollisionMonitor:
             return None
         intended = self._intends(command)
         is_held = now < self._held_until and not intended
-        moving = points.velocities.any(axis=1).nonzero()[0] if points.moves else ()
+        moving = np.flatnonzero((points.velocities != 0.0).any(axis=1)) if points.moves else _NONE
         if len(moving) < settings.min_points:
             return self._nearest(points.places) if is_held else None
         ahead_s, steps = (_INTENT_S, _INTENT_STEPS) if intended else (settings.moving_time, _MOVER_STEPS)

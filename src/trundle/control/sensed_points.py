@@ -56,8 +56,8 @@ class Points:
 class _Seen:
     """The hits of one scan, odom frame, in the order of its beams; and how far each beam saw through.
 
-    Where some of them move, their velocities follow. Edges are hits that have come to where an earlier scan saw through,
-    with their own velocities.
+    Where some of them move, their velocities follow. Edges are hits that have come to where an earlier scan saw
+    through, with their own velocities.
     """
 
     scan: Scan
@@ -136,7 +136,7 @@ class SensedPoints:
         What moves is continued at its velocity up to now, and counts farther away: by what it drives in `horizon` [s].
         Scans from before `oldest` [s] do not count.
         """
-        places, velocities, counts, moves = [_NOTHING], [_NOTHING], list[int](), False
+        places, velocities, counts, moves = list[FloatArray](), list[FloatArray](), list[int](), False
         here = np.array(odometry.as_tuple())
         for kept in self._seen.values():
             seen, count = kept[-1], 0
@@ -149,6 +149,8 @@ class SensedPoints:
                     velocities.append(velocity)
                     count += len(near)
             counts.append(count)
+        if not places:
+            return Points(_NOTHING, _NOTHING, tuple(counts), tuple(self._seen), False)
         return Points(np.concatenate(places), np.concatenate(velocities), tuple(counts), tuple(self._seen), moves)
 
     def _place(self, scan: Scan, base: Pose2D, before: _Seen | None) -> _Seen:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import Self
 
 import numpy as np
@@ -18,6 +19,7 @@ FloatArray = npt.NDArray[np.float64]
 """An array of float64; each use states its shape and unit."""
 
 _HALF_TURN = math.pi
+_put = object.__setattr__
 
 
 def wrap_angle(angle: float) -> float:
@@ -32,7 +34,7 @@ def wrap_angles(angles: npt.ArrayLike) -> FloatArray:
     return -((-values + np.pi) % (2.0 * np.pi) - np.pi)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, init=False)
 class Pose2D:
     """A pose in the plane: x, y [m], yaw [rad] wrapped to (−π, π]. As a transform it reads right to left: `T_map_base`.
 
@@ -47,19 +49,18 @@ class Pose2D:
     y: float
     yaw: float = 0.0
 
-    def __post_init__(self) -> None:
-        x, y, yaw = self.x, self.y, self.yaw
-        if type(x) is type(y) is type(yaw) is float:  # faster than converting each
-            if -_HALF_TURN < yaw <= _HALF_TURN and math.isfinite(x) and math.isfinite(y):
-                return
-        else:
+    def __init__(self, x: float, y: float, yaw: float = 0.0) -> None:
+        # Made a dozen times in a control period: numbers that are right already are not converted.
+        is_plain = type(x) is type(y) is type(yaw) is float and isfinite(x) and isfinite(y)
+        if not (is_plain and -_HALF_TURN < yaw <= _HALF_TURN):
             x, y, yaw = as_number(x, "x of a pose"), as_number(y, "y of a pose"), as_number(yaw, "yaw of a pose")
-        if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(yaw)):
-            raise InputError(f"a pose needs finite numbers, got x={x}, y={y}, yaw={yaw}")
-        warn_of_degrees(yaw, "yaw", stacklevel=3)
-        object.__setattr__(self, "x", x)
-        object.__setattr__(self, "y", y)
-        object.__setattr__(self, "yaw", wrap_angle(yaw))
+            if not (isfinite(x) and isfinite(y) and isfinite(yaw)):
+                raise InputError(f"a pose needs finite numbers, got x={x}, y={y}, yaw={yaw}")
+            warn_of_degrees(yaw, "yaw", stacklevel=2)
+            yaw = wrap_angle(yaw)
+        _put(self, "x", x)
+        _put(self, "y", y)
+        _put(self, "yaw", yaw)
 
     @classmethod
     def of(cls, value: Pose2D | Sequence[float]) -> Pose2D:
@@ -188,7 +189,7 @@ class Goal(tuple[float, ...]):
         return f"Goal(x={self.x}, y={self.y}{yaw})"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, init=False)
 class Twist2D:
     """A planar twist in base_link: v [m/s] forward, w [rad/s] counter-clockwise.
 
@@ -199,17 +200,13 @@ class Twist2D:
     v: float = 0.0
     w: float = 0.0
 
-    def __post_init__(self) -> None:
-        v, w = self.v, self.w
-        if type(v) is type(w) is float:
-            if math.isfinite(v) and math.isfinite(w):
-                return
-        else:
+    def __init__(self, v: float = 0.0, w: float = 0.0) -> None:
+        if not type(v) is type(w) is float:
             v, w = as_number(v, "v of a twist"), as_number(w, "w of a twist")
-        if not (math.isfinite(v) and math.isfinite(w)):
+        if not (isfinite(v) and isfinite(w)):
             raise InputError(f"a twist needs finite numbers, got v={v}, w={w}")
-        object.__setattr__(self, "v", v)
-        object.__setattr__(self, "w", w)
+        _put(self, "v", v)
+        _put(self, "w", w)
 
     def integrate(self, pose: Pose2D, dt: float) -> Pose2D:
         """Return the pose after driving this twist for `dt` [s] from `pose`, along the exact arc."""

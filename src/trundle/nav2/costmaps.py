@@ -289,7 +289,7 @@ def _write_obstacles(draft: Draft, settings: ObstacleLayerSettings) -> Block:
             text = "Nav2 marks and clears with each scan"
             draft.left_out(f"layers.obstacle.{key}", getattr(settings, key), text)
     defaults = ObstacleLayerSettings()
-    for key in ("clear_static", "static_tolerance", "source_timeout", "mover_persistence"):
+    for key in ("clear_static", "doubt_static", "static_tolerance", "source_timeout", "mover_persistence"):
         if getattr(settings, key) != getattr(defaults, key):
             draft.left_out(f"layers.obstacle.{key}", getattr(settings, key), _NOT_NAV2)
     return {

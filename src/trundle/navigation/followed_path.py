@@ -84,6 +84,11 @@ class FollowedPath:
         """Where the footprint would first touch something on what is left; None if it would not."""
         return self.check.first_hit(costmap, self.index)
 
+    def gap_m(self, hit: PathHit, pose: Pose2D) -> float:
+        """How far ahead of the robot a hit is [m]: along the path, or straight, where the robot has backed up."""
+        along_m = hit.along - float(self.check.along[self.index])
+        return max(along_m, pose.distance_to(Pose2D(*hit.pose)))
+
     def cost_from(self, costmap: Costmap, pose: Pose2D) -> float:
         """Cost of the remaining path from the robot's pose on, as of `PathCheck.cost_from`."""
         x, y, _ = self.check.poses[self.index].tolist()

@@ -148,10 +148,18 @@ class Replanner:
             self.budget.spend(self._routes.expansions, now.time, needed=needed)
             if planner is not self._quick:
                 self._searched_at = now.time
+        found = found._replace(planning_time_s=seconds, planning_expansions=self._routes.expansions)
         if found.path is not None:
             self.tries.succeed(seconds)
             self._failed = None
-        return found._replace(planning_time_s=seconds, planning_expansions=self._routes.expansions)
+        elif found.error is not None and self._doubts_map(found.error, planner):
+            return found.then(self.plan(now._replace(costmap=self._sensed.costmap), state, planner, needed=needed))
+        return found
+
+    def _doubts_map(self, error: PlanningError, planner: Planner) -> bool:
+        """Whether to plan again, with things taken off the map: not after it has forgotten that it saw them."""
+        may = planner is not self._quick and not timed_out(error) and math.isinf(self._forgot_at)
+        return may and self._sensed.doubt_static()
 
     def _note_failure(self, error: PlanningError, now: Snapshot, state: DriveState, planner: Planner) -> PlanningError:
         """Remember that a plan found no path; return the error that says most about it."""
@@ -159,12 +167,9 @@ class Replanner:
             self.tries.time_out(now.twist, now.time)
         elif planner is not self._quick:
             self._failed = FailedPlan(error, planner, now.pose, state.ahead, now.costmap)
-        elif isinstance(error, PlanningStoppedError):
-            # These say more than that a short search found no path either.
-            if self._failed is not None:
-                error = self._failed.error.with_traceback(None)
-            if self.budget.is_spent(now.time):
-                error = self.budget.refuse(error)
+        elif isinstance(error, PlanningStoppedError):  # others say more than that a short search found no path either
+            error = error if self._failed is None else self._failed.error.with_traceback(None)
+            return self.budget.refuse(error) if self.budget.is_spent(now.time) else error
         return error
 
     def _choose_planner(self, now: Snapshot) -> Planner:
@@ -247,7 +252,8 @@ class Replanner:
     def _see(self, now: Snapshot, state: DriveState, hit: PathHit | None) -> None:
         """Take that the path is blocked now, or that there is none: whether by what moves, and how far ahead."""
         obstacle = self.obstacle
-        obstacle.see(now.time, self._gap_m(now, hit))
+        followed = self.followed
+        obstacle.see(now.time, math.inf if hit is None or followed is None else followed.gap_m(hit, now.pose))
         if obstacle.by_mover:
             return
         reach = self._robot.circumscribed_radius
@@ -257,13 +263,6 @@ class Replanner:
             (goal.pose.x, goal.pose.y, reach + self._routes.goal_checker.xy_tolerance) for goal in state.ahead[-1:]
         ]
         obstacle.by_mover = any(self.movers.was_near(*place) for place in near)
-
-    def _gap_m(self, now: Snapshot, hit: PathHit | None) -> float:
-        """How far ahead the path is blocked [m]: along it, or straight, where the robot has backed up."""
-        if hit is None or self.followed is None:
-            return math.inf
-        along_m = hit.along - float(self.followed.check.along[self.followed.index])
-        return max(along_m, math.hypot(hit.pose[0] - now.pose.x, hit.pose[1] - now.pose.y))
 
     def gives_up(self, now: Snapshot, state: DriveState) -> bool:
         """Whether the robot has stood for too long, and sees no path even if it forgets what it saw elsewhere.

@@ -15,6 +15,7 @@ from trundle.errors import SensorWarning
 from trundle.geometry import FloatArray, Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import UNKNOWN
+from trundle.navigation.doubted_map import without_unseen
 from trundle.navigation.growing_map import GrowingMap
 from trundle.observation import Estimate, Scan, Track
 from trundle.robots import Robot
@@ -54,6 +55,7 @@ class SensedMap:
         self._layers: LayersSettings | Literal[False] | None = layers
         self._has_map = static is not None
         self._static = self._blank([]) if static is None else static
+        self._trusted: Costmap | None = None  # the whole map, while things on it are doubted
         self._reset_time = True
         self._grown: GrowingMap | None = None
         self.reset()
@@ -104,8 +106,24 @@ class SensedMap:
 
     def replace_static(self, costmap: Costmap) -> None:
         """Take another costmap of the map; what was sensed stays, unless the cells are of another size."""
-        self._has_map = True
+        self._has_map, self._trusted = True, None
         self._put(costmap)
+
+    def doubt_static(self) -> bool:
+        """Take small things off the map that no scan has hit, until the next goal; whether that changes anything.
+
+        Nothing is taken off unless the layers' settings say so.
+        """
+        obstacle = None if self._layers is False else (self._layers or LayersSettings()).obstacle
+        if not self._has_map or obstacle is None or not obstacle.doubt_static:
+            return False
+        hits = np.zeros((0, 2)) if self._layered is None else self._layered.hits()
+        doubted = without_unseen(self._static, hits)
+        if doubted is None:
+            return False
+        self._trusted = self._static if self._trusted is None else self._trusted
+        self._put(doubted)
+        return True
 
     def clear_region(self, region: Literal["around", "except"], size: float, at: Pose2D | None = None) -> None:
         """Forget what was sensed in a square of this edge [m] around the robot or another pose, or outside of it."""
@@ -116,6 +134,8 @@ class SensedMap:
         """Expect that the time may start over, and the robot be elsewhere: there is a new goal."""
         self._reset_time = True
         self._last_pose = self._T_map_odom = None
+        if self._trusted is not None:
+            self.replace_static(self._trusted)
 
     @property
     def is_active(self) -> bool:

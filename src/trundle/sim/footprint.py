@@ -185,7 +185,10 @@ class FootprintChecker:
         outlines = self._footprint.at_poses(poses)
         contacts: list[Contact] = []
         touched: set[str] = set()
-        for index in indices:
+        (left, below), (right, above) = outlines.min(axis=(0, 1)).tolist(), outlines.max(axis=(0, 1)).tolist()
+        low_x, high_x, low_y, high_y = self._bounds[:, indices]
+        around = (low_x < right) & (high_x > left) & (low_y < above) & (high_y > below)
+        for index in np.array(indices, np.intp)[around].tolist():
             if self._names[index] in touched:  # by another piece of the solid
                 continue
             section = self._sections[index]

@@ -51,6 +51,7 @@ class KinematicSimulator(Simulator):
         self._robot = robot
         self._world = self._first_world = world
         self._timestep = timestep
+        self._period = math.nan, 0  # the last one [s], and its number of steps
         self._ramp = CommandRamp(robot, timestep)
         self._footprint = FootprintChecker(world, robot)
         self._movers = MoverField(world, robot) if world.movers else None
@@ -136,7 +137,9 @@ class KinematicSimulator(Simulator):
         """
         self._check_open()
         since = self._steps * self._timestep
-        motions = self._ramp.advance(command, count_steps(dt, self._timestep))
+        if dt != self._period[0]:
+            self._period = dt, count_steps(dt, self._timestep)
+        motions = self._ramp.advance(command, self._period[1])
         poses: list[tuple[float, float, float]] = []
         cosine, sine, timestep = math.cos, math.sin, self._timestep
         x, y, yaw = self._pose

@@ -139,6 +139,8 @@ class Tracker:
     def _predict(self, now: float) -> tuple[Track, ...]:
         """Return all that is followed, as it is at a time [s]."""
         ids, flags, states, covariances = self._kernel.tracks(now)
+        if len(ids) == 0:
+            return ()
         covariances.flags.writeable = False
         return tuple(
             Track(number, now, x, y, vx, vy, covariance, radius, bool(confirmed), bool(moving))

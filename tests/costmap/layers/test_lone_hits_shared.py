@@ -1,4 +1,4 @@
-"""What the costmap, the tracker and the collision monitor ask of one scan is found once, and no other question is."""
+"""What the costmap and the tracker ask of one scan is found once, and no other question is."""
 
 import math
 

@@ -168,3 +168,14 @@ def test_a_robot_that_stands_closer_to_a_wall_than_its_padding_drives_off_alike(
 def test_what_needs_python_is_named(settings, named):
     assert not needs_python(scenario())
     assert any(named in need for need in needs_python(scenario(**settings)))
+
+
+def raises(costmap, start, goal):
+    raise RuntimeError("no idea")
+
+
+def test_a_planner_that_raises_costs_only_its_own_mission():
+    settings = [scenario(seed=1, **({"planner": raises} if number == 1 else {})).prepare() for number in range(3)]
+    ends = MissionBatch().drive([BatchMission(setting) for setting in settings])
+    assert ends[1] == HandedOver("RuntimeError while it plans")
+    assert [ends[0].outcome, ends[2].outcome] == [Outcome.ARRIVED] * 2

@@ -7,12 +7,18 @@ import pytest
 
 from support.batch_missions import assert_alike, in_kernel, in_python, scenario, wall
 from trundle.control import CollisionMonitor
+from trundle.costmap import Costmap
+from trundle.geometry import Pose3D
+from trundle.geometry.solids import Box, Solid
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome
 from trundle.mission.batch.missions import BatchMission, HandedOver, MissionBatch
 from trundle.mission.batch.needs import needs_python
+from trundle.mission.batch.sensing import _Doubts
 from trundle.mission.scenario import Scenario
+from trundle.path import Path
 from trundle.robots import Robot
+from trundle.worlds import World
 
 NO_LAYER = {"obstacle": None}
 
@@ -45,6 +51,12 @@ def test_a_sensed_mission_is_the_one_of_python(robot, settings):
 
 def _names(robot: str, settings: dict) -> dict:
     return {"lidar": next(iter(Robot.load(robot).lidars))} if "lidar" in settings else {}
+
+
+def test_a_robot_that_has_no_lidars_has_no_monitor_either(tmp_path):
+    text = (resources.files("trundle.robots") / "catalogue" / "nova_carter.yaml").read_text()
+    (tmp_path / "blind.yaml").write_text(text[: text.index("lidars:")] + text[text.index("map_height_band") :])
+    assert_driven_alike(scenario(seed=2, lidar=True, robot=str(tmp_path / "blind.yaml")))
 
 
 def test_commands_that_the_monitor_slows_down_are_driven_alike():
@@ -100,6 +112,24 @@ def test_unknown_cells_that_lidars_see_near_the_path_are_left_to_python(on_a_map
 
 def test_unknown_cells_behind_a_wall_make_no_difference(on_a_map):
     assert_driven_alike(on_a_map(True, with_unknown(55, 78, behind_wall=True), lidar=True))
+
+
+def test_hits_on_what_the_map_lacks_are_not_expected():
+    costmap = Costmap.from_grid(wall(True), Robot.load("nova_carter"))
+    doubts = _Doubts.of(costmap, Robot.load("nova_carter"), None)
+    edge = Solid("edge", Box((0.1, 4.0, 1.0)), Pose3D.planar(0.05, 2.0, 0.5))
+    shelf = Solid("shelf", Box((0.4, 0.4, 0.1)), Pose3D.planar(1.5, 2.0, 0.4))
+    assert doubts.expect_all(World("walls", (edge,)), [0.4])
+    assert not doubts.expect_all(World("shelf", (edge, shelf)), [0.41])
+    assert doubts.expect_all(World("shelf", (edge, shelf)), [0.6])
+
+
+def test_a_path_that_is_blocked_on_the_map_is_left_to_python_with_layers(on_a_map):
+    assert isinstance(in_kernel(on_a_map(False, planner=straight, lidar=True)), HandedOver)
+
+
+def straight(costmap, start, goal):
+    return Path(np.array([(1.0, 2.0, 0.0), (5.0, 2.0, 0.0)]))
 
 
 def noisy(tmp_path, noise: float) -> str:

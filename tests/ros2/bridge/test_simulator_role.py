@@ -9,6 +9,7 @@ import pytest
 
 from ros2.bridge.conftest import LATCHED, wait_for
 from trundle.errors import InputError
+from trundle.messages import Qos
 from trundle.mission import Outcome
 from trundle.ros2.names import Names
 from trundle.ros2.profile import Profile
@@ -147,6 +148,18 @@ def test_the_robot_stops_where_the_last_publisher_goes(serve, peer):
     )
     served.end()
     assert any("nobody publishes /cmd_vel" in text for text in served.said)
+
+
+def test_a_program_that_offers_both_types_and_sends_one_is_one_source(serve, peer):
+    served = serve(speed=1.0)
+    wait_for(lambda: served.bridge.context.clock.now > 0.0)
+    for message in (peer.twist(0.1), peer.stamped_twist(0.1)):
+        peer.transport.publisher("/cmd_vel", message.__msgtype__, Qos())
+    wait_for(lambda: served.bridge._role.agent._writers() == 2)
+    served.bridge._role.agent._take(peer.twist(0.1), "")  # as Jazzy's rclpy has it, which does not say whose it is
+    assert "cmd_vel: two sources" not in served.counts
+    served.bridge._role.agent._take(peer.stamped_twist(0.1, stamp=served.bridge.context.clock.now), "")
+    assert served.counts["cmd_vel: two sources"] == 1
 
 
 def test_two_sources_are_reported_and_the_first_drives(serve, peer, network, types):

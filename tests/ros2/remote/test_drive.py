@@ -48,12 +48,14 @@ def test_a_robot_is_driven_to_its_goal(navigate: Navigate, localizer: str) -> No
     ],
     ids=["stamps of 0", "stamps ahead", "half speed", "only tf", "no tf", "wall time", "waits for its pose"],
 )
+@pytest.mark.slow
 def test_quirks_of_robots_are_taken_as_they_are(navigate: Navigate, habits: dict[str, object], remark: str) -> None:
     remote = navigate(habits=habits)
     check_arrival(remote)
     assert not remark or remark in remote.kinds
 
 
+@pytest.mark.slow
 def test_a_robot_that_locates_itself_is_told_where_it_starts(navigate: Navigate) -> None:
     habits = {"waits_for_pose": True, "when_commanded": True, "map_odom": START, "speed_share": 0.5}
     remote = navigate(localizer="tf", habits=habits)
@@ -80,6 +82,7 @@ def test_nothing_is_commanded_before_the_robot_is_located(navigate: Navigate) ->
     check_arrival(remote)
 
 
+@pytest.mark.slow
 def test_a_paused_robot_stands_and_goes_on(navigate: Navigate) -> None:
     remote = navigate()
     remote.wait_until_moving()

@@ -77,6 +77,7 @@ def test_a_goal_that_is_out_of_reach_on_it_ends_with_the_reason(
     assert remote.robot.twist.v == 0.0
 
 
+@pytest.mark.slow
 def test_a_client_s_goal_goes_on(navigate: Navigate, client: Client, tmp_path: Path) -> None:
     remote = navigate(goal=None, has_services=True)
     wait_for(lambda: not remote.reasons, "for the robot")
@@ -88,6 +89,7 @@ def test_a_client_s_goal_goes_on(navigate: Navigate, client: Client, tmp_path: P
     assert remote.robot.pose.distance_to(Pose2D(5.0, 2.5)) < 0.35
 
 
+@pytest.mark.slow
 def test_a_robot_that_is_not_on_it_waits_for_its_pose(navigate: Navigate, client: Client, tmp_path: Path) -> None:
     remote = navigate(goal=None, localizer="amcl", has_services=True)
     wait_for(lambda: not remote.reasons, "for the robot")
@@ -96,6 +98,7 @@ def test_a_robot_that_is_not_on_it_waits_for_its_pose(navigate: Navigate, client
     assert remote.bridge.localizer.waits_for_pose
 
 
+@pytest.mark.slow
 def test_a_map_of_another_site_does_not_fit_and_the_robot_stands(
     navigate: Navigate, client: Client, tmp_path: Path
 ) -> None:

@@ -24,6 +24,7 @@ TRANSFORMS = "tf2_msgs/msg/TFMessage"
 pytestmark = pytest.mark.filterwarnings("ignore::trundle.errors.SensorWarning")
 
 
+@pytest.mark.slow
 def test_what_is_read_and_written_is_recorded(navigate: Navigate, network: FakeNetwork, tmp_path: Path) -> None:
     transport = network.transport("recorder")
     with WireRecord(tmp_path / "wire.mcap", "jazzy", Types(jazzy(), transport)) as record:

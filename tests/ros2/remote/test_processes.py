@@ -18,17 +18,28 @@ import pytest
 from ros2.domains import claim_domain, release_domain
 from trundle.bags.bag_reader import BagReader
 from trundle.maps import OccupancyGrid
+from trundle.messages import Codec, Qos
+from trundle.ros2.transport.dds.node import DdsTransport
+from trundle.ros2.transport.domain import Settings
 
 pytest.importorskip("rosbags", reason="rosbags is not installed")
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed, or has no wheel here")
 
+TWIST = "geometry_msgs/msg/Twist"
 Start = Callable[..., subprocess.Popen[str]]
 
 
 @pytest.fixture
-def start() -> Iterator[Start]:
+def domain() -> Iterator[int]:
+    """A domain that nobody else uses."""
+    claimed = claim_domain()
+    yield claimed
+    release_domain(claimed)
+
+
+@pytest.fixture
+def start(domain: int) -> Iterator[Start]:
     """Starts `trundle ros2` on a domain of its own; what runs is ended after the test."""
-    domain = claim_domain()
     made: list[subprocess.Popen[str]] = []
 
     def start(*arguments: str) -> subprocess.Popen[str]:
@@ -51,7 +62,19 @@ def start() -> Iterator[Start]:
     for process in made:
         process.kill()
         process.communicate()
-    release_domain(domain)
+
+
+def wait_until_commanded(domain: int) -> None:
+    """Wait until the robot is commanded to drive fast."""
+    node, codec, until = DdsTransport(Settings(domain=domain, distro="jazzy"), node="test"), Codec("jazzy"), 60.0
+    until += time.monotonic()
+    try:
+        commands = node.subscription("/cmd_vel", TWIST, Qos(10))
+        while not any(codec.decode(TWIST, one.data).linear.x > 0.3 for one in commands.take()):
+            assert time.monotonic() < until, "the robot is not commanded"
+            time.sleep(0.05)
+    finally:
+        node.close()
 
 
 def end(process: subprocess.Popen[str], number: int = signal.SIGINT) -> dict[str, Any]:
@@ -85,6 +108,7 @@ def test_it_drives_there_and_exits_with_0(start: Start, served: subprocess.Popen
     assert end(served)["distance_m"] > 1.5
 
 
+@pytest.mark.slow
 def test_it_drives_without_a_map_and_saves_the_one_that_it_makes(
     start: Start, served: subprocess.Popen[str], tmp_path: Path
 ) -> None:
@@ -108,11 +132,13 @@ def test_it_drives_without_a_map_and_saves_the_one_that_it_makes(
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_the_robot_stands_after_the_end(start: Start, served: subprocess.Popen[str], number: int) -> None:
+@pytest.mark.slow
+def test_the_robot_stands_after_the_end(start: Start, served: subprocess.Popen[str], domain: int, number: int) -> None:
     navigate = start(*NAVIGATE, "--goal", "12,0")
     assert navigate.stdout is not None
     navigate.stdout.readline()
-    time.sleep(4.0)
+    wait_until_commanded(domain)
+    time.sleep(1.0)
     navigate.send_signal(number)
     navigate.communicate(timeout=30)
     assert navigate.returncode == 1
@@ -121,6 +147,7 @@ def test_the_robot_stands_after_the_end(start: Start, served: subprocess.Popen[s
     assert "cmd_vel: timeout" not in ended["warnings"]
 
 
+@pytest.mark.slow
 def test_without_a_robot_it_says_what_is_missing(start: Start) -> None:
     navigate = start(*NAVIGATE, "--goal", "4,0")
     assert navigate.stdout is not None
@@ -131,9 +158,11 @@ def test_without_a_robot_it_says_what_is_missing(start: Start) -> None:
     assert "scans of front missing" in stops
 
 
-def test_kill_int_ends_a_server_that_was_started_in_the_background() -> None:
+@pytest.mark.slow
+def test_kill_int_ends_a_server_that_was_started_in_the_background(domain: int) -> None:
     """A shell without job control lets background processes ignore SIGINT."""
-    script = f"{sys.executable} -m trundle ros2 serve warehouse --transport dds --domain 99 --json & echo $!; wait"
+    serve = f"{sys.executable} -m trundle ros2 serve warehouse --transport dds --domain {domain} --json"
+    script = f"{serve} & echo $!; wait"
     shell = subprocess.Popen(["sh", "-c", script], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     assert shell.stdout is not None
     number = int(shell.stdout.readline())

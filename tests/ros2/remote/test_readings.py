@@ -176,7 +176,8 @@ def test_a_robot_whose_clock_is_set_differently_has_its_own_time() -> None:
 @pytest.mark.parametrize("stamp", [50.0, 3e9])
 def test_a_run_that_began_before_the_robots_clock_is_known_goes_on_in_its_time(stamp: float) -> None:
     clock, time, wall = RobotClock(), RunTime(), 1.7e9
-    assert time.at(clock.now(wall), clock.epoch) == 0.0
+    now = time.at(clock.now(wall), clock.epoch)
+    assert now == 0.0
     for step in range(1, 21):  # a clock that is set differently, and no /clock
         clock.see(stamp + 0.05 * step, wall + 0.05 * step)
         now = time.at(clock.now(wall + 0.05 * step), clock.epoch)

@@ -89,6 +89,7 @@ def test_the_map_can_be_asked_for_and_saved(navigate: Navigate, network: FakeNet
     check_walls(OccupancyGrid.load(tmp_path / "made.yaml"), least=20)
 
 
+@pytest.mark.slow
 def test_a_jump_of_the_odometry_does_not_cost_the_map(navigate: Navigate) -> None:
     remote = start_without_a_map(navigate, goal=None)
     wait_for(lambda: remote.bridge.localizer.is_located, "for a map")
@@ -101,6 +102,7 @@ def test_a_jump_of_the_odometry_does_not_cost_the_map(navigate: Navigate) -> Non
     wait_for(lambda: math.dist((remote.robot.pose.x, remote.robot.pose.y), (3.5, 2.0)) < 0.3, "to arrive")
 
 
+@pytest.mark.slow
 def test_a_robot_that_is_carried_stands_until_it_recognises_its_map(navigate: Navigate) -> None:
     remote = start_without_a_map(navigate, goal=None)
     wait_for(lambda: remote.bridge.localizer.is_located, "for a map")

@@ -23,6 +23,7 @@ def start(ros: Ros, *arguments: str) -> subprocess.Popen[str]:
 
 @pytest.mark.parametrize("distro", JAZZY)
 @pytest.mark.parametrize("localizer", ["amcl", "slam"])
+@pytest.mark.slow
 def test_it_drives_there_and_exits_with_0(ros: Ros, tmp_path: Path, localizer: str) -> None:
     served = start(ros, "serve", "warehouse", "--robot", "nova_carter", "--start", "0,0,0", "--backend", "kinematic")
     assert served.stdout is not None

@@ -1,7 +1,6 @@
 // The evidence in the cells of a map that may lie at any angle to it. Free space is looked up at the centre of each of
 // the map's cells, so that it has no holes; marks are put where they were hit.
 #include <cmath>
-#include <cstring>
 
 #include "layers/evidence.hpp"
 #include "shared/registers.hpp"
@@ -12,6 +11,7 @@ namespace {
 
 constexpr double kOne = 4294967296.0;
 constexpr double kMostScale = 1e4;
+constexpr std::ptrdiff_t kBlock = 32;  // cells
 constexpr double kWidest = 1e8;  // cells; differences fit into 31 bits
 
 std::int64_t to_fixed(double value) { return static_cast<std::int64_t>(std::floor(value * kOne + 0.5)); }
@@ -122,15 +122,15 @@ void paint_marks(Evidence evidence, HitPoints points, std::int64_t row, std::int
   for (std::ptrdiff_t r = first_row; r < row_end; ++r) {
     const std::uint8_t *bytes = evidence.data() + r * cols;
     for (std::ptrdiff_t c = first_col; c < col_end;) {
-      if (c + 8 <= col_end) {
-        std::uint64_t eight;
-        std::memcpy(&eight, bytes + c, sizeof eight);
-        if (!(eight & 0x8080808080808080u)) {
-          c += 8;
+      if (c + kBlock <= col_end) {  // most hold no mark
+        std::uint8_t any = 0;
+        for (std::ptrdiff_t i = 0; i < kBlock; ++i) any |= bytes[c + i];
+        if (!(any & kMarked)) {
+          c += kBlock;
           continue;
         }
       }
-      const std::ptrdiff_t end = std::min(c + 8, col_end);
+      const std::ptrdiff_t end = std::min(c + kBlock, col_end);
       for (; c < end; ++c) {
         if (!(bytes[c] & kMarked)) continue;
         const std::uint8_t *point = points.data() + 2 * (r * cols + c);

@@ -22,6 +22,7 @@ constexpr std::uint8_t kBehind = 1, kPassed = 2, kHit = 3;
 constexpr std::ptrdiff_t kBlock = 64;        // cells
 constexpr double kMostReach = 1e5;           // cells
 constexpr double kMostPixels = 268435456.0;  // 16384 x 16384
+constexpr std::size_t kMostSpare = 4'000'000;  // pixels
 constexpr double kMostAngle = 1e6;
 constexpr double kOne = 4294967296.0;  // of a number with 32 binary places
 
@@ -69,7 +70,19 @@ struct Picture {
     if (static_cast<double>(rows) * static_cast<double>(cols) > kMostPixels) {
       throw std::invalid_argument("the beams reach over too many cells");
     }
-    pixels.resize(static_cast<std::size_t>(rows * cols));
+    pixels.swap(spare());
+    pixels.assign(static_cast<std::size_t>(rows * cols), 0);
+  }
+  Picture(const Picture &) = delete;
+  Picture &operator=(const Picture &) = delete;
+  ~Picture() {
+    if (pixels.size() <= kMostSpare) pixels.swap(spare());
+  }
+
+  // Memory of the thread's last picture: the system would take back and clear so much each time.
+  static std::vector<std::uint8_t> &spare() {
+    static thread_local std::vector<std::uint8_t> memory;
+    return memory;
   }
 
   std::uint8_t &at(double x, double y) {
@@ -77,15 +90,16 @@ struct Picture {
     return pixels[static_cast<std::size_t>(r * cols + c)];
   }
 
-  // Cells that a beam passes on its way along x; for one along y with x and y swapped and the strides swapped.
-  static void pass(std::uint8_t *pixels, double x0, double y0, double x1, double y1, std::ptrdiff_t along,
-                   std::ptrdiff_t across) {
+  // Cells that a beam passes on its way along x; for one along y with x and y swapped.
+  template <bool kSwapped>
+  void pass(double x0, double y0, double x1, double y1) {
+    const std::ptrdiff_t along = kSwapped ? cols : 1, across = kSwapped ? 1 : cols;
     const auto first = static_cast<std::ptrdiff_t>(std::floor(x0)), last = static_cast<std::ptrdiff_t>(std::floor(x1));
     const double slope = (y1 - y0) / (x1 - x0);
     const std::ptrdiff_t step = last > first ? 1 : -1;
     const std::int64_t rise = to_fixed(step * slope);
     std::int64_t y = to_fixed(y0 + (static_cast<double>(first) + 0.5 - x0) * slope);
-    std::uint8_t *out = pixels + first * along;
+    std::uint8_t *out = pixels.data() + first * along;
     for (std::ptrdiff_t n = step * (last - first); n > 0; --n) {
       out[(y >> 32) * across] = kPassed;
       y += rise;
@@ -97,9 +111,9 @@ struct Picture {
     const double x0 = beam.x0 - static_cast<double>(col), y0 = beam.y0 - static_cast<double>(row);
     const double x1 = beam.x1 - static_cast<double>(col), y1 = beam.y1 - static_cast<double>(row);
     if (std::abs(x1 - x0) >= std::abs(y1 - y0)) {
-      if (x1 != x0) pass(pixels.data(), x0, y0, x1, y1, 1, cols);
+      if (x1 != x0) pass<false>(x0, y0, x1, y1);
     } else {
-      pass(pixels.data(), y0, x0, y1, x1, cols, 1);
+      pass<true>(y0, x0, y1, x1);
     }
   }
 
@@ -129,9 +143,12 @@ double reach_of(const Sensor &sensor) {
 std::vector<Beam> read_beams(const Sensor &sensor, const In<double, 1> &angles, const In<double, 1> &ranges,
                              const Limits &limit, bool infinite_is_free, double row, double col, double resolution) {
   std::vector<Beam> beams;
+  if (angles.size() == 0) return beams;
   beams.reserve(angles.size());
   const double body_reach = reach_of(sensor);
   const Directions *still = sensor.stride == 0 ? &directions_of(angles.data(), angles.size(), sensor.poses[2]) : nullptr;
+  const double start = std::min(limit.raytrace_min / resolution, kMostReach);
+  double x = sensor.poses[0] / resolution - col, y = sensor.poses[1] / resolution - row;
   for (std::size_t i = 0; i < angles.size(); ++i) {
     const double range = ranges.data()[i], angle = angles.data()[i];
     const bool endless = range == std::numeric_limits<double>::infinity();
@@ -144,8 +161,7 @@ std::vector<Beam> read_beams(const Sensor &sensor, const In<double, 1> &angles, 
     const double *pose = sensor.poses + i * sensor.stride;
     const double dx = still ? still->cos[i] : std::cos(pose[2] + angle);
     const double dy = still ? still->sin[i] : std::sin(pose[2] + angle);
-    const double x = pose[0] / resolution - col, y = pose[1] / resolution - row;
-    const double start = std::min(limit.raytrace_min / resolution, kMostReach);
+    if (!still) x = pose[0] / resolution - col, y = pose[1] / resolution - row;
     const double end = std::min(endless ? limit.range_max : range, limit.raytrace_max) / resolution;
     const bool marks = !endless && range >= limit.obstacle_min && range <= limit.obstacle_max;
     const double far = marks ? range / resolution : 0.0;
@@ -215,9 +231,11 @@ TRUNDLE_INLINE bool add_row(const EvidenceRule &rule, const std::uint8_t *drawn,
 }
 
 void add_ends(CellBox &box, std::ptrdiff_t row, std::ptrdiff_t col, const std::uint8_t *changed, std::ptrdiff_t count) {
+  const bool is_empty = box.row == box.row_end;  // what lies within the box makes it no larger
+  const std::ptrdiff_t west = is_empty ? count : box.col - col, east = is_empty ? 0 : box.col_end - col;
   std::ptrdiff_t first = 0, end = count;
-  while (changed[first] == 0) ++first;
-  while (changed[end - 1] == 0) --end;
+  while (first < west && changed[first] == 0) ++first;
+  while (end > east && changed[end - 1] == 0) --end;
   box.add(row, col + first, col + end);
 }
 

@@ -162,6 +162,11 @@ class LayeredCostmap:
             points, row, col = points[inside], row[inside], col[inside]
             return points[(self._base[row, col] != OCCUPIED) & (self._kept[row, col] == 0)]
 
+    def hits(self) -> FloatArray:
+        """Return where scans have marked obstacles [m], also those of the static map, map frame, shape (N, 2)."""
+        with self._lock:
+            return np.zeros((0, 2)) if self._obstacle is None else self._obstacle.obstacles()
+
     def reset(self) -> None:
         """Forget what was sensed, for a new run."""
         with self._lock:

@@ -16,6 +16,7 @@ from trundle.costmap import LETHAL
 from trundle.errors import InputError, PlanningError
 from trundle.geometry import FloatArray, Goal, Pose2D, Twist2D
 from trundle.mission.batch.meetings import find_meetings
+from trundle.mission.batch.model import numbers_of
 from trundle.mission.batch.needs import world_needs_python
 from trundle.mission.batch.sensing import Drive, SensedDrive, Sensing, monitors
 from trundle.mission.episode import Episode, Outcome
@@ -124,9 +125,7 @@ class MissionBatch:
         Raises:
             InputError: If the control period is no multiple of the simulator's substep.
         """
-        ends: list[Episode | HandedOver | PlanningError | _Planned] = [
-            _plan(mission, self._needs_of(mission.setting.world)) for mission in missions
-        ]
+        ends = [self._plan(mission) for mission in missions]
         groups: dict[int, tuple[MissionDriver, list[int]]] = {}
         for number, planned in enumerate(ends):
             if isinstance(planned, _Planned):
@@ -140,6 +139,15 @@ class MissionBatch:
         for number, reason in find_meetings([each.setting for each in missions], done, self._threads).items():
             done[number] = HandedOver(reason)
         return done
+
+    def _plan(self, mission: BatchMission) -> Episode | HandedOver | PlanningError | _Planned:
+        """Plan a mission; what a plug-in raises costs no other one, and is raised again where that is driven."""
+        try:
+            return _plan(mission, self._needs_of(mission.setting.world))
+        except InputError:
+            raise
+        except Exception as error:  # noqa: BLE001 - whatever a plug-in raises
+            return HandedOver(f"{type(error).__name__} while it plans")
 
     def _drive(self, kernel: MissionDriver, group: Sequence[_Planned]) -> list[Episode | HandedOver]:
         """Drive missions by a kernel: at once, but for those whose commands pass a collision monitor."""
@@ -167,7 +175,7 @@ class MissionBatch:
         for kept, _, kernel in self._kernels:
             if all(one is other for one, other in zip(kept, parts, strict=True)):
                 return kernel
-        numbers = kernel_numbers(navigator)
+        numbers = numbers_of(navigator)
         key = b"".join(array.tobytes() for array in numbers)
         for kept, its_key, kernel in self._kernels:
             if kept[0] is costmap and its_key == key:
@@ -284,7 +292,7 @@ def _drive_checked(kernel: MissionDriver, planned: _Planned, sensed: SensedDrive
 
 def _as_drive(planned: _Planned, rows: FloatArray) -> Drive:
     steps = count_steps(planned.info.dt, TIMESTEP)
-    return Drive(np.arange(0.0, len(rows) * steps, steps) * TIMESTEP, rows, planned.course[1].poses)
+    return Drive(np.arange(0.0, len(rows) * steps, steps) * TIMESTEP, rows, planned.course[1])
 
 
 def _conclude(planned: _Planned, driven: _Driven, monitor_stops: int | None) -> Episode:
@@ -339,61 +347,3 @@ def _trajectory(time: FloatArray, rows: FloatArray) -> Trajectory:
 
 def _goal_numbers(goal: Goal) -> tuple[float, float, float]:
     return goal.pose.x, goal.pose.y, math.nan if goal.yaw_free else goal.pose.yaw
-
-
-def kernel_numbers(navigator: Navigator) -> tuple[FloatArray, ...]:
-    """What the kernel takes of a costmap's inflation, the robot, and the settings of a navigator.
-
-    Raises:
-        InputError: If the control period is no multiple of the simulator's substep.
-    """
-    costmap, robot, controller = navigator.costmap, navigator.robot, navigator.controller
-    if not isinstance(controller, RegulatedPurePursuit):
-        raise InputError("only regulated_pure_pursuit is driven in batches")
-    limits, drive, settings = robot.limits, robot.drive, controller.settings
-    goal, progress = navigator.goal_checker, navigator.progress_checker
-    return (
-        np.array([costmap.inscribed_radius, costmap.cost_scaling_factor, costmap.inflation_radius]),
-        np.ascontiguousarray(robot.planar.outline),
-        np.ascontiguousarray(robot.planar.padded(settings.footprint_padding).outline),
-        np.array(
-            [
-                limits.linear_speed,
-                limits.linear_speed if limits.reverse_speed is None else limits.reverse_speed,
-                limits.angular_speed,
-                limits.linear_acceleration,
-                limits.angular_acceleration,
-                drive.wheel_radius,
-                drive.track_width,
-                math.inf if drive.max_wheel_speed is None else drive.max_wheel_speed,
-                TIMESTEP,
-                count_steps(navigator.dt, TIMESTEP),
-                navigator.dt,
-            ]
-        ),
-        np.array(
-            [
-                math.inf if settings.desired_linear_vel is None else settings.desired_linear_vel,
-                settings.lookahead_dist,
-                settings.min_lookahead_dist,
-                settings.rotate_to_heading_min_angle,
-                settings.rotate_to_heading_angular_vel,
-                settings.regulated_linear_scaling_min_radius,
-                settings.regulated_linear_scaling_min_speed,
-                settings.cost_scaling_dist,
-                settings.approach_velocity_scaling_dist,
-                settings.min_approach_linear_velocity,
-                settings.approach_deceleration,
-                settings.acceleration_of(robot),
-                settings.footprint_padding,
-            ]
-        ),
-        np.array([goal.xy_tolerance, goal.yaw_tolerance, goal.stopped_linear, goal.stopped_angular]),
-        np.array(
-            [
-                progress.required_movement_radius,
-                progress.required_movement_angle,
-                progress.movement_time_allowance,
-            ]
-        ),
-    )

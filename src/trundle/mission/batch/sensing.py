@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -25,7 +26,9 @@ from trundle.mission.running.run_log import RunLog
 from trundle.mission.scenario import Setting
 from trundle.navigation import Navigator
 from trundle.observation import Scan
+from trundle.planning import PathCheck
 from trundle.robots import Lidar, Robot
+from trundle.sim.beams import WorldOutline
 from trundle.sim.lidar import LidarSet, SceneBeams
 from trundle.worlds import World
 
@@ -44,17 +47,17 @@ class Drive:
     Attributes:
         time: At the beginning of each control period, and at the end [s], shape (N,).
         rows: (x, y, yaw, v, w) then, and the command (v, w) of the period before, shape (N, 7).
-        course: Poses of the path that are checked, shape (P, 3).
+        check: Of the path.
     """
 
     time: FloatArray
     rows: FloatArray
-    course: FloatArray
+    check: PathCheck
 
     @cached_property
     def places(self) -> FloatArray:
         """Where the robot was, and where its path leads [m], shape (N + P, 2)."""
-        return np.concatenate([self.rows[:, :2], self.course[:, :2]])
+        return np.concatenate([self.rows[:, :2], self.check.poses[:, :2]])
 
 
 class Sensing:
@@ -115,8 +118,7 @@ class SensedDrive:
         beams.prepare(self._lidars.heights)
         self._lidars.reset(setting.scenario.seed)
         self._since = -1.0
-        names = () if not chosen else tuple(robot.lidars) if chosen is True else chosen
-        self._scatters = not all(_reads_exactly(robot.lidars[name], robot) for name in names)
+        self._scatters = not all(_reads_exactly(robot.lidars[name], robot) for name in _lidars_of(setting))
         self._unexpected: list[FloatArray] = []
         self._monitor = _make_monitor(setting)
         self.log = RunLog()
@@ -138,11 +140,12 @@ class SensedDrive:
         boxes = [solid for solid in setting.world.solids if solid.kind == KIND] if setting.scenario.unmapped else []
         if any(_is_near(drive, box, far + costmap.resolution) for box in boxes):
             return "an unmapped box near the path"
-        low, high = setting.robot.z_range
-        if not all(low <= height <= high for height in self._lidars.heights):
-            return "a lidar that sees what is not on the map"
         if self._doubts is None:
             return ""
+        if not self._doubts.expect_all(setting.world, self._lidars.heights):
+            return "lidars see what is not on the map"
+        if drive.check.first_hit(costmap) is not None:
+            return "a path that is blocked on the map"
         if self._doubts.matter_to(drive, reach):
             return "unknown cells near the path"
         if self._scatters:
@@ -166,10 +169,27 @@ class SensedDrive:
         return scans
 
 
+def _points_on(outline: WorldOutline, step: float) -> FloatArray:
+    """Points on the section of a world, so far apart [m] at most; its cells are those of the map. Shape (N, 2)."""
+    points = [np.zeros((0, 2))]
+    for x0, y0, x1, y1 in outline.segments.tolist():
+        count = math.ceil(math.hypot(x1 - x0, y1 - y0) / step) + 1
+        points.append(np.linspace((x0, y0), (x1, y1), count))
+    for x, y, radius in outline.discs.tolist():
+        turns = np.linspace(0.0, math.tau, math.ceil(math.tau * radius / step) + 1)
+        points.append(np.column_stack([x + radius * np.cos(turns), y + radius * np.sin(turns)]))
+    return np.concatenate(points)
+
+
 def monitors(setting: Setting) -> bool:
     """Whether the commands of a mission pass a collision monitor."""
     chosen = setting.scenario.collision_monitor
-    return bool(setting.scenario.lidar) if chosen is None else chosen is not False
+    return bool(_lidars_of(setting)) if chosen is None else chosen is not False
+
+
+def _lidars_of(setting: Setting) -> tuple[str, ...]:
+    chosen = setting.scenario.lidar
+    return tuple(setting.robot.lidars if chosen is True else chosen or ())
 
 
 def _stopping_reach(navigator: Navigator) -> float:
@@ -193,12 +213,14 @@ class _Doubts:
         near: Chebyshev distance [cells] of each cell from the nearest one that is free or beside a free one, and may
             become blocked or no longer be, uint8, shape (rows, cols).
         expected: Cells in which hits change nothing else, bool, shape (rows, cols).
+        known: Heights [m] of lidars that see only what is expected, or not.
     """
 
     costmap: Costmap
     costs: npt.NDArray[np.bool_]
     near: npt.NDArray[np.uint8]
     expected: npt.NDArray[np.bool_]
+    known: dict[float, bool] = field(default_factory=dict)
 
     @classmethod
     def of(cls, costmap: Costmap, robot: Robot, tolerance: float | None) -> _Doubts:
@@ -250,13 +272,25 @@ class _Doubts:
         sensor, ranges, angles = pose @ scan.mount, scan.ranges[hit], scan.angles[hit]
         x = sensor.x + ranges * np.cos(angles + sensor.yaw)
         y = sensor.y + ranges * np.sin(angles + sensor.yaw)
+        return self._unexpected_of(np.column_stack([x, y]))
+
+    def expect_all(self, world: World, heights: Sequence[float]) -> bool:
+        """Whether hits at some heights [m], but for those on unmapped boxes, are where the map has something."""
+        for height in heights:
+            if height not in self.known:
+                mapped = replace(world, solids=tuple(solid for solid in world.solids if solid.kind != KIND))
+                points = _points_on(WorldOutline(mapped, height), 0.5 * self.costmap.resolution)
+                self.known[height] = len(self._unexpected_of(points)) == 0
+        return all(self.known[height] for height in heights)
+
+    def _unexpected_of(self, points: FloatArray) -> FloatArray:
         spare = _ROUNDED_CELLS * self.costmap.resolution
-        fits = np.ones(len(x), np.bool_)
+        fits = np.ones(len(points), np.bool_)
         for dx, dy in ((-spare, -spare), (-spare, spare), (spare, -spare), (spare, spare)):
-            row, col = self.costmap.world_to_cell(x + dx, y + dy)
+            row, col = self.costmap.world_to_cell(points[:, 0] + dx, points[:, 1] + dy)
             inside = self.costmap.contains(row, col)
             fits &= ~inside | self.expected[np.where(inside, row, 0), np.where(inside, col, 0)]
-        return np.column_stack([x, y])[~fits]
+        return points[~fits]
 
     def _cells_at(self, places: FloatArray) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
         """Rows and columns of the cells that hold some places [m], or of those nearest to them on the map."""

@@ -103,6 +103,7 @@ class RosAgent(Agent):
         self._arbiter = CommandArbiter(wire.warn, wire.describe_source, holds_s=holds_s)
         self._inlets: list[Inlet] = []
         self._had_writers = False
+        self._heard: dict[str, float] = {}
 
     def open(self) -> None:
         """Listen to commands of both types."""
@@ -163,11 +164,10 @@ class RosAgent(Agent):
                     "this robot cannot drive: they are ignored"
                 ),
             )
-        writers = self._writers()
-        if not source and writers > 1:
+        if not source and self._is_shared(message.__msgtype__):
             self._wire.warn(
                 "cmd_vel: two sources",
-                f"{writers} publishers command the robot on {self._topic}: the last command drives it, whosever it is",
+                f"several publishers command the robot on {self._topic}: the last command drives it, whosever it is",
             )
         self._arbiter.offer(command, source, self._clock.now)
 
@@ -184,6 +184,16 @@ class RosAgent(Agent):
             )
             return
         check_stamp(stamp, self._clock.now, tolerance_s=TIMEOUT_S)
+
+    def _is_shared(self, kind: str) -> bool:
+        """Whether several publishers command, where messages do not say whose they are.
+
+        Programs may offer commands of both types, and send one of them.
+        """
+        now = self._clock.now
+        self._heard[kind] = now
+        types = sum(0.0 <= now - heard <= TIMEOUT_S for heard in self._heard.values())
+        return types > 1 or any(inlet.writers > 1 for inlet in self._inlets)
 
     def _writers(self) -> int:
         return sum(inlet.writers for inlet in self._inlets)

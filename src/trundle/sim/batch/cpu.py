@@ -31,12 +31,12 @@ class BatchEngine(Protocol):
         """Return whether one of these is an array of the device, which is no host array."""
         ...
 
-    def reset(self, robots: Any, **given: Any) -> None:
-        """Put robots at rest with arrays of the device, which have a row for each robot of the batch."""
-        ...
+    def put(self, robots: Any, **given: Any) -> None:
+        """Put some robots at rest, or all if None.
 
-    def put(self, chosen: npt.NDArray[np.int64] | None, **given: npt.NDArray) -> None:
-        """Put robots at rest, with checked arrays of the host that have a row for each of the chosen ones."""
+        With arrays of the device `takes` one of these, and each of `given` has a row for each robot of the batch;
+        otherwise the robots are indices, and checked arrays of the host have a row for each of them.
+        """
         ...
 
     def drive(self, commands: Any, robots: Any, substeps: int) -> None:
@@ -91,21 +91,17 @@ class CpuEngine:
         """Return that none is: the processor has arrays of the host."""
         return False
 
-    def reset(self, robots: Any, **given: Any) -> None:
-        """Is never asked for; see `takes`."""
-        raise NotImplementedError
-
-    def put(self, chosen: npt.NDArray[np.int64] | None, **given: npt.NDArray) -> None:
+    def put(self, robots: npt.NDArray[np.int64] | None, **given: npt.NDArray) -> None:
         """Put robots at rest, and find what they touch there."""
-        rows = slice(None) if chosen is None else chosen
-        self._crowds.place(chosen, given["recordings"], given["poses"], given["seeds"])
+        rows = slice(None) if robots is None else robots
+        self._crowds.place(robots, given["recordings"], given["poses"], given["seeds"])
         self.poses[rows] = given["poses"]
         self.places[rows, 0], self.places[rows, 1] = given["maps"], given["recordings"]
         self._errors[rows, 0], self._errors[rows, 1] = given["noise"], given["dropouts"]
         self._keys[rows] = given["seeds"]
         for array in (self.wheels, self.lengths, self.steps, self.motions):
             array[rows] = 0
-        self.drive(self._standing, None if chosen is None else mask_of(chosen, self._count), 0)
+        self.drive(self._standing, None if robots is None else mask_of(robots, self._count), 0)
 
     def drive(self, commands: FloatArray, robots: Mask | None, substeps: int) -> None:
         """Drive substeps, and find what is touched first."""

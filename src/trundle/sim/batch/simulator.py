@@ -180,7 +180,7 @@ class BatchSimulator:
         engine = self._engine
         if engine.takes(poses, robots, maps, recordings, seeds, noise, dropouts):
             given = {"poses": poses, "maps": maps, "recordings": recordings, "seeds": seeds}
-            engine.reset(robots, noise=noise, dropouts=dropouts, **given)
+            engine.put(robots, noise=noise, dropouts=dropouts, **given)
             return
         chosen = self._choose(robots)
         count = self._count if chosen is None else len(chosen)

@@ -9,7 +9,6 @@ from collections.abc import Callable
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-import numpy.typing as npt
 import warp as wp
 
 from trundle.errors import InputError
@@ -114,19 +113,14 @@ class WarpEngine:
         """Return whether one of these is an array of a device."""
         return any(_is_on_device(value) for value in values)
 
-    def put(self, chosen: npt.NDArray[np.int64] | None, **given: npt.NDArray) -> None:
-        """Put robots at rest, with checked arrays of the host that have a row for each of the chosen ones."""
-        if chosen is None:
-            self.reset(None, **given)
-            return
-        spread: dict[str, npt.NDArray] = {}
-        for name, rows in given.items():
-            spread[name] = np.zeros((self._count, *rows.shape[1:]), dtype=rows.dtype)
-            spread[name][chosen] = rows
-        self.reset(mask_of(chosen, self._count), **spread)
-
-    def reset(self, robots: Any, **given: Any) -> None:
-        """Put robots at rest. Each of `given` has a row for each robot of the batch, or one value for all."""
+    def put(self, robots: Any, **given: Any) -> None:
+        """Put robots at rest. With indices, arrays of the host have a row for each of these, and are spread."""
+        if robots is not None and not self.takes(robots, *given.values()):
+            rows, given = given, {}
+            for name, values in rows.items():
+                given[name] = np.zeros((self._count, *values.shape[1:]), dtype=values.dtype)
+                given[name][robots] = values
+            robots = mask_of(robots, self._count)
         active = self._active(robots)
         self._take(given["poses"], self._new_poses, "poses")
         self._take(given["maps"], self._new_places[:, 0], "maps")

@@ -1,3 +1,4 @@
+// Bearings of many points at once; shared/bearing.hpp says what they are.
 #include "shared/bearing.hpp"
 
 #include "shared/registers.hpp"
