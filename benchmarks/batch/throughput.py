@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import platform
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +16,9 @@ import numpy as np
 from trundle.costmap import Costmap
 from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
-from trundle.sim import BatchSimulator
+from trundle.sim import BatchSimulator, MoverRecording
 from trundle.worlds import World
+from trundle.worlds.movers import Crowd
 
 ROBOTS, PERIOD = 1024, 0.05
 
@@ -89,6 +91,27 @@ def core(threads: int, *, clear: bool) -> None:
     print(f"    with 180 beams to 12 m {rate(both, 5, threads) / 1e3:.1f} k/s")
 
 
+def crowds(threads: int, people: int) -> None:
+    """Half a minute in an office among people that each robot has for itself, and among recorded ones."""
+    robot, count = make_robot(), 64
+    office = World.generate("office", seed=3)
+    grid = OccupancyGrid.from_world(office, z_range=robot.z_range)
+    poses, commands = draw(grid, robot, count, clear=True)
+    crowded = replace(office, movers=(Crowd("people", people),))
+    for live in (True, False):
+        recording = MoverRecording.of_world(crowded, robot, duration_s=30.0, live_crowds=live)
+        sim = BatchSimulator(grid, robot, count=count, recordings=[recording], threads=threads)
+        started = clock(threads)
+        sim.reset(poses, recordings=0, seeds=np.arange(count))
+        placed = clock(threads)
+        for _ in range(600):
+            sim.step(commands, PERIOD)
+        print(
+            f"{people} {'live' if live else 'recorded'} people, {grid.data.size / 1e6:.2f} M cells: "
+            f"{count * 600 / (clock(threads) - placed) / 1e3:.1f} k/s, reset {(placed - started) / count * 1e3:.2f} ms"
+        )
+
+
 def gpu(device: str, count: int, cells: float) -> None:
     """Steps of 50 ms with commands that lie on the device; seconds of the clock until it is done."""
     import warp as wp
@@ -153,5 +176,6 @@ if __name__ == "__main__":
     print(f"{processor()}, {chosen.threads} thread{'s' * (chosen.threads > 1)}")
     for clear in (True, False):
         core(chosen.threads, clear=clear)
+    crowds(chosen.threads, 8)
     if not chosen.no_gym:
         environments(chosen.threads)

@@ -15,6 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from support.crowd_calls import CROWD_CALLS
+from support.mission_calls import MISSION_CALLS, WAY
 from support.mppi_values import arguments_of
 from trundle import _core
 
@@ -113,21 +115,6 @@ MANY = _core.Batch(
     *(np.array([20]), np.linspace(-3.0, 3.0, 20), np.zeros((0, 2)), np.zeros(0, np.int64), np.zeros(0)),
     *(np.zeros((0, 1, 3)), np.array([0]), 1.0),
 )
-WALLED = np.pad(np.full((40, 60), 10, np.uint8), 1, constant_values=255)
-FLOOR = _core.CrowdFloor(WALLED, np.zeros_like(WALLED), 0.0, 0.0, 0.1, 1.0, 3)
-PEOPLE = _core.CrowdModel(
-    *([FLOOR], np.array([6]), np.tile(np.array([0.2, 1.2, 1.0, 0.0]), (6, 1)), np.tile(OUTLINE, (6, 1))),
-    *(np.full(6, len(OUTLINE)), np.zeros(0)),
-)
-WORDS, FAR, NOBODY = np.arange(4, dtype=np.uint64)[None], np.array([9.0, 9.0, 0.0, 0.0, 0.3]), np.zeros((0, 4))
-DRIVER = _core.MissionDriver(
-    *(np.zeros((60, 60), np.uint8), _core.chebyshev_field(np.zeros((60, 60), np.uint8)), 0.1, np.zeros(3)),
-    *(np.array([0.1, 10.0, 0.5]), OUTLINE, OUTLINE * 1.05, np.array([1, 1, 2, 1, 2, 0.1, 0.3, 99, 0.01, 5, 0.05])),
-    *(np.array([1, 0.6, 0.3, 0.8, 1.8, 0.9, 0.2, 0.6, 0.6, 0.05, 0.5, 1, 0.01]), np.array([0.2, 9, 0.02, 0.02])),
-    np.array([0.5, 0.5, 10.0]),
-)
-WAY = np.array([(1.0, 1.0, 0.0), (4.0, 1.0, 0.0), (4.0, 4.0, 1.5)])
-ONE_WAY = WAY[0], WAY[2], 30.0, WAY, np.zeros(3, bool), WAY, np.array([0.0, 3.0, 6.0]), np.array([0.5, 7.0, 20.0])
 MANY_PLACES = np.tile(np.array([0, -1]), (20, 1)), np.ones(20, bool)
 
 
@@ -138,28 +125,6 @@ def drive_many() -> Any:
     )
     MANY.drive(*state, np.ones((20, 2)), *MANY_PLACES, 5, 2)
     return state
-
-
-def walked() -> _core.CrowdRun:
-    run = _core.CrowdRun(PEOPLE)
-    assert run.reset(WORDS, FAR, NOBODY) == -1
-    for _ in range(40):
-        run.step(FAR, NOBODY)
-    return run
-
-
-def crowded() -> tuple[_core.BatchCrowds, Any]:
-    crowds = _core.BatchCrowds([PEOPLE], np.array([0]), np.array([0]), [np.zeros((1, 0, 4))], 5)
-    where = np.arange(5), np.zeros(5, np.int64), np.full((5, 3), 9.0), 0.3
-    return crowds, crowds.place(*where, np.arange(20, dtype=np.uint64).reshape(5, 1, 4), 2)
-
-
-def step_mission(periods: int = 20) -> Any:
-    run = DRIVER.begin(*ONE_WAY)
-    for _ in range(periods):
-        run.decide()
-        run.move(0.2, 0.1)
-    return run
 
 
 def scan_many() -> Any:
@@ -247,26 +212,8 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "Batch": lambda: type(MANY).__name__,
     "Batch.drive": drive_many,
     "Batch.scan": scan_many,
-    "BatchCrowds": lambda: type(crowded()[0]).__name__,
-    "BatchCrowds.place": lambda: crowded()[1],
-    "BatchCrowds.members": lambda: crowded()[0].members(3, 0.02),
-    "CrowdFloor": lambda: type(FLOOR).__name__,
-    "CrowdModel": lambda: type(PEOPLE).__name__,
-    "CrowdRun": lambda: type(walked()).__name__,
-    "CrowdRun.reset": lambda: _core.CrowdRun(PEOPLE).reset(WORDS, FAR, NOBODY),
-    "CrowdRun.step": lambda: walked().step(FAR, NOBODY),
-    "CrowdRun.at": lambda: walked().at(2.03),
-    "CrowdRun.index": lambda: walked().index,
-    "MissionDriver": lambda: type(DRIVER).__name__,
-    "MissionDriver.drive": lambda: DRIVER.drive(
-        *(WAY[:1], WAY[2:], np.array([30.0]), WAY, np.zeros(3, bool), np.array([3])),
-        *(WAY, np.array([0.0, 3.0, 6.0]), np.array([3]), 2),
-    ),
-    "MissionDriver.begin": lambda: type(DRIVER.begin(*ONE_WAY)).__name__,
-    "MissionRun": lambda: type(step_mission(0)).__name__,
-    "MissionRun.decide": lambda: step_mission().decide(),
-    "MissionRun.move": lambda: step_mission().result(),
-    "MissionRun.result": lambda: step_mission().result(),
+    **CROWD_CALLS,
+    **MISSION_CALLS,
     "polyline_distances": lambda: _core.polyline_distances(POSES[:, :2].copy(), WAY[:, :2].copy()),
     "stopping_poses": lambda: _core.stopping_poses(
         *(1.0, 2.0, 0.3, 0.8, 0.1, 1.0, 0.4, 1.2, 0.5, 2.0, 2.5, 8.0, 0.05, 0.03)

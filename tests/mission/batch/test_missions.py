@@ -7,8 +7,33 @@ from support.batch_missions import assert_alike, in_kernel, in_python, scenario,
 from trundle.mission import Outcome, Scenario, sample_tight_ends
 from trundle.mission.batch.missions import BatchMission, HandedOver, MissionBatch
 from trundle.mission.batch.needs import needs_python
+from trundle.mission.metrics import measure_truth
 from trundle.path import Path
 from trundle.robots import Robot
+
+
+@pytest.mark.parametrize(
+    ("movers", "least"),
+    [
+        ([{"crowd": "person", "count": 6}], 0),
+        ([{"crowd": "person", "count": 12, "sees_robot": False}, {"crowd": "forklift", "count": 1}], 1),
+    ],
+    ids=["people who yield", "people who do not"],
+)
+def test_missions_among_people_are_those_of_the_kinematic_simulator(movers, least):
+    """A robot without lidars sees nobody: it drives the same, until it touches someone."""
+    chosen = [scenario(seed=seed, movers=movers) for seed in range(5)]
+    ends = MissionBatch(threads=2).drive([BatchMission(each.prepare(), measure_truth) for each in chosen])
+    handed = 0
+    for each, end in zip(chosen, ends, strict=True):
+        driven = in_python(each)
+        if isinstance(end, HandedOver):
+            assert end.reason == "contact"
+            assert driven.outcome is Outcome.COLLIDED
+            handed += 1
+        else:
+            assert_alike(end, driven)
+    assert least <= handed < 5
 
 
 def test_commands_are_those_of_the_navigator_in_10_000_control_periods():
@@ -133,7 +158,7 @@ def test_a_robot_that_stands_closer_to_a_wall_than_its_padding_drives_off_alike(
         ({"controller": "mppi"}, "controller mppi"),
         ({"collision_monitor": True}, "collision_monitor without lidars"),
         ({"latency": {"command_delay_s": 0.1}}, "latency"),
-        ({"movers": [{"crowd": "person", "count": 1}]}, "movers"),
+        ({"movers": [{"crowd": "person", "count": 1}], "lidar": True}, "movers that lidars see"),
         ({"goals": [(1.0, 1.0), (2.0, 2.0)]}, "several goals"),
         ({"replan_interval_s": 1.0}, "replan_interval_s"),
         ({"rules": {"arrival_radius": 1.0}}, "rules"),

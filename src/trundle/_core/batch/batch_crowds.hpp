@@ -28,10 +28,12 @@ class BatchCrowds {
   };
 
   struct Run {
+    static constexpr double kLongest = 1e8;  // [s]
     const Scene *scene;
     crowds::CrowdState state;
 
     void advance(double time, const crowds::Robot &robot, crowds::StepMemory &memory) {
+      if (!(time < kLongest)) throw nb::value_error("a crowd walks for three years at most");
       const std::int64_t wanted = crowds::CrowdState::index_at(time);
       while (state.index() < wanted) state.step(*scene->model, &robot, scene->movers_at(state.index() + 1), memory);
     }

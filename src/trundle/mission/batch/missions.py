@@ -15,6 +15,7 @@ from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
 from trundle.costmap import LETHAL
 from trundle.errors import InputError, PlanningError
 from trundle.geometry import FloatArray, Goal, Pose2D, Twist2D
+from trundle.mission.batch.meetings import find_meetings
 from trundle.mission.batch.model import numbers_of
 from trundle.mission.batch.needs import world_needs_python
 from trundle.mission.batch.sensing import Drive, SensedDrive, Sensing, monitors
@@ -134,7 +135,10 @@ class MissionBatch:
             group = [planned for number in numbers if isinstance(planned := ends[number], _Planned)]
             for number, end in zip(numbers, self._drive(kernel, group), strict=True):
                 ends[number] = end
-        return [end for end in ends if not isinstance(end, _Planned)]
+        done = [end for end in ends if not isinstance(end, _Planned)]
+        for number, reason in find_meetings([each.setting for each in missions], done, self._threads).items():
+            done[number] = HandedOver(reason)
+        return done
 
     def _plan(self, mission: BatchMission) -> Episode | HandedOver | PlanningError | _Planned:
         """Plan a mission; what a plug-in raises costs no other one, and is raised again where that is driven."""
@@ -190,6 +194,8 @@ def _plan(mission: BatchMission, needs: str) -> _Planned | Episode | HandedOver 
     scenario, start, goals = setting.scenario, setting.start, setting.goals
     if needs:
         return HandedOver(needs)
+    if setting.world.movers and scenario.lidar:
+        return HandedOver("movers that lidars see")
     navigator = setting.navigator
     if type(navigator.controller) is not RegulatedPurePursuit or len(goals) != 1:
         return HandedOver("it does not drive to one goal by regulated_pure_pursuit")

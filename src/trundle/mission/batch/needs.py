@@ -19,7 +19,6 @@ _NOT_SET = (
     "speed_mask",
     "assumed",
     "map_errors",
-    "movers",
     "actuation",
     "latency",
     "odometry",
@@ -55,6 +54,8 @@ def _needed_by_lidars(scenario: ScenarioFields) -> list[str]:
     if not scenario.lidar:
         return ["collision_monitor without lidars"] if scenario.collision_monitor else []
     needs: list[str] = []
+    if scenario.movers:
+        needs.append("movers that lidars see")
     if not scenario.known_map:
         needs.append("known_map: false")
     if scenario.unknown != "blocked":
@@ -72,8 +73,6 @@ def world_needs_python(world: World) -> str:
 
     The kernel looks for contacts in the cells of the map, which hold all of a solid, but not of a mesh's hull.
     """
-    if world.movers:
-        return "the world has movers"
     if any(isinstance(solid.shape, Mesh) for solid in world.solids):
         return "the world has meshes"
     return ""
