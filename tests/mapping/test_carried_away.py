@@ -21,7 +21,7 @@ def robot() -> Robot:
 
 
 def carried(seed: int) -> tuple[list[tuple[Pose2D, Observation]], list[tuple[Pose2D, Observation]]]:
-    """A drive before the robot is carried, from anywhere to anywhere, and one after, whose odometry goes on from there."""
+    """A drive before the robot is carried from anywhere to anywhere, and one after, whose odometry goes on."""
     rng = np.random.default_rng(seed)
     until, far = int(rng.integers(60, 200)), int(rng.integers(30, 150))
     first = list(drive([ring(i / 180) for i in range(until)], seed=seed))
