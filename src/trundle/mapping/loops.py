@@ -157,7 +157,7 @@ class LoopFinder:
         self._pending = [one for one in self._pending if one.b > loop.b - _KEPT][-_MOST_PENDING:]
         clique = self._clique(loop)
         self._pending.append(loop)
-        if len(clique) < _AGREE or not self._is_possible(clique) or not self._beats_rivals(clique):
+        if len(clique) < _AGREE or not self._beats_rivals(clique) or not self._is_possible(clique):
             return []
         self._pending = [one for one in self._pending if one not in clique]
         return clique
@@ -176,8 +176,7 @@ class LoopFinder:
         for one in self._pending:
             if one.b in nodes and one not in clique and not any(self._agree(one, other) for other in clique):
                 rivals = self._clique(one)
-                close = len(rivals) >= 2 and sum(each.fit for each in rivals) / len(rivals) > fit - _RIVAL
-                if close and self._is_possible(rivals):
+                if len(rivals) >= 2 and sum(each.fit for each in rivals) / len(rivals) > fit - _RIVAL:
                     return False
         return True
 
