@@ -34,7 +34,9 @@ def carried(seed: int) -> tuple[list[tuple[Pose2D, Observation]], list[tuple[Pos
 def test_a_robot_that_is_carried_away_notices_it_within_two_scans_and_is_joined_where_it_is(
     robot: Robot, seed: int
 ) -> None:
-    """Seeds 1, 6 and 11 are left out: the rooms are symmetric but for small things, and it is not noticed there."""
+    """The rooms are symmetric but for small things, so three seeds are left out: 1 and 6 are not noticed, and 11 is
+    joined where it would be in the rooms turned by half.
+    """
     first, second = carried(seed)
     mapper = Mapper(robot)
     mapper.reset(first[0][0])
