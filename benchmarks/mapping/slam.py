@@ -27,12 +27,13 @@ _PERIOD_S = 2.0  # of the made-up clock: those of several logs are broken
 
 @dataclass(frozen=True)
 class Result:
-    """What a run gave: root mean square errors of the path [m], CPU time a scan [ms], and the mapper."""
+    """What a run gave: root mean square errors of paths [m], CPU time a scan [ms], the path (N, 3), and the mapper."""
 
     odometry: float
     ate: float
     online: float
     ms: float
+    path: np.ndarray
     mapper: Mapper
 
 
@@ -68,7 +69,7 @@ def run(log: Log, robot: Robot) -> Result:
     path = np.array([(Pose2D(*graph.poses[node]) @ seen).as_tuple() for node, seen in anchors])
     known = np.isfinite(log.reference[:, 0])
     errors = [aligned_error(one[known], log.reference[known]) for one in (log.odometry, path, np.array(online))]
-    return Result(errors[0], errors[1], errors[2], took * 1e3 / len(ranges), mapper)
+    return Result(errors[0], errors[1], errors[2], took * 1e3 / len(ranges), path, mapper)
 
 
 def main() -> None:

@@ -129,6 +129,7 @@ def run(world: World, robot: Robot, seed: int, options: argparse.Namespace, name
     began = time.process_time()
     mapper.finish()
     took += time.process_time() - began
+    grown = memory_mb() - held  # the graph and the maps below are copies
     graph = mapper.graph()
     began = time.process_time()
     draw_map(graph)
@@ -139,7 +140,6 @@ def run(world: World, robot: Robot, seed: int, options: argparse.Namespace, name
     if options.picture:
         options.picture.mkdir(parents=True, exist_ok=True)
         (options.picture / f"{name}.png").write_bytes(grid._repr_png_())
-    grown = memory_mb() - held
     found, times = np.unique(np.concatenate(met), return_counts=True)
     often = found[times >= 2]
     rows = (often + SIDE // 2) // SIDE

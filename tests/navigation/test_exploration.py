@@ -7,14 +7,14 @@ import pytest
 
 from support.sensed_rooms import ROBOT
 from trundle.costmap import CostmapSettings
-from trundle.errors import InputError
+from trundle.errors import InputError, NoPathError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.navigation import NavigationStatus, Navigator
 from trundle.navigation.agents import create_agent
 from trundle.navigation.exploration import Explorer, ExplorerSettings, Frontier, find_frontiers
 from trundle.navigation.exploration.targets import Targets
-from trundle.observation import Estimate, Observation
+from trundle.observation import Estimate, Observation, Scan
 from trundle.sim import simulate
 from trundle.worlds import World
 
@@ -185,3 +185,66 @@ def test_options_come_by_name_and_are_checked():
         create_agent("explorer", ROBOT, least_frontier=-1.0)
     with pytest.raises(InputError, match="unknown"):
         create_agent("explorer", ROBOT, frontier=1.0)
+
+
+# Shut in --------------------------------------------------------------------------------------------------------------
+
+
+class ShutIn:
+    """A navigator that finds no path anywhere."""
+
+    robot, dt, path, message, target = ROBOT, 0.5, None, "", None
+    status, error = NavigationStatus.BLOCKED, NoPathError("none found")
+    costmap = None
+
+    def __init__(self):
+        self.goals = []
+
+    def set_goal(self, x, y):
+        self.goals.append((x, y))
+        self.target = Pose2D(x, y)
+
+    def update(self, observation, estimate):
+        return Twist2D()
+
+
+def observe(explorer, seconds, x=0.0, *, begin=0.0):
+    scan = Scan("lidar", 0.0, Pose2D(0.0, 0.0), 0.3, np.zeros(1), np.ones(1), 0.1, 10.0)
+    for k in range(round(seconds / 0.5)):
+        at = begin + 0.5 * k
+        observation = Observation(at, Twist2D(), Pose2D(x, 0.0), (scan,))
+        explorer.update(observation, Estimate(at, Pose2D(x, 0.0), np.zeros((3, 3)), Pose2D(0.0, 0.0), "localized"))
+
+
+def test_an_explorer_that_is_shut_in_waits_and_does_not_give_all_frontiers_up(monkeypatch):
+    frontiers = [frontier(5.0 * k, 10.0, gain=20.0 - k) for k in range(8)]
+    monkeypatch.setattr("trundle.navigation.exploration.explorer.find_frontiers", lambda *_: frontiers)
+    navigator = ShutIn()
+    explorer = Explorer(ROBOT, navigator)
+    observe(explorer, 20.0)
+    assert len(navigator.goals) == 4
+    assert len(explorer.given_up) == 3
+    navigator.status = NavigationStatus.DRIVING
+    observe(explorer, 1.0, 1.0, begin=20.0)
+    assert explorer.given_up == ()
+
+
+def test_an_explorer_that_is_shut_in_for_good_ends(monkeypatch):
+    frontiers = [frontier(5.0 * k, 10.0, gain=20.0 - k) for k in range(8)]
+    monkeypatch.setattr("trundle.navigation.exploration.explorer.find_frontiers", lambda *_: frontiers)
+    explorer = Explorer(ROBOT, ShutIn())
+    explorer.navigator.cancel = lambda: None
+    observe(explorer, 120.0)
+    assert explorer.status is NavigationStatus.FINISHED
+    assert len(explorer.given_up) == 8
+
+
+def test_a_failed_try_is_taken_back_once():
+    targets, near, far = Targets(ExplorerSettings(tries=2)), frontier(), frontier(9.0, distance=9.0)
+    targets.refuse(near, "no path")
+    assert targets.choose([near, far], None) is far
+    targets.forgive([near])
+    assert targets.choose([near, far], None) is near
+    targets.refuse(near, "no path")
+    targets.forgive([near])
+    assert targets.choose([near, far], None) is far

@@ -14,8 +14,9 @@ _FEWEST_POINTS = 50
 # Nothing of what is seen is known, in so many scans. On five public logs, with odometry that turns by 2° a metre, the
 # worst scan of 8,400 fits by 0.27.
 _STRANGE_FIT, _STRANGE_SCANS = 0.1, 3
-# Or scans fit worse than this, and contradict the one before: on these logs single ones do, never two in a row.
-_SURPRISING_FIT = 0.6
+# Or scans fit worse than this, and contradict the one before: on these logs single ones do, never two in a row. Scans
+# a metre apart contradict each other by themselves; to leave such single ones out took ACES from 0.100 to 0.125 m.
+_SURPRISING_FIT, _STEP_M, _STEP_RAD = 0.6, 0.5, 0.5
 
 
 class CarriedAway:
@@ -41,11 +42,12 @@ class CarriedAway:
             fit: How well they fit to what was seen before, 0 to 1.
             points: How many of their points were matched.
         """
-        is_near = math.hypot(moved.x, moved.y) < _NEAR_M and abs(moved.yaw) < _NEAR_RAD
-        surprising = is_near and fit < _SURPRISING_FIT and points >= _FEWEST_POINTS
+        far, turn = math.hypot(moved.x, moved.y), abs(moved.yaw)
+        surprising = far < _STEP_M and turn < _STEP_RAD and fit < _SURPRISING_FIT and points >= _FEWEST_POINTS
         if self._scene.is_another(observation.scans, observation.odometry, surprising=surprising):
             return "carried away"
-        self._strange = self._strange + 1 if surprising and fit < _STRANGE_FIT else 0
+        strange = far < _NEAR_M and turn < _NEAR_RAD and fit < _STRANGE_FIT and points >= _FEWEST_POINTS
+        self._strange = self._strange + 1 if strange else 0
         if self._strange >= _STRANGE_SCANS:
             return "carried away"
         return "in doubt" if self._strange or self._scene.is_doubtful else "here"

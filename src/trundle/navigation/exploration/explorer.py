@@ -30,6 +30,9 @@ _PATHLESS_S = 1.0
 """A navigator waits for what blocks every path to move away; an explorer looks elsewhere meanwhile [s]."""
 _STANDING_S = 5.0
 """So long it stands before what blocks its path, where there is no other [s]: people walk on, other things stay."""
+_SHUT_IN = 3
+_PLACE_M = 0.5
+"""Without a path to so many frontiers from places within this of each other [m], the robot is shut in: it waits."""
 
 _FAILED = {
     NavigationStatus.NO_PATH: "no path",
@@ -87,6 +90,9 @@ class Explorer(Agent):
         self._has_scans = False
         self._nearest, self._nearest_s = math.inf, 0.0
         self._pathless_s = math.inf
+        self._shut_at = Pose2D(0.0, 0.0)
+        self._shut_from: list[Frontier] = []
+        self._has_waited = False
 
     @property
     def given_up(self) -> tuple[GivenUp, ...]:
@@ -130,15 +136,20 @@ class Explorer(Agent):
             self._pathless_s = min(self._pathless_s, now)
         else:
             self._pathless_s = math.inf
+        if pose.distance_to(self._shut_at) > _PLACE_M:
+            if len(self._shut_from) >= _SHUT_IN:  # what shut the robot in says nothing of these frontiers
+                self._targets.forgive(self._shut_from)
+            self._shut_at, self._shut_from, self._has_waited = pose, [], False
         if target is not None and not ended:
             left = math.hypot(pose.x - target.view[0], pose.y - target.view[1])
             if left < self._nearest - _NEARER_M:
                 self._nearest, self._nearest_s = left, now
             elif now - self._nearest_s > self.settings.patience:
-                ended = True
+                ended = self._has_waited = True
                 self._targets.refuse(target, f"not reached in {self.settings.patience:g} s: {self._why('blocked')}")
-            elif now - self._pathless_s > (_PATHLESS_S if self.navigator.path is None else _STANDING_S):
+            elif now - self._pathless_s > self._wait_s():
                 ended = True
+                self._shut_from.append(target)
                 self._targets.refuse(target, self._why("no path"))
         if not ended and now - self._looks_s < self.settings.period - 1e-9:
             return
@@ -146,6 +157,7 @@ class Explorer(Agent):
             return
         self._looks_s = now
         if target is not None and status in _FAILED:
+            self._has_waited = True
             self._targets.refuse(target, self._why(_FAILED[status]))
         self.frontiers = find_frontiers(self.navigator.costmap, pose, self.settings)
         if target is not None and status is NavigationStatus.ARRIVED:
@@ -153,6 +165,12 @@ class Explorer(Agent):
         if target is not None and not any(is_same(one, target) for one in self.frontiers):
             self._targets.note_vanished(target)
         self._take(self._targets.choose(self.frontiers, target), now, pose, ended=ended)
+
+    def _wait_s(self) -> float:
+        """How long it waits where no path leads to its target."""
+        if len(self._shut_from) >= _SHUT_IN and not self._has_waited:
+            return math.inf  # until the navigator, or the explorer's patience, has had enough
+        return _PATHLESS_S if self.navigator.path is None else _STANDING_S
 
     def _take(self, chosen: Frontier | None, now: float, pose: Pose2D, *, ended: bool) -> None:
         """Drive to a frontier from now on; end without one."""

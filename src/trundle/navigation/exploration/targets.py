@@ -44,12 +44,14 @@ class _Refused:
         reason: Why the last one failed.
         tries: How many.
         waits: Whether others come first.
+        is_forgiven: Whether one of them was taken back.
     """
 
     frontier: Frontier
     reason: str
     tries: int = 0
     waits: bool = True
+    is_forgiven: bool = False
 
 
 class Targets:
@@ -95,6 +97,12 @@ class Targets:
             self._refused.append(refused)
         refused.reason, refused.waits = reason, True
         refused.tries = self._settings.tries if for_good else refused.tries + 1
+
+    def forgive(self, frontiers: Sequence[Frontier]) -> None:
+        """Take back a failed try at each of these frontiers, once."""
+        for one in self._refused:
+            if not one.is_forgiven and any(is_same(one.frontier, frontier) for frontier in frontiers):
+                one.tries, one.waits, one.is_forgiven = one.tries - 1, False, True
 
     def note_vanished(self, frontier: Frontier) -> None:
         """Note that a frontier was looked at, and is none any more.
