@@ -18,6 +18,7 @@ from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from benchmarks.timing import print_table
@@ -79,9 +80,14 @@ def _is_open(grid: OccupancyGrid, robot: Robot, start: Pose2D, goal: Pose2D) -> 
 def _judge(folder: str, row: Row) -> Judged:
     if row.outcome == "arrived":
         return Judged(row, True, True)
+    return judge(_opened(folder), row)
+
+
+@cache
+def _opened(folder: str) -> Evaluation:
+    """Open an evaluation once for each process."""
     warnings.simplefilter("ignore")
-    with Evaluation(folder) as evaluation:
-        return judge(evaluation, row)
+    return Evaluation(folder)
 
 
 def summarize(judged: Sequence[Judged]) -> tuple[str, ...]:
