@@ -158,7 +158,7 @@ def test_recordings_with_and_without_live_crowds_share_a_batch():
     ("change", "text"),
     [
         (lambda _: {"crowds": "people"}, "crowds must be"),
-        (lambda good: {"outlines": good.outlines[1:], "tracks": good.tracks[1:]}, "4 movers has crowds of 4 members be"),
+        (lambda good: {"outlines": good.outlines[1:], "tracks": good.tracks[1:]}, "4 movers has crowds of 4"),
         (lambda good: {"crowds": good.crowds._replace(movers=good.crowds.movers * np.nan)}, r"shape \(steps, 1, 4\)"),
     ],
 )
