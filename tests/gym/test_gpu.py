@@ -14,6 +14,7 @@ wp = pytest.importorskip("warp", reason="needs Warp, of the extra gpu")
 torch = pytest.importorskip("torch", reason="needs PyTorch")
 
 from trundle.sim.batch import warp as devices  # noqa: E402 - needs Warp
+from trundle.sim.batch.warp.engine import WarpEngine  # noqa: E402 - needs Warp
 
 ALL = {"path_points": 3, "costmap_cells": 8, "critic": True}
 REWARDS = {"progress": 2.0, "time": -0.5, "smoothness": -0.1, "reverse": -1.0, "contact": -3.0, "success": 5.0}
@@ -137,11 +138,26 @@ def test_a_bad_action_is_an_error_that_names_the_robot(quick_options, device, ba
         env.step(given[:3])
 
 
+def test_a_reset_says_that_an_action_before_was_bad(quick_options, device, monkeypatch):
+    """As where the GPU is not done with the step when the reset comes."""
+    env = make(quick_options)
+    env.reset(seed=0)
+    given = torch.zeros((COUNT, 2), device=device)
+    given[7, 1] = 1.5
+    with monkeypatch.context() as patch:
+        patch.setattr(WarpEngine, "check", lambda _: None)
+        env.step(given)
+    with pytest.raises(InputError, match=r"robot 7 .*clip it, and reset all robots"):
+        env.reset(seed=0)
+    env.reset(seed=0)
+    assert (env.step(torch.zeros((COUNT, 2), device=device))[-1]["time_s"] == 0.2).all()
+
+
 def test_pictures_and_metadata_are_made_of_tensors_too(quick_options, device):
-    env = make(quick_options, render_mode="rgb_array")
+    env = make(quick_options, render_mode="rgb_array", movers=2)
     env.reset(seed=1)
     pictures = env.render()
-    other = make(quick_options, "cpu", render_mode="rgb_array")
+    other = make(quick_options, "cpu", render_mode="rgb_array", movers=2)
     other.reset(seed=1)
     np.testing.assert_array_equal(pictures[3], other.render()[3])
     assert trundle.gym.policy_metadata(env) == trundle.gym.policy_metadata(other)
@@ -173,9 +189,11 @@ def test_rsl_rls_tensors_stay_on_the_device(device):
     options = {"world": "office", "worlds": 1, "robot": "jackal", "beams": 24, "max_time_s": 4.0}
     env = RslRlVecEnv(3, device="cuda", learner_device=device, **options)
     env.episode_length_buf = torch.tensor([18, 0, 0], device=device)
+    before = env.episode_length_buf
     for _ in range(2):
         observed, rewards, dones, extras = env.step(torch.full((3, 2), 0.0, device=device))
+    assert before.tolist() == [18, 0, 0]  # a copy
     assert {each.device.type for each in (*observed.values(), rewards, dones, extras["time_outs"])} == {device}
     assert dones.tolist() == [True, False, False]  # what was set counts towards the time limit
     assert env.episode_length_buf.tolist() == [0, 2, 2]
-    assert extras["log"]["/time_s"] == pytest.approx(4.0)
+    assert extras["log"]["/time_s"] == pytest.approx(0.4)  # what it has driven

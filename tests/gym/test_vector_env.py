@@ -5,8 +5,11 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from trundle.errors import InputError, UnknownNameError
+from trundle.errors import InputError, UnknownNameError, WorldError
 from trundle.gym import NavigationEnv, NavigationVectorEnv
+from trundle.maps import OccupancyGrid
+from trundle.sim.batch.crowds import RobotCrowds
+from trundle.worlds import World
 
 
 def actions(steps: int, count: int, seed: int = 0) -> np.ndarray:
@@ -115,6 +118,55 @@ def test_a_bad_action_of_one_moves_none(quick_options):
     env.step(np.zeros((6, 2), np.float32))
 
 
+def in_a_room(size: float, crowd: int, **more) -> NavigationVectorEnv:
+    cells = np.pad(np.zeros((round(size / 0.05),) * 2, np.int8), 2, constant_values=100)
+    world = World.from_map(OccupancyGrid(cells, 0.05))
+    robot = {"robot": "turtlebot3_burger", "beams": 16, "min_distance": 1.0}
+    return make({"world": world, **robot}, count=16, crowd=crowd, max_time_s=1.0, **more)
+
+
+def test_a_start_without_room_for_the_crowd_is_drawn_again():
+    env = in_a_room(4.5, 8, autoreset_mode="same_step")
+    env.reset(seed=0)
+    for action in actions(25, 16):
+        env.step(action)
+
+
+@pytest.mark.parametrize("mode", ["same_step", "next_step"])
+def test_robots_that_get_no_room_keep_their_episodes(mode):
+    env = in_a_room(4.5, 8, autoreset_mode=mode)
+    env.reset(seed=0)
+    episodes, place = env.episodes, RobotCrowds.place
+    places, goals, drawn = episodes.sim.poses.copy(), episodes.goals.copy(), episodes._episodes.copy()
+
+    def place_but_robot_5(self, chosen, *given):
+        if 5 in (np.arange(16) if chosen is None else chosen):
+            raise WorldError("robot 5: no room. Nothing was reset")
+        place(self, chosen, *given)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(RobotCrowds, "place", place_but_robot_5)
+        with pytest.raises(WorldError, match=r"robot 5: no room\. None of 16 starts has room; the robot was not reset"):
+            for _ in range(7):
+                env.step(np.zeros((16, 2), np.float32))
+    others = np.arange(16) != 5
+    assert np.array_equal(episodes.goals[5], goals[5])
+    assert np.array_equal(episodes.sim.poses[5], places[5])
+    assert episodes._episodes[5] == drawn[5]
+    assert (episodes.elapsed[others] == 0).all()
+    assert (episodes._episodes[others] == drawn[others] + 1).all()
+    assert (episodes.distances[others] == episodes.shortest[others]).all()
+    env.step(np.zeros((16, 2), np.float32))
+
+
+def test_masks_of_an_info_are_not_shared(quick_options):
+    env = make(quick_options)
+    env.reset(seed=0)
+    info = env.step(np.zeros((6, 2), np.float32))[-1]
+    info["_spl"][:] = False
+    assert info["_contact"].all()
+
+
 def test_seeds_may_be_a_list(quick_options):
     env = make(quick_options, count=3)
     listed, _ = env.reset(seed=[9, None, 7])
@@ -127,6 +179,7 @@ def test_seeds_may_be_a_list(quick_options):
     ("more", "error", "text"),
     [
         ({"count": 0}, InputError, "num_envs"),
+        ({"crowd": 8, "device": "cuda"}, InputError, "crowd is computed on the CPU.*device='cpu', or movers=8"),
         ({"autoreset_mode": "later"}, UnknownNameError, "same_step"),
         ({"render_mode": "human"}, InputError, "rgb_array"),
     ],

@@ -51,7 +51,12 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observations, dict[str, Any]]:
-        """Begin an episode: with a seed the first one of it, else the next."""
+        """Begin an episode: with a seed the first one of it, else the next.
+
+        Raises:
+            InputError: If the seed is bad.
+            WorldError: If no start leaves room for the crowd; the last episode stays as it is.
+        """
         super().reset(seed=seed)
         only = np.zeros(1, dtype=np.int64)
         if seed is not None:

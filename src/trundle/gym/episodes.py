@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from trundle.errors import InputError
+from trundle.errors import InputError, WorldError
 from trundle.gym.arena import Arena
 from trundle.gym.arrays import HOST
 from trundle.gym.draws import episode_keys, stream_numbers, uniform
@@ -19,7 +19,7 @@ from trundle.gym.variation import Variation
 from trundle.sim.batch import NOTHING, BatchSimulator
 
 _TRIES = 16
-"""Other starts that are drawn where a mover stands on the first."""
+"""Starts that are drawn, until no mover stands on one and it leaves room for a crowd."""
 
 _ROUNDING = 1e-5
 """Actions beyond their bounds by less than this are rounding of float32."""
@@ -103,6 +103,7 @@ class Episodes:
         self.elapsed = full(count, 0, "int64")
         self._factors, self._last_actions = full((count, 2), 1.0), full((count, 2), 0.0)
         self._everyone, self._nobody = full(count, 1, "bool"), full(count, 0, "bool")
+        self._is_placed = full(count, 0, "bool")  # by the reset that goes on
         self._standing = full(count, 0.0)
         # Of an episode's map and recording, and of each try's mission and yaw.
         self._streams = put(stream_numbers(0, 1))
@@ -118,12 +119,16 @@ class Episodes:
 
         Args:
             robots: Their indices, an array of the device.
+
+        Raises:
+            WorldError: If no start leaves room for the crowd of a robot: that one's episode stays as it is.
+            InputError: If a GPU has found a bad action of an earlier step; nothing is reset then.
         """
         if len(robots) == 0:
             return
         arrays, number = self.arrays, len(self.arena.grids)
-        self._episodes[robots] += 1
-        keys = episode_keys(self._seeds[robots], self._episodes[robots], self._split)
+        episodes = self._episodes[robots] + 1
+        keys = episode_keys(self._seeds[robots], episodes, self._split)
         of_map, of_recording = uniform(arrays, keys, self._streams)
         maps = arrays.clip(arrays.cast(of_map * number, "int64"), 0, number - 1)
         recordings: Any = -1
@@ -131,30 +136,41 @@ class Episodes:
             counts = self._recording_counts[maps]
             picked = self._first_recording[maps] + arrays.cast(of_recording * counts, "int64")
             recordings = arrays.lib.where(counts > 0, picked, -1)
-        drawn = self._vary(robots)
-        self._start(robots, keys, maps, recordings, drawn, 0)
-        # Walls leave room around every start; only movers may stand there.
+        factors, drawn = self._vary(robots, episodes)
+        self._is_placed[robots] = False
+        error = self._start(robots, keys, maps, recordings, drawn, 0)
+        # Walls leave room around every start; only movers may stand there, and crowds need more.
         for attempt in range(1, _TRIES if self.arena.recordings else 1):
-            again = arrays.indices(self.sim.contacts[robots, 0] != NOTHING)
+            again = arrays.indices((self.sim.contacts[robots, 0] != NOTHING) | ~self._is_placed[robots])
             if len(again) == 0:
                 break
             here = {name: values[again] for name, values in drawn.items()}
-            self._start(robots[again], keys[again], maps[again], recordings[again], here, attempt)
-        self.elapsed[robots] = 0
-        self._last_actions[robots] = 0.0
-        self.distances[robots] = self.shortest[robots]
+            error = self._start(robots[again], keys[again], maps[again], recordings[again], here, attempt)
+        placed: Any = slice(None) if error is None else self._is_placed[robots]
+        begun = robots[placed]
+        self._episodes[begun] = episodes[placed]
+        if self._varies:
+            self._factors[begun] = factors[placed]
+        self.elapsed[begun] = 0
+        self._last_actions[begun] = 0.0
+        self.distances[begun] = self.shortest[begun]
+        if error is not None and len(begun) < len(robots):
+            what = str(error).removesuffix(". Nothing was reset")
+            raise WorldError(f"{what}. None of {_TRIES} starts has room; the robot was not reset")
 
-    def _vary(self, robots: Any) -> dict[str, Any]:
-        """Draw what is varied for new episodes; return what the lidars need of it."""
+    def _vary(self, robots: Any, episodes: Any) -> tuple[Any, dict[str, Any]]:
+        """Draw what is varied for new episodes; return factors of commands, and what the lidars need of it."""
         if not self._varies:
-            return {}
+            return None, {}
         host, put = self.arrays.host, self.arrays.put
-        drawn = self._variation.draw_many(host(self._seeds[robots]).view(np.uint64), host(self._episodes[robots]))
+        drawn = self._variation.draw_many(host(self._seeds[robots]).view(np.uint64), host(episodes))
         factors = np.column_stack([drawn["wheel_radius"], drawn["wheel_radius"] / drawn["track"]])
-        self._factors[robots] = put(factors)
-        return {"noise": put(drawn["lidar_noise"]), "dropouts": put(drawn["lidar_dropout"])}
+        return put(factors), {"noise": put(drawn["lidar_noise"]), "dropouts": put(drawn["lidar_dropout"])}
 
-    def _start(self, robots: Any, keys: Any, maps: Any, recordings: Any, drawn: dict[str, Any], attempt: int) -> None:
+    def _start(
+        self, robots: Any, keys: Any, maps: Any, recordings: Any, drawn: dict[str, Any], attempt: int
+    ) -> WorldError | None:
+        """Put robots at starts that are drawn; return why some have no room for their crowd, and are not placed."""
         arrays = self.arrays
         of_mission, of_yaw = uniform(arrays, keys, self._tries[attempt])
         counts = self._mission_counts[maps]
@@ -162,10 +178,24 @@ class Episodes:
         poses = self._starts[picked]
         yaws = (of_yaw * 2.0 - 1.0) * math.pi
         poses[:, 2] = arrays.lib.where(arrays.lib.isnan(poses[:, 2]), yaws, poses[:, 2])
+        seeds = keys.view(np.uint64) if arrays.on_host else keys
+        try:
+            self.sim.reset(poses, robots=robots, maps=maps, recordings=recordings, seeds=seeds, **drawn)
+        except WorldError as error:
+            if len(robots) == 1:
+                return error
+            found: WorldError | None = None
+            for part in np.array_split(np.arange(len(robots)), 2):  # halves, until those without room are alone
+                here = {name: values[part] for name, values in drawn.items()}
+                failed = self._start(robots[part], keys[part], maps[part], recordings[part], here, attempt)
+                found = found or failed
+            return found
+        except InputError as error:
+            raise self._explain(error) from None
         self.lookup.settle(robots, maps, self._fields[picked])
         self.goals[robots], self.shortest[robots] = self._goals[picked], self._shortest[picked]
-        seeds = keys.view(np.uint64) if arrays.on_host else keys
-        self.sim.reset(poses, robots=robots, maps=maps, recordings=recordings, seeds=seeds, **drawn)
+        self._is_placed[robots] = True
+        return None
 
     def check_actions(self, actions: Any, active: Any = None) -> Any:
         """Return actions as float64, shape (N, 2); those of robots that are not active do not matter.
@@ -197,6 +227,10 @@ class Episodes:
             )
         return np.where(allowed, given, 0.0)
 
+    def _explain(self, error: InputError) -> InputError:
+        """Return the error of a bad command as that of its action."""
+        return InputError(f"{error}. It comes of its action: {self._demand()}, and reset all robots")
+
     def _demand(self) -> str:
         return f"it must be finite and from {self.action_low.tolist()} to {self.action_high.tolist()}: clip it"
 
@@ -219,7 +253,7 @@ class Episodes:
         try:
             sim.step(commands, settings.period_s, robots=active)
         except InputError as error:
-            raise InputError(f"{error}. It comes of its action: {self._demand()}, and reset all robots") from None
+            raise self._explain(error) from None
         self.elapsed += 1 if active is None else active
         cell, inside = self.lookup.locate(poses)
         away = self.lookup.distance(cell, inside)
@@ -255,7 +289,7 @@ class Episodes:
             "path_length": arrays.copy(lengths),
             "shortest_length": arrays.copy(self.shortest),
             "distance_to_goal": arrays.copy(self.distances),
-            "time_s": arrays.cast(self.elapsed, "float64") * self.settings.period_s,
+            "time_s": self.sim.times,
             "map": arrays.copy(self.sim.places[:, 0]),
         }
 

@@ -68,7 +68,8 @@ class TorchSimulator:
     """A `BatchSimulator` on a GPU by the names that `Episodes` uses; its arrays are tensors on that GPU.
 
     Args:
-        sim: The simulator. Tensors are views of its state, and nothing of a step passes through the host.
+        sim: The simulator. Tensors are views of its state, and nothing of a step passes through the host. Its stream
+            waits for PyTorch's default stream, not for others.
     """
 
     def __init__(self, sim: BatchSimulator) -> None:
@@ -100,7 +101,8 @@ class TorchSimulator:
         """Put robots at rest; `poses` and `given` have a row for each of them, or one value for all."""
         for name, rows in {"poses": poses, **given}.items():
             self._new[name][robots] = rows
-        self._sim.reset(self._given["poses"], robots=self._choose(robots), **self._without_poses())
+        chosen = None if len(robots) == self.count else self._choose(robots)
+        self._sim.reset(self._given["poses"], robots=chosen, **self._without_poses())
 
     def step(self, commands: torch.Tensor, dt: float, *, robots: torch.Tensor | None = None) -> None:
         """Drive one period; `robots` is a bool for each robot, or None for all."""
@@ -112,6 +114,10 @@ class TorchSimulator:
     def scan(self, *, robots: torch.Tensor | None = None) -> None:
         """Turn the lidars of some robots once, by their indices, or of all."""
         self._sim.scan(robots=None if robots is None else self._choose(robots))
+
+    def movers(self, robot: int) -> npt.NDArray[np.float64]:
+        """Return (x, y, yaw) of the movers around a robot, an array of the host, shape (M, 3)."""
+        return self._sim.movers(robot)
 
     def _without_poses(self) -> dict[str, Any]:
         return {name: values for name, values in self._given.items() if name != "poses"}

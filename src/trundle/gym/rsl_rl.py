@@ -41,8 +41,8 @@ class RslRlVecEnv(VecEnv):
 
     @property
     def episode_length_buf(self) -> torch.Tensor:
-        """Steps since each episode began; what is set counts towards its time limit."""
-        return self._tensor(self.inner.episodes.elapsed)
+        """Steps since each episode began, a copy; what is set counts towards its time limit, not in `time_s`."""
+        return self._tensor(self.inner.episodes.arrays.copy(self.inner.episodes.elapsed))
 
     @episode_length_buf.setter
     def episode_length_buf(self, steps: torch.Tensor) -> None:

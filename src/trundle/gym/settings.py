@@ -112,6 +112,11 @@ class NavigationSettings:
             check_count("beams", self.beams, 1, 100_000)
         if not isinstance(self.device, str):
             raise InputError(f"device must be cpu, cuda or cuda:1, got {self.device!r}")
+        if self.crowd and self.device != "cpu":
+            raise InputError(
+                f"crowd is computed on the CPU, got device={self.device!r}: use device='cpu', or movers={self.crowd}, "
+                "people who ignore the robot"
+            )
         check_flag("critic", self.critic)
         check_flag("scaled_actions", self.scaled_actions)
         count_steps(self.period_s, _TIMESTEP)

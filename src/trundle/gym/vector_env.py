@@ -33,7 +33,8 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
 
     With `device="cuda"` observations, rewards, ends and `infos` are PyTorch's tensors on the GPU, and actions may be:
     no step copies them through the host. Numbers are drawn there too, but for those of `vary`; `final_obs` is a
-    dictionary of tensors. A bad action is raised by its step or a later one.
+    dictionary of tensors. A bad action is raised by its step or a later one. Call it within PyTorch's default stream of
+    that GPU: the environment does not wait for other streams, nor do they wait for it.
 
     Args:
         num_envs: Number of robots.
@@ -83,6 +84,10 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         Args:
             seed: An integer s, for the seeds s, s + 1, …; one for each robot; or None, for the next episodes.
             options: May hold `reset_mask`.
+
+        Raises:
+            InputError: If the mask or a seed is bad, or a GPU has found a bad action of an earlier step.
+            WorldError: If no start leaves room for the crowd of a robot; the episodes of others may have begun.
         """
         put = self.episodes.arrays.put
         mask = self._read_mask(options)
@@ -92,13 +97,16 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self.episodes.reset(robots)
         self._ended[robots], self._ready[chosen] = False, True
         self._observer.scan(robots)
-        return self._observer.observe(), _masked(self.episodes.start_figures(), put(mask))
+        return self._observer.observe(), self._masked(self.episodes.start_figures(), put(mask))
 
     def step(self, actions: Any) -> tuple[Observations, Any, Any, Any, dict[str, Any]]:
         """Drive one period with an action for each robot.
 
         Raises:
-            InputError: If an action is not finite or out of bounds, or a robot was not reset; nothing has moved then.
+            InputError: If an action is not finite or out of bounds, or a robot was not reset. On the CPU nothing has
+                moved then; a GPU may tell at a later step, and has moved nothing since.
+            WorldError: If no start of the next episode leaves room for the crowd of a robot. With "same_step" all have
+                moved then; the robots without room stay where they are.
         """
         if not self._ready.all():
             raise InputError(f"call reset before step: robot {int(np.argmin(self._ready))} has no episode")
@@ -115,7 +123,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         outcome = self.episodes.step(given, active)
         self._observer.scan()
         ended = outcome.terminated | outcome.truncated
-        info = _masked(outcome.info, arrays.full(self.num_envs, 1, "bool"))
+        info = self._masked(outcome.info, arrays.full(self.num_envs, 1, "bool"))
         observations = self._observer.observe()
         if self._mode is AutoresetMode.SAME_STEP:
             robots = arrays.indices(ended)
@@ -143,16 +151,20 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         final_info = {name: values for name, values in info.items() if not name.startswith("_")}
         self.episodes.reset(robots)
         self._observer.scan(robots)
-        lib, fresh = self.episodes.arrays.lib, self.episodes.start_figures()
+        arrays, fresh = self.episodes.arrays, self.episodes.start_figures()
         info = {
             name: values
             if name.startswith("_")
-            else lib.where(ended, fresh[name] if name in fresh else lib.zeros_like(values), values)
+            else arrays.lib.where(ended, fresh[name] if name in fresh else arrays.lib.zeros_like(values), values)
             for name, values in info.items()
         }
         info |= {"final_obs": final, "_final_obs": ended}
-        info |= {"final_info": _masked(final_info, ended), "_final_info": ended}
+        info |= {"final_info": self._masked(final_info, ended), "_final_info": arrays.copy(ended)}
         return self._observer.observe(), info
+
+    def _masked(self, info: dict[str, Any], mask: Any) -> dict[str, Any]:
+        """Return an info as Gymnasium has it for many: beside every array, which robots it is of."""
+        return info | {f"_{name}": self.episodes.arrays.copy(mask) for name in info}
 
     def _read_mask(self, options: dict[str, Any] | None) -> npt.NDArray[np.bool_]:
         if not options or "reset_mask" not in options:
@@ -190,8 +202,3 @@ def _read_mode(mode: str | AutoresetMode) -> AutoresetMode:
     if str(mode).lower() not in _MODES:
         raise UnknownNameError("autoreset mode", str(mode), _MODES)
     return _MODES[str(mode).lower()]
-
-
-def _masked(info: dict[str, Any], mask: Any) -> dict[str, Any]:
-    """Return an info as Gymnasium has it for many: beside every array, which robots it is of."""
-    return info | {f"_{name}": mask for name in info}

@@ -7,6 +7,7 @@ from trundle.mission.fields import MapOptions, ScenarioFields
 from trundle.mission.goal_fields import make_goal
 from trundle.navigation.waypoint import tasks_of
 from trundle.worlds import World
+from trundle.worlds.movers.crowd import Crowd
 
 BATCH = "batch"
 """The backend of a suite whose missions are driven by the kernel."""
@@ -39,6 +40,9 @@ def needs_python(scenario: ScenarioFields) -> tuple[str, ...]:
         needs.insert(0, f"controller {scenario.controller.short_name}")
     if scenario.backend.options:
         needs.append("options of the backend")
+    obstacle = scenario.layers.obstacle if scenario.layers is not None else None
+    if obstacle is not None and obstacle.doubt_static:  # it works without lidars, too
+        needs.append("layers: doubt_static")
     needs += _needed_by_lidars(scenario)
     goals = scenario.goals or ()
     if len(goals) > 1 or any(tasks_of(make_goal(goal)) for goal in goals):
@@ -71,8 +75,11 @@ def _needed_by_lidars(scenario: ScenarioFields) -> list[str]:
 def world_needs_python(world: World) -> str:
     """Return what of a world has to be simulated in Python; empty where nothing has.
 
-    The kernel looks for contacts in the cells of the map, which hold all of a solid, but not of a mesh's hull.
+    The kernel looks for contacts in the cells of the map, which hold all of a solid, but not of a mesh's hull. A drive
+    that is repeated differs in its last digits, and a crowd that sees the robot makes other steps of that in time.
     """
     if any(isinstance(solid.shape, Mesh) for solid in world.solids):
         return "the world has meshes"
+    if any(isinstance(mover, Crowd) and mover.sees_robot for mover in world.movers):
+        return "a crowd that sees the robot"
     return ""

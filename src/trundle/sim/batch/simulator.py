@@ -242,6 +242,9 @@ class BatchSimulator:
         """Return where the movers around a robot are now: (x, y, yaw), map frame [m, rad], shape (M, 3).
 
         They are in the order of the outlines of its recording; none without a recording.
+
+        Raises:
+            InputError: If there is no such robot.
         """
         if isinstance(robot, bool) or not isinstance(robot, int | np.integer) or not 0 <= robot < self._count:
             raise InputError(f"a robot is a number from 0 to {self._count - 1}, got {robot!r}")

@@ -114,7 +114,15 @@ class WarpEngine:
         return any(_is_on_device(value) for value in values)
 
     def put(self, robots: Any, **given: Any) -> None:
-        """Put robots at rest. With indices, arrays of the host have a row for each of these, and are spread."""
+        """Put robots at rest. With indices, arrays of the host have a row for each of these, and are spread.
+
+        Raises:
+            InputError: If an earlier input was bad; a reset of all waits for the device, so that it is not in vain.
+        """
+        if robots is None:
+            self.synchronize()
+        else:
+            self.check()
         if robots is not None and not self.takes(robots, *given.values()):
             rows, given = given, {}
             for name, values in rows.items():
