@@ -32,7 +32,8 @@ def test_a_box_behind_the_robot_that_someone_has_passed_stays(turns):
     box = Surroundings([(2.0, -0.3, 2.0, 0.3)])
     layered, moved = LayeredCostmap(None, CARTER), [(2.0, 0.2, 0.3)]
     for tick in range(120):
-        look(layered, box, 0.05 * tick, Pose2D(0.0, 0.0, turns * min(math.pi, max(0.0, 0.1 * (tick - 20)))), moved=moved)
+        yaw = turns * min(math.pi, max(0.0, 0.1 * (tick - 20)))
+        look(layered, box, 0.05 * tick, Pose2D(0.0, 0.0, yaw), moved=moved)
     assert near(layered, 2.0, 0.0, 0.1)
 
 

@@ -62,7 +62,8 @@ class EvidenceGrid:
 
     def centres(self, row: npt.NDArray[np.intp], col: npt.NDArray[np.intp]) -> tuple[FloatArray, FloatArray]:
         """Return the centres x and y of cells [m], map frame."""
-        return (col + self.col + 0.5) * self.resolution, (row + self.row + 0.5) * self.resolution
+        x = np.asarray((col + (self.col + 0.5)) * self.resolution, np.float64)
+        return x, np.asarray((row + (self.row + 0.5)) * self.resolution, np.float64)
 
     def forget(self, x: float, y: float, half: float, *, outside: bool) -> None:
         """Forget a square of ±`half` [m] around a point, or all outside of it."""
