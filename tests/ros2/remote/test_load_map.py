@@ -14,7 +14,6 @@ from ros2.navigator_role.conftest import LATCHED, Client, wait_for
 from ros2.remote.conftest import Remote, make_room
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
-from trundle.mission import Restart
 
 LOAD = "nav2_msgs/srv/LoadMap"
 GRID = "nav_msgs/msg/OccupancyGrid"
@@ -87,6 +86,8 @@ def test_a_client_s_goal_goes_on(navigate: Navigate, client: Client, tmp_path: P
     remote.wait_until_moving()
     assert load(client, changed_room(tmp_path, "table")).result == 0
     goal.wait()
+    times = [one.navigation_time.sec + 1e-9 * one.navigation_time.nanosec for one in goal.feedback]
+    assert times == sorted(times)
     assert goal.status == "succeeded"
     assert remote.robot.pose.distance_to(Pose2D(5.0, 2.5)) < 0.35
 
@@ -190,16 +191,17 @@ def test_maps_that_are_loaded_at_once_are_driven_on_in_turn(
     assert remote.bridge.drive.arrived, episode.message
 
 
-def test_goals_of_the_command_line_wait_for_a_run_that_begins_again(navigate: Navigate) -> None:
+def test_goals_of_the_command_line_wait_for_a_run_that_begins_again(navigate: Navigate, tmp_path: Path) -> None:
     remote = navigate(goal=(2.7, 2.2), starts_robot=False)
     wait_for(lambda: remote.reasons, "for the run")
     drive, steering = remote.bridge.drive, remote.bridge.context.driver.steering
     assert drive is not None
-    follow = drive.on_step
+    role, follow = remote.bridge._role, drive.on_step
+    loaded = role._prepare(Path(changed_room(tmp_path, "table")))
 
     def restart(step: Any) -> None:
         if not drive._guard.reasons and steering.run == 1:
-            steering.put(Restart(), by="test")
+            role._restart(loaded)
         follow(step)
 
     drive.on_step = restart  # type: ignore[method-assign]

@@ -41,7 +41,6 @@ from trundle.ros2.navigator_role.waypoints import FollowWaypoints
 from trundle.ros2.outputs.output import Output
 from trundle.ros2.role import BridgeContext
 
-
 _TAKES_S = 10.0
 """How long the run in progress may take to end for one on another map [s]: a period of a busy computer is shorter."""
 
