@@ -139,7 +139,7 @@ def test_a_robot_that_makes_its_map_takes_none(navigate: Navigate, client: Clien
 
 def latencies(remote: Remote) -> list[float]:
     """What the navigator and the monitor take for the delay of commands [s]."""
-    bridge = remote.bridge
+    bridge: Any = remote.bridge
     return [one._delayed.delay_s for one in (bridge.mission.navigator, bridge._role._monitor._monitor)]
 
 
@@ -196,7 +196,8 @@ def test_goals_of_the_command_line_wait_for_a_run_that_begins_again(navigate: Na
     wait_for(lambda: remote.reasons, "for the run")
     drive, steering = remote.bridge.drive, remote.bridge.context.driver.steering
     assert drive is not None
-    role, follow = remote.bridge._role, drive.on_step
+    role: Any = remote.bridge._role
+    follow = drive.on_step
     loaded = role._prepare(Path(changed_room(tmp_path, "table")))
 
     def restart(step: Any) -> None:
