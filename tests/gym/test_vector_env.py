@@ -147,8 +147,7 @@ def test_robots_that_get_no_room_keep_their_episodes(mode):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(RobotCrowds, "place", place_but_robot_5)
         with pytest.raises(WorldError, match=r"robot 5: no room\. None of 16 starts has room; the robot was not reset"):
-            for _ in range(7):
-                env.step(np.zeros((16, 2), np.float32))
+            [env.step(np.zeros((16, 2), np.float32)) for _ in range(7)]
     others = np.arange(16) != 5
     assert np.array_equal(episodes.goals[5], goals[5])
     assert np.array_equal(episodes.sim.poses[5], places[5])
