@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import trundle
-from support.given_plugins import (
+from support.plugins.given_plugins import (
     CARTER,
     GOAL,
     HERE,

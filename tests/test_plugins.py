@@ -5,7 +5,7 @@ import json
 import pytest
 
 import trundle
-from support.given_plugins import (
+from support.plugins.given_plugins import (
     CARTER,
     GOAL,
     HERE,

@@ -5,15 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from trundle.mapping.drawing import Beams, Canvas, _close_gaps
+from trundle.mapping.drawing import Beams, Canvas, _close_gaps, widest_gap_m
+from trundle.mapping.live_map import LiveMap
 from trundle.maps import OccupancyGrid
+from trundle.robots import Robot
 
 EDGE = 0.05
 
 
-def draw(missing: tuple[float, float], *, seen_through: bool) -> OccupancyGrid:
+def draw(missing: tuple[float, float], *, seen_through: bool, robot: Robot | None = None) -> OccupancyGrid:
     """A wall at y = 1 that beams from below meet, but for a stretch that they only pass along."""
-    canvas = Canvas(EDGE)
+    canvas = Canvas(EDGE, widest_gap_m(robot))
     x = np.arange(0.5, 3.5, 0.01)
     ends = np.column_stack((x, np.full(len(x), 1.02)))
     is_missing = (x >= missing[0]) & (x < missing[1])
@@ -48,6 +50,24 @@ def test_a_gap_that_beams_went_through_stays_open() -> None:
 
 def test_a_wider_gap_stays_open() -> None:
     assert (~wall_of(draw((2.0, 2.6), seen_through=False))).sum() == pytest.approx(12, abs=1)
+
+
+@pytest.mark.parametrize("width", [0.05, 0.1, 0.15])
+def test_a_gap_that_the_robot_fits_through_stays_open(width: float) -> None:
+    closed = wall_of(draw((2.0, 2.0 + width), seen_through=False, robot=Robot.load("turtlebot3_burger")))
+    assert closed.all() == (width < 0.08)
+
+
+def test_a_larger_robot_closes_no_wider_gaps() -> None:
+    assert (~wall_of(draw((2.0, 2.4), seen_through=False, robot=Robot.load("jackal")))).sum() == pytest.approx(8, abs=1)
+
+
+def test_the_map_that_grows_and_the_final_one_heed_the_robot() -> None:
+    burger = Robot.load("turtlebot3_burger")
+    for robot, widest in ((burger, 2.0 * burger.inscribed_radius), (Robot.load("jackal"), 0.3)):
+        assert widest_gap_m(robot) == pytest.approx(widest)
+        assert LiveMap(EDGE, robot)._canvas.widest_gap_m == pytest.approx(widest)
+    assert widest_gap_m(None) == 0.3
 
 
 def test_both_axes_are_treated_alike() -> None:

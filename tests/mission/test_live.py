@@ -233,13 +233,16 @@ def test_a_click_between_two_runs_is_refused_and_does_not_reach_the_next_one(mak
 
 def test_what_is_put_after_a_restart_is_refused_with_a_reason(make_sim, navigator, start):
     steering, said = Steering(), []
+    assert not steering.is_restarting
     steering.put(Restart())
+    assert steering.is_restarting
     for click in CLICKS:
         steering.put(click, refused=said.append)
     live = LiveRun(lambda _: Session(make_sim(), navigator, start, GOAL, steering=steering), steering, speed=math.inf)
     episode = live.run()
     assert (episode.outcome, live.status.run, live.status.speed) == (Outcome.ARRIVED, 2, math.inf)
     assert said == ["the run is about to start again: wait until it has"] * len(CLICKS)
+    assert not steering.is_restarting
 
 
 def test_an_order_for_the_next_run_waits_for_it(make_sim, navigator, start):

@@ -4,13 +4,15 @@ import numpy as np
 import pytest
 
 from support.sensed_rooms import GOAL, ROBOT, START, block, grid_of, room
-from trundle.costmap import LETHAL, Costmap, LayersSettings, ObstacleLayerSettings
-from trundle.geometry import Pose2D
+from trundle.costmap import LETHAL, Costmap, CostmapSettings, LayersSettings, ObstacleLayerSettings
+from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
 from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
 from trundle.navigation.doubted_map import without_unseen
+from trundle.navigation.sensing import SensedMap
 from trundle.navigation.status import FINAL
+from trundle.observation import Estimate
 from trundle.sim import simulate
 
 WALLS = (block("lower", 5.0, -0.1, 5.4, 2.3), block("upper", 5.0, 3.7, 5.4, 6.1))
@@ -80,11 +82,69 @@ def test_long_things_what_was_hit_and_what_is_kept_out_stay():
     hole = (slice(22, 24), slice(62, 64), -1)
     mask = KeepoutMask(OccupancyGrid(np.pad([[100]], ((40, 19), (40, 39))).astype(np.int8), 0.05, Pose2D(0.0, 0.0)))
     static = costmap_with(wall, hit, gone, hole, keepout=mask)
-    left = without_unseen(static, np.array([(1.45, 1.1), (50.0, 50.0)]))
+    seen = np.zeros(static.shape, np.bool_)
+    seen[22, 28] = True
+    left = without_unseen(static, seen)
     expected = costmap_with(wall, hit, keepout=mask)
     assert np.array_equal(left.data, expected.data)
-    assert without_unseen(left, np.array([(1.45, 1.1)])) is None
+    assert without_unseen(left, seen) is None
 
 
 def test_an_empty_map_has_nothing_to_doubt():
-    assert without_unseen(costmap_with(), np.zeros((0, 2))) is None
+    assert without_unseen(costmap_with(), np.zeros((60, 80), np.bool_)) is None
+
+
+def test_a_wall_under_a_keepout_zone_is_not_cut_into_small_things():
+    wall, gone = (slice(30, 32), slice(10, 130), 100), (slice(20, 26), slice(60, 66), 100)
+    zone = np.zeros((60, 160), np.int8)
+    zone[28:36, 10:94] = 100
+    mask = KeepoutMask(OccupancyGrid(zone, 0.05, Pose2D(0.0, 0.0)))
+    left = without_unseen(costmap_with(wall, gone, size=(60, 160), keepout=mask), np.zeros((60, 160), np.bool_))
+    assert np.array_equal(left.data, costmap_with(wall, size=(60, 160), keepout=mask).data)
+
+
+def sensed_with(thing, *, scans):
+    """What a robot makes of the map with a thing on it, before which it stands."""
+    sensed = SensedMap(
+        CostmapSettings().make_costmap(grid_of(room(thing)), ROBOT), ROBOT, costmap=None, layers=doubting()
+    )
+    sensed.begin()
+    with simulate(room(thing), ROBOT, backend="kinematic", lidar=True) as sim:
+        state = sim.reset(START)
+        for _ in range(scans):
+            sensed.update(state.scans, Estimate(state.time, state.pose), None, np.zeros((0, 3)))
+            state = sim.step(Twist2D(), 0.05)
+    return sensed
+
+
+def test_what_was_seen_once_is_not_doubted_after_it_was_forgotten():
+    sensed = sensed_with(THING, scans=20)
+    sensed.clear_region("around", 30.0)
+    assert len(sensed._layered.hits()) == 0
+    assert not sensed.doubt_static()
+    sensed.begin()
+    assert sensed.doubt_static()
+
+
+def test_nothing_is_doubted_before_the_first_scan():
+    assert not sensed_with(THING, scans=0).doubt_static()
+
+
+def test_nothing_is_doubted_where_what_was_sensed_alone_closes_the_path():
+    aside = block("aside", 7.0, 1.0, 7.5, 1.5)
+    navigator = Navigator(
+        grid_of(room(*WALLS, aside)), ROBOT, layers=doubting(), settings=PATIENT.model_copy(update={"patience_s": 15.0})
+    )
+    drive(navigator, room(*WALLS, THING))
+    assert navigator.status is NavigationStatus.NO_PATH
+    assert navigator.static_costmap.cost_at(7.25, 1.25) == LETHAL
+
+
+def test_nothing_is_doubted_for_a_goal_that_is_occupied():
+    aside, on_goal = block("aside", 7.0, 1.0, 7.5, 1.5), block("on goal", 8.0, 2.5, 9.0, 3.5)
+    navigator = Navigator(
+        grid_of(room(aside, on_goal)), ROBOT, layers=doubting(), settings=PATIENT.model_copy(update={"patience_s": 3.0})
+    )
+    drive(navigator, room(aside))
+    assert navigator.status is NavigationStatus.NO_PATH
+    assert navigator.static_costmap.cost_at(7.25, 1.25) == LETHAL

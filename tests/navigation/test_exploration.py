@@ -248,3 +248,11 @@ def test_a_failed_try_is_taken_back_once():
     targets.refuse(near, "no path")
     targets.forgive([near])
     assert targets.choose([near, far], None) is far
+
+
+def test_what_was_refused_for_good_is_not_taken_back():
+    targets, near, far = Targets(ExplorerSettings(tries=2)), frontier(), frontier(9.0, distance=9.0)
+    targets.refuse(near, "looked at 4 times, and unknown again", for_good=True)
+    targets.forgive([near])
+    assert targets.choose([near, far], None) is far
+    assert len(targets.given_up([near, far])) == 1

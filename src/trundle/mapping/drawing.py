@@ -14,19 +14,21 @@ from trundle.mapping.optimizer import component_of
 from trundle.mapping.pose_graph import FARTHEST_M, Lidar, PoseGraph
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import FREE_UP_TO, MAX_CELLS, UNKNOWN
+from trundle.robots import Robot
 
 _SHORT_BY_CELLS = 2.0  # beams that graze a wall pass through its cells
 # Of the beams in a cell of a wall, many only graze it: with a share of 0.3, 78 % of the surface of a warehouse that was
 # seen is mapped, with 0.15 97 %, with 0.08 99 %; 99.8 % of what is marked is right in all cases, also among people.
 _LEAST_ENDS, _LEAST_SHARE, _LEAST_BEAMS = 2.0, 0.1, 1.0
 _PADDING_M = 1.0
-# Far beams that graze a wall pass by many of its cells. No robot fits through such gaps, and nothing was seen behind.
+# Far beams that graze a wall pass by many of its cells. Behind such gaps nothing was seen, and the robot does not fit
+# through them; where it is not known, few do: a TurtleBot3 Burger is 0.21 m wide, most others more than 0.3 m.
 _WIDEST_GAP_M = 0.3
 _WALL = 65
 _TILE_M = 8.0
 
 
-def draw_map(graph: PoseGraph, *, resolution: float = 0.05) -> OccupancyGrid:
+def draw_map(graph: PoseGraph, *, resolution: float = 0.05, robot: Robot | None = None) -> OccupancyGrid:
     """Draw the map of a pose graph.
 
     Each cell is as occupied as the share of beams that end in it, of those that reach it. Walls are one cell thick, and
@@ -36,13 +38,15 @@ def draw_map(graph: PoseGraph, *, resolution: float = 0.05) -> OccupancyGrid:
     Args:
         graph: The pose graph.
         resolution: Edge of a cell [m].
+        robot: The robot that is to drive on it: gaps of a wall that it fits through are not closed. If None, those of
+            up to 0.3 m are, where nothing was seen behind them.
 
     Raises:
         InputError: If there is no scan, or the map would be too large.
     """
     if not (math.isfinite(resolution) and 0.005 <= resolution <= 10.0):
         raise InputError(f"the resolution must be from 0.005 to 10 m, got {resolution:g}")
-    canvas = Canvas(resolution)
+    canvas = Canvas(resolution, widest_gap_m(robot))
     roots = component_of(len(graph.times), graph.edges)
     places = graph.poses[np.array(roots, dtype=np.int64) == roots[0], :2] if len(roots) else graph.poses[:, :2]
     if len(places):
@@ -58,6 +62,11 @@ def draw_map(graph: PoseGraph, *, resolution: float = 0.05) -> OccupancyGrid:
     if canvas.is_empty:
         raise InputError("the pose graph has no scan, so there is nothing to draw")
     return canvas.grid(places)
+
+
+def widest_gap_m(robot: Robot | None) -> float:
+    """Return up to which width gaps of walls are closed [m]: not where the robot may fit through; None if unknown."""
+    return _WIDEST_GAP_M if robot is None else min(_WIDEST_GAP_M, 2.0 * robot.inscribed_radius)
 
 
 class Beams(tuple[FloatArray, FloatArray, npt.NDArray[np.uint8]]):
@@ -98,10 +107,11 @@ class Canvas:
 
     Args:
         resolution: Edge of a cell [m].
+        widest_gap_m: Up to which width gaps of walls are closed [m].
     """
 
-    def __init__(self, resolution: float) -> None:
-        self.resolution = resolution
+    def __init__(self, resolution: float, widest_gap_m: float) -> None:
+        self.resolution, self.widest_gap_m = resolution, widest_gap_m
         self._corner = (0, 0)  # in tiles
         self._tile = max(1, round(_TILE_M / resolution))
         self._counts = np.zeros((0, 0, 4), dtype=np.int32)
@@ -167,7 +177,7 @@ class Canvas:
         cells = draw_cells(self._counts, np.array((_LEAST_ENDS, _LEAST_SHARE, _LEAST_BEAMS)))
         self._leave_specks(cells, places)
         for view in (cells, cells.T):
-            _close_gaps(view, round(_WIDEST_GAP_M / self.resolution))
+            _close_gaps(view, math.floor(self.widest_gap_m / self.resolution + 1e-9))
         seen = cells >= 0
         rows, cols = (np.flatnonzero(seen.any(axis=axis)) for axis in (1, 0))
         size, pad = self._tile * self.resolution, max(1, round(_PADDING_M / self.resolution))

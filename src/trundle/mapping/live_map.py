@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from trundle.geometry import FloatArray, wrap_angle
-from trundle.mapping.drawing import Canvas, place_beams
+from trundle.mapping.drawing import Canvas, place_beams, widest_gap_m
 from trundle.mapping.nodes import Nodes
 from trundle.mapping.optimizer import component_of
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import UNKNOWN
+from trundle.robots import Robot
 
 _MOVED_M, _MOVED_RAD = 0.01, 0.001
 
@@ -19,11 +20,12 @@ class LiveMap:
 
     Args:
         resolution: Edge of a cell [m].
+        robot: The robot; gaps of a wall that it fits through are not closed.
     """
 
-    def __init__(self, resolution: float) -> None:
+    def __init__(self, resolution: float, robot: Robot) -> None:
         self.resolution = resolution
-        self._canvas = Canvas(resolution)
+        self._canvas = Canvas(resolution, widest_gap_m(robot))
         self._drawn: dict[int, tuple[FloatArray, int]] = {}  # by node: from which pose, and how many of its scans
 
     def draw(self, nodes: Nodes) -> OccupancyGrid:

@@ -379,7 +379,7 @@ class Mapper:
     def grid(self, *, resolution: float = 0.05) -> OccupancyGrid:
         """Return the map as far as it is known; only what is new or was corrected is drawn."""
         if self._live is None or self._live.resolution != resolution:
-            self._live = LiveMap(resolution)
+            self._live = LiveMap(resolution, self.robot)
         return self._live.draw(self._nodes)
 
     def graph(self) -> PoseGraph:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from trundle._core import label_components
 from trundle.costmap import LETHAL, Costmap
-from trundle.geometry import FloatArray
 from trundle.maps import FREE, OCCUPIED
 from trundle.maps.cells import UNKNOWN
 
@@ -16,32 +16,32 @@ _LARGEST_M = 2.0  # walls are longer: a path never leads through one that was no
 _BESIDE_M = 0.1  # so far from a thing on the map a hit may lie that is one of it
 
 
-def without_unseen(static: Costmap, hits: FloatArray) -> Costmap | None:
+def without_unseen(static: Costmap, hit: npt.NDArray[np.bool_]) -> Costmap | None:
     """Take the things off a map that are at most 2 m long and wide, and that no scan has hit.
 
     A thing is what hangs together of occupied cells, with the unknown ones that it encloses.
 
     Args:
-        static: The costmap of the map. What its keep-out mask forbids stays.
-        hits: Where scans have marked obstacles [m], map frame, shape (N, 2).
+        static: The costmap of the map. What its keep-out mask forbids stays, and counts as a part of what it touches.
+        hit: Cells in which scans have marked obstacles, shape (rows, cols).
 
     Returns:
         The costmap without them, or None if there is no such thing.
     """
     occupied, unknown = static.data == LETHAL, static.unknown_cells
-    if static.keepout is not None:
-        occupied &= static.keepout != LETHAL
     labels, table = label_components((occupied | unknown).view(np.uint8), True)
     long = np.maximum(table[:, 2] - table[:, 1], table[:, 4] - table[:, 3]) * static.resolution
     is_solid = np.bincount(labels[occupied], minlength=len(table) + 1)[1:] > 0
     unseen = np.append(False, is_solid & (long <= _LARGEST_M + 1e-9))
     reach = math.ceil(_BESIDE_M / static.resolution - 1e-9)
-    row, col = static.world_to_cell(hits[:, 0], hits[:, 1])
+    row, col = np.nonzero(hit)
     for up in range(-reach, reach + 1):
         for right in range(-reach, reach + 1):
             inside = static.contains(row + up, col + right)
             unseen[labels[row[inside] + up, col[inside] + right]] = False
     gone = unseen[labels]
+    if static.keepout is not None:
+        gone &= static.keepout != LETHAL
     rows, cols = np.flatnonzero(gone.any(axis=1)), np.flatnonzero(gone.any(axis=0))
     if len(rows) == 0:
         return None

@@ -131,10 +131,13 @@ class ObstacleWatch:
 KEPT_S = 60.0
 _RECENT_S = 5.0
 _EVERY_S = 0.5
+_JUST_S = 0.15
+"""A track that was seen within this time counts as seen now [s]: many lidars scan ten times a second."""
+_SAME_SPEED_MPS = 1e-12
 
 
 class MoverMemory:
-    """Remembers for a minute where confirmed tracks were.
+    """Remembers for a minute where confirmed tracks were seen.
 
     A track ends soon after its mover stops: beside a shelf, or close to the robot, its hits look like any others. What
     stands there then may still drive off again.
@@ -149,21 +152,37 @@ class MoverMemory:
     def clear(self) -> None:
         """Forget everything: the robot is somewhere else."""
         self._seen: deque[tuple[float, float, float, float]] = deque()
+        self._followed: dict[int, tuple[Track, float]] = {}  # as it was last, and when a scan saw it
         self._noted_at = -math.inf
         self.recent: FloatArray = np.zeros((0, 3))
 
     def note(self, tracks: Sequence[Track], time: float) -> None:
-        """Take the tracks of now [s]; twice a second their places are kept."""
+        """Take the tracks of now [s]; twice a second the places of those that scans see are kept."""
         if time < self._noted_at:
             self.clear()
+        followed = [(track, self._seen_at(track, time)) for track in tracks]
+        self._followed = {track.id: (track, seen_at) for track, seen_at in followed}
         while self._seen and self._seen[0][0] < time - KEPT_S:
             self._seen.popleft()
         if time - self._noted_at < _EVERY_S - 1e-9:
             return
         self._noted_at = time
-        self._seen.extend((time, track.x, track.y, track.radius) for track in tracks if track.confirmed)
+        self._seen.extend(
+            (time, track.x, track.y, track.radius)
+            for track, seen_at in followed
+            if track.confirmed and seen_at >= time - _JUST_S
+        )
         if self._seen:
             self.recent = np.array([place for at, *place in self._seen if at >= time - _RECENT_S]).reshape(-1, 3)
+
+    def _seen_at(self, track: Track, time: float) -> float:
+        """When a scan last saw a track [s]: one that is only predicted keeps its speed and becomes less certain."""
+        last, seen_at = self._followed.get(track.id, (None, time))
+        if last is None:
+            return time
+        spread, before = (float(one.covariance[0, 0] + one.covariance[1, 1]) for one in (track, last))
+        is_predicted = abs(track.speed - last.speed) <= _SAME_SPEED_MPS and spread > before
+        return seen_at if is_predicted else time
 
     def was_near(self, x: float, y: float, within_m: float) -> bool:
         """Whether something that moves was within this distance of a point in the last minute."""

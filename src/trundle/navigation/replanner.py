@@ -12,7 +12,7 @@ from trundle.navigation.followed_path import FollowedPath
 from trundle.navigation.navigator_settings import NavigatorSettings
 from trundle.navigation.obstacle_watch import MoverMemory, ObstacleWatch
 from trundle.navigation.planning_limits import FailedPlan, PlanningBudget, PlanningTries, moves, timed_out
-from trundle.navigation.route_planner import RoutePlanner
+from trundle.navigation.route_planner import RoutePlanner, is_of_goal
 from trundle.navigation.sensing import SensedMap
 from trundle.navigation.speed_limiter import BRAKING_SHARE
 from trundle.navigation.state import NOTHING, Decision, DriveState, Snapshot
@@ -152,14 +152,18 @@ class Replanner:
         if found.path is not None:
             self.tries.succeed(seconds)
             self._failed = None
-        elif found.error is not None and self._doubts_map(found.error, planner):
+        elif found.error is not None and self._doubts_map(found.error, now, state, planner):
             return found.then(self.plan(now._replace(costmap=self._sensed.costmap), state, planner, needed=needed))
         return found
 
-    def _doubts_map(self, error: PlanningError, planner: Planner) -> bool:
-        """Whether to plan again, with things taken off the map: not after it has forgotten that it saw them."""
-        may = planner is not self._quick and not timed_out(error) and math.isinf(self._forgot_at)
-        return may and self._sensed.doubt_static()
+    def _doubts_map(self, error: PlanningError, now: Snapshot, state: DriveState, planner: Planner) -> bool:
+        """Whether to plan again, with things taken off the map, as there is no path on the map alone either."""
+        static = self._sensed.static
+        if static is None or not self._sensed.may_doubt or planner is self._quick or timed_out(error):
+            return False
+        is_closed = self._routes.is_closed(static, now.pose, state.ahead, planner, self.tries.deadline_s(now.twist))
+        self.budget.spend(self._routes.expansions, now.time, needed=True)
+        return is_closed and self._sensed.doubt_static()
 
     def _note_failure(self, error: PlanningError, now: Snapshot, state: DriveState, planner: Planner) -> PlanningError:
         """Remember that a plan found no path; return the error that says most about it."""
@@ -233,10 +237,7 @@ class Replanner:
         error = state.error
         if error is None:
             return "waiting to plan" if self.tries.pending else ""
-        pose = error.pose if isinstance(error, BlockedPoseError) else None
-        if pose is not None and any((goal.pose.x, goal.pose.y) == pose[:2] for goal in state.ahead):
-            return "goal occupied"
-        return "no path"
+        return "goal occupied" if is_of_goal(error, state.ahead) else "no path"
 
     # What blocks the path -------------------------------------------------------------------------------------------
 
@@ -259,9 +260,8 @@ class Replanner:
         reach = self._robot.circumscribed_radius
         x, y = (now.pose.x, now.pose.y) if hit is None else hit.pose[:2]
         near = [(x, y, reach + (_AROUND_M if hit is None else _BESIDE_M))]
-        near += [
-            (goal.pose.x, goal.pose.y, reach + self._routes.goal_checker.xy_tolerance) for goal in state.ahead[-1:]
-        ]
+        around_goal = reach + self._routes.goal_checker.xy_tolerance
+        near += [(goal.pose.x, goal.pose.y, around_goal) for goal in state.ahead[-1:]]
         obstacle.by_mover = any(self.movers.was_near(*place) for place in near)
 
     def gives_up(self, now: Snapshot, state: DriveState) -> bool:

@@ -17,6 +17,7 @@ from trundle.errors import BlockedPoseError, PlanningError
 from trundle.fault import check_result
 from trundle.geometry import FloatArray, Goal, Pose2D, wrap_angle
 from trundle.navigation.followed_path import FollowedPath
+from trundle.navigation.planning_limits import timed_out
 from trundle.navigation.sensing import SensedMap
 from trundle.path import Path
 from trundle.planning import Cancellation, PathCheck, Planner, Smoother
@@ -99,6 +100,22 @@ class RoutePlanner:
         raw = path if self.smoother is None else join_legs(planned, costmap, 0.0)[0]
         return FollowedPath(raw, path, joints)
 
+    def is_closed(
+        self, costmap: Costmap, start: Pose2D, goals: Sequence[Goal], planner: Planner, deadline_s: float | None
+    ) -> bool:
+        """Whether there is no path on a costmap, and not because a goal is occupied; False if it takes too long [s].
+
+        `expansions` is of this search alone then.
+        """
+        ends_short, self.expansions = self.ends_short, 0
+        try:
+            self.plan(costmap, start, goals, 1, planner, deadline_s)
+        except PlanningError as error:
+            return not (timed_out(error) or is_of_goal(error, goals))
+        finally:
+            self.ends_short = ends_short
+        return False
+
     def _plan_leg(
         self, costmap: Costmap, start: Pose2D, goal: Goal, planner: Planner, deadline_s: float | None, *, is_stop: bool
     ) -> Path:
@@ -118,6 +135,12 @@ class RoutePlanner:
             if count.expansions is None:
                 count.count(nominal_expansions(costmap.shape, None if path is None else _cells_of(path, costmap)))
             self.expansions += count.expansions or 0
+
+
+def is_of_goal(error: PlanningError, goals: Sequence[Goal]) -> bool:
+    """Whether a plan failed because the robot does not fit on one of the goals."""
+    pose = error.pose if isinstance(error, BlockedPoseError) else None
+    return pose is not None and any((goal.pose.x, goal.pose.y) == pose[:2] for goal in goals)
 
 
 def _cells_of(path: Path, costmap: Costmap) -> FloatArray:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from trundle.costmap import LETHAL, Costmap, CostmapSettings
 from trundle.costmap.layers import LayeredCostmap, LayersSettings
@@ -24,6 +25,7 @@ from trundle.tracking import Tracker, TrackerSettings
 RESOLUTION_M = 0.05
 _AROUND_M = 6.0
 _JUMP_M = 1.0
+_NOTE_HITS_EVERY_S = 0.5
 _NOTHING_M = 1e-3  # edge of a square that holds nothing
 _CORRECTED_M = 0.5  # a robot that is so far from its path has left it: see FollowedPath
 
@@ -56,6 +58,8 @@ class SensedMap:
         self._has_map = static is not None
         self._static = self._blank([]) if static is None else static
         self._trusted: Costmap | None = None  # the whole map, while things on it are doubted
+        self._hit: npt.NDArray[np.bool_] | None = None  # cells of the map that carried a mark since the goal was set
+        self._hits_noted_at = -math.inf
         self._reset_time = True
         self._grown: GrowingMap | None = None
         self.reset()
@@ -65,6 +69,7 @@ class SensedMap:
         if self._grown is not None:
             self._grown, self._static = None, self._blank([])
         self.reset()
+        self._hit = None
 
     def grow(self, grid: OccupancyGrid, *, corrected: bool) -> None:
         """Take the map that a localizer has made so far, where there is no other; see `Agent.set_map`.
@@ -96,9 +101,10 @@ class SensedMap:
             self.costmap = self._layered.replace_static(costmap)
 
     def reset(self) -> None:
-        """Forget what was sensed."""
+        """Forget what was sensed, but not which things on the map were hit."""
         self.costmap = self._static
         self._layered: LayeredCostmap | None = None
+        self._hits_noted_at = -math.inf
         self._waiting: tuple[Scan, ...] = ()
         self._time: float | None = None
         self._last_pose: Pose2D | None = None
@@ -106,34 +112,52 @@ class SensedMap:
 
     def replace_static(self, costmap: Costmap) -> None:
         """Take another costmap of the map; what was sensed stays, unless the cells are of another size."""
-        self._has_map, self._trusted = True, None
+        self._has_map, self._trusted, self._hit = True, None, None
         self._put(costmap)
 
     def doubt_static(self) -> bool:
         """Take small things off the map that no scan has hit, until the next goal; whether that changes anything.
 
-        Nothing is taken off unless the layers' settings say so.
+        Nothing is taken off unless the layers' settings say so, and there was a scan.
         """
-        obstacle = None if self._layers is False else (self._layers or LayersSettings()).obstacle
-        if not self._has_map or obstacle is None or not obstacle.doubt_static:
+        if not self.may_doubt:
             return False
-        hits = np.zeros((0, 2)) if self._layered is None else self._layered.hits()
-        doubted = without_unseen(self._static, hits)
+        doubted = without_unseen(self._static, self._note_hits())
         if doubted is None:
             return False
         self._trusted = self._static if self._trusted is None else self._trusted
         self._put(doubted)
         return True
 
+    @property
+    def may_doubt(self) -> bool:
+        """Whether `doubt_static` may take things off the map: the settings say so, and there was a scan."""
+        obstacle = None if self._layers is False else (self._layers or LayersSettings()).obstacle
+        return self._has_map and self._layered is not None and obstacle is not None and obstacle.doubt_static
+
+    def _note_hits(self) -> npt.NDArray[np.bool_]:
+        """Return which cells of the map have carried a mark since the goal was set: marks may be forgotten later."""
+        static = self._static
+        if self._hit is None or self._hit.shape != static.shape:
+            self._hit = np.zeros(static.shape, np.bool_)
+        if self._layered is not None:
+            hits = self._layered.hits()
+            row, col = static.world_to_cell(hits[:, 0], hits[:, 1])
+            inside = static.contains(row, col)
+            self._hit[row[inside], col[inside]] = True
+        return self._hit
+
     def clear_region(self, region: Literal["around", "except"], size: float, at: Pose2D | None = None) -> None:
         """Forget what was sensed in a square of this edge [m] around the robot or another pose, or outside of it."""
         if self._layered is not None:
+            if self.may_doubt:
+                self._note_hits()
             self.costmap = self._layered.clear(region, size, at=at)
 
     def begin(self) -> None:
         """Expect that the time may start over, and the robot be elsewhere: there is a new goal."""
         self._reset_time = True
-        self._last_pose = self._T_map_odom = None
+        self._last_pose = self._T_map_odom = self._hit = None
         if self._trusted is not None:
             self.replace_static(self._trusted)
 
@@ -191,6 +215,9 @@ class SensedMap:
             if goal is not None:
                 self._layered.require((goal.x, goal.y))
         self.costmap = self._layered.update(scans, estimate, moved=moved)
+        if self.may_doubt and not 0.0 <= estimate.time - self._hits_noted_at < _NOTE_HITS_EVERY_S:
+            self._hits_noted_at = estimate.time
+            self._note_hits()
 
     def jump(self, pose: Pose2D, driven_m: float, estimate: Estimate | None) -> float | None:
         """How far the robot's pose has moved since the last call [m], if it jumps.

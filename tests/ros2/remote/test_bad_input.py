@@ -182,3 +182,19 @@ EMPTY: dict[str, Any] = {
     "ranges": np.zeros(0, np.float32),
     "intensities": np.zeros(0, np.float32),
 }
+
+
+@pytest.mark.parametrize("shift_s", [-1000.0, 30.0])
+def test_two_clocks_without_a_clock_topic_are_the_reason_to_stand(navigate: Navigate, shift_s: float) -> None:
+    def late(scan: Any) -> None:
+        scan.header.stamp.sec += int(shift_s)
+
+    remote = navigate(goal=FAR, habits={"clock": False, "edit_scan": late, "ahead_s": 5000.0})
+    wait_for(lambda: "clocks differ" in remote.reasons)
+    time.sleep(0.5)
+    first = next(iter(remote.bridge.guard.reasons.values()))
+    assert first.startswith("stamps of ")
+    assert "scans of" in first
+    assert " s apart: set their clocks" in first
+    said_once(remote, "s apart: set their clocks")
+    assert not [command for _, command in remote.robot.commands if command != STAND]

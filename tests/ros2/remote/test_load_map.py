@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -85,6 +86,8 @@ def test_a_client_s_goal_goes_on(navigate: Navigate, client: Client, tmp_path: P
     remote.wait_until_moving()
     assert load(client, changed_room(tmp_path, "table")).result == 0
     goal.wait()
+    times = [one.navigation_time.sec + 1e-9 * one.navigation_time.nanosec for one in goal.feedback]
+    assert times == sorted(times)
     assert goal.status == "succeeded"
     assert remote.robot.pose.distance_to(Pose2D(5.0, 2.5)) < 0.35
 
@@ -132,3 +135,78 @@ def test_a_robot_that_makes_its_map_takes_none(navigate: Navigate, client: Clien
     remote = navigate(goal=None, localizer="slam", has_map=False, has_services=True)
     assert load(client, changed_room(tmp_path, "table")).result == 255
     assert any("makes its map itself" in text for text in remote.said)
+
+
+def latencies(remote: Remote) -> list[float]:
+    """What the navigator and the monitor take for the delay of commands [s]."""
+    bridge: Any = remote.bridge
+    return [one._delayed.delay_s for one in (bridge.mission.navigator, bridge._role._monitor._monitor)]
+
+
+def test_the_run_on_it_knows_how_late_commands_are(navigate: Navigate, client: Client, tmp_path: Path) -> None:
+    remote = navigate(goal=None, has_services=True, latency={"command_delay_s": 0.15})
+    wait_for(lambda: latencies(remote) == [0.15, 0.15], "for the first run")
+    before = remote.bridge.mission
+    assert load(client, changed_room(tmp_path, "table")).result == 0
+    wait_for(lambda: remote.bridge.mission is not before, "for the run on it")
+    time.sleep(0.5)
+    assert latencies(remote) == [0.15, 0.15]
+
+
+@pytest.mark.parametrize("localizer", ["odometry", "amcl"])
+def test_a_goal_right_after_the_answer_is_driven_to(
+    navigate: Navigate, client: Client, tmp_path: Path, localizer: str
+) -> None:
+    remote = navigate(goal=None, localizer=localizer, has_services=True)
+    wait_for(lambda: not remote.reasons, "for the robot")
+    assert load(client, changed_room(tmp_path, "table")).result == 0
+    goal = client.send("/navigate_to_pose", "NavigateToPose", pose=client.pose(2.8, 2.1))
+    goal.wait()
+    assert goal.status == "succeeded", remote.said
+
+
+def test_a_pose_right_after_the_answer_is_taken(navigate: Navigate, client: Client, tmp_path: Path) -> None:
+    remote = navigate(goal=None, has_services=True)
+    wait_for(lambda: not remote.reasons, "for the robot")
+    assert load(client, changed_room(tmp_path, "table")).result == 0
+    told = client.types.make("geometry_msgs/msg/PoseWithCovarianceStamped")
+    told.header.frame_id, told.pose.pose.position.x, told.pose.pose.position.y = "map", 6.0, 3.0
+    client.publish("/initialpose", told)
+    wait_for(lambda: remote.bridge.localizer.shown.distance_to(Pose2D(6.0, 3.0)) < 0.05, f"for it: {remote.said}")
+
+
+def test_maps_that_are_loaded_at_once_are_driven_on_in_turn(
+    navigate: Navigate, client: Client, network: Any, tmp_path: Path
+) -> None:
+    remote = navigate(goal=(5.5, 2.5), localizer="amcl", has_services=True)
+    remote.wait_until_moving()
+    make, names = client.types.make, ["first", "second"]
+    paths = [changed_room(tmp_path, name, shift=Pose2D(0.1 * at, 0.0)) for at, name in enumerate(names)]
+    sent = [client.types.encode(make(f"{LOAD}_Request", map_url=path)) for path in paths]
+    calls = [network.call("/map_server/load_map", one) for one in sent]
+    wait_for(lambda: all(call.response is not None for call in calls), "for both answers")
+    assert remote.bridge.mission.navigator.grid.origin.x == pytest.approx(0.1)
+    episode = remote.wait_for_end(60.0)
+    assert remote.bridge.drive is not None
+    assert remote.bridge.drive.arrived, episode.message
+
+
+def test_goals_of_the_command_line_wait_for_a_run_that_begins_again(navigate: Navigate, tmp_path: Path) -> None:
+    remote = navigate(goal=(2.7, 2.2), starts_robot=False)
+    wait_for(lambda: remote.reasons, "for the run")
+    drive, steering = remote.bridge.drive, remote.bridge.context.driver.steering
+    assert drive is not None
+    role: Any = remote.bridge._role
+    follow = drive.on_step
+    loaded = role._prepare(Path(changed_room(tmp_path, "table")))
+
+    def restart(step: Any) -> None:
+        if not drive._guard.reasons and steering.run == 1:
+            role._restart(loaded)
+        follow(step)
+
+    drive.on_step = restart  # type: ignore[method-assign]
+    remote.robot.start()
+    episode = remote.wait_for_end()
+    assert drive.arrived, episode.message
+    assert steering.run == 2

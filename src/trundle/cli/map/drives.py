@@ -238,7 +238,7 @@ def write(
     if given.origin is not None:
         graph = move_pose_graph(graph, options.parse_pose("--origin", given.origin))
     try:
-        grid = draw_map(graph, resolution=given.resolution)
+        grid = draw_map(graph, resolution=given.resolution, robot=robot)
     except InputError as error:
         if not is_new:
             raise

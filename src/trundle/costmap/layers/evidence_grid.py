@@ -47,16 +47,23 @@ class EvidenceGrid:
 
     def unseen(self, places: FloatArray, before: float) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
         """Return rows and columns of marks in discs (x, y, radius) [m], map frame, that were last hit before a time."""
-        (x, y), radius = places[:, :2].T, places[:, 2]
-        low = self._cells_of(float((x - radius).min()), float((y - radius).min()))
-        high = self._cells_of(float((x + radius).max()), float((y + radius).max()))
-        first_row, first_col = max(0, low[0] - self.row), max(0, low[1] - self.col)
-        part = slice(first_row, max(0, high[0] + 1 - self.row)), slice(first_col, max(0, high[1] + 1 - self.col))
-        row, col = np.nonzero((self.cells[part] >= MARKED) & (self.times[part] < before))
-        row, col = row + first_row, col + first_col
-        at_x, at_y = (col + self.col + 0.5) * self.resolution, (row + self.row + 0.5) * self.resolution
-        near = (np.hypot(at_x[:, None] - x, at_y[:, None] - y) < radius).any(axis=1)
-        return row[near], col[near]
+        found = [np.zeros(0, np.intp)]
+        for x, y, radius in places.tolist():
+            low, high = self._cells_of(x - radius, y - radius), self._cells_of(x + radius, y + radius)
+            first_row, first_col = max(0, low[0] - self.row), max(0, low[1] - self.col)
+            part = slice(first_row, max(0, high[0] + 1 - self.row)), slice(first_col, max(0, high[1] + 1 - self.col))
+            row, col = np.nonzero((self.cells[part] >= MARKED) & (self.times[part] < before))
+            row, col = row + first_row, col + first_col
+            at_x, at_y = self.centres(row, col)
+            near = np.hypot(at_x - x, at_y - y) < radius
+            found.append(row[near] * self.cells.shape[1] + col[near])
+        row, col = np.divmod(np.unique(np.concatenate(found)), max(1, self.cells.shape[1]))
+        return row, col
+
+    def centres(self, row: npt.NDArray[np.intp], col: npt.NDArray[np.intp]) -> tuple[FloatArray, FloatArray]:
+        """Return the centres x and y of cells [m], map frame."""
+        x = np.asarray((col + (self.col + 0.5)) * self.resolution, np.float64)
+        return x, np.asarray((row + (self.row + 0.5)) * self.resolution, np.float64)
 
     def forget(self, x: float, y: float, half: float, *, outside: bool) -> None:
         """Forget a square of ±`half` [m] around a point, or all outside of it."""

@@ -264,7 +264,8 @@ class LayeredCostmap:
             The same object as before if nothing changed.
 
         Raises:
-            InputError: If the estimate's time is not after the last one, or these are no scans.
+            InputError: If the estimate's time is not after the last one, these are no scans, or `moved` has another
+                shape or numbers that are not finite.
             MapError: If there is no map and the robot has driven so far that the costmap would have too many cells.
 
         Warns:
@@ -272,7 +273,10 @@ class LayeredCostmap:
         """
         taken = check_scans(scans)
         check_kind(estimate, Estimate, "an estimate", "a localizer's update returns one")
-        places = as_array(moved, np.float64, "moved").reshape(-1, 3)
+        places = as_array(moved, np.float64, "moved")
+        if places.size and (places.ndim != 2 or places.shape[1] != 3 or not np.isfinite(places).all()):
+            raise InputError(f"moved needs shape (N, 3): x, y and radius [m], finite, got shape {places.shape}")
+        places = places.reshape(-1, 3)
         with self._lock:
             if self._time is not None and not estimate.time > self._time:
                 raise InputError(

@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 
 from trundle import _core
 from trundle.costmap.layers.evidence_grid import EvidenceGrid
+from trundle.costmap.layers.field_of_view import FieldOfView
 from trundle.costmap.layers.layer import EVERYWHERE, MapPart, MapWindow
 from trundle.costmap.layers.scan_filter import ScanFilter
 from trundle.files.config_fields import NotNegative, Positive
@@ -47,16 +48,17 @@ class ObstacleLayerSettings(Config):
         raytrace_max_range: Farthest range at which a beam clears [m].
         raytrace_min_range: Nearest range at which a beam clears [m].
         observation_persistence: Time after which a mark that no scan has hit disappears [s]. If None, only beams clear.
-        mover_persistence: The same [s] for marks where something was seen to move: what is hidden since has probably
-            moved on. If None, only beams clear these, too.
+        mover_persistence: The same [s] for marks where something was seen to move, and that lie within the field of
+            view and the range of a lidar: what is hidden since has probably moved on. If None, only beams clear these.
         source_timeout: Scans that are older than this are ignored [s].
         hits_to_mark: Number of scans in which a cell must be hit before it is marked, 1 to 5.
         misses_to_clear: How many scans must pass through a marked cell before it is cleared, 1 to 10.
         clear_static: Whether beams also clear obstacles of the static map, also those that lie below or above the
             lidars' planes: a map does not say how high things are.
-        doubt_static: Whether a navigator that finds no path takes things of at most 2 m that no scan has hit off the
-            static map, until the next goal. So it gets past what is on the map and not in the world; what lies below
-            or above the lidars' planes, such as forks and kerbs, it then does not know of.
+        doubt_static: Whether a navigator that finds no path on the map takes things of at most 2 m that no scan has
+            marked since the goal was set off the static map, until the next goal. So it gets past what is on the map
+            and not in the world; what lies below or above the lidars' planes, such as forks and kerbs, it then does
+            not know of.
         static_tolerance: Nothing is marked within this distance of an obstacle of the static map [m], between centres
             of cells, as a robot that is not quite where it believes to be sees walls a little beside their place. If
             None, this holds for the eight cells around it; 0 marks everything. Without effect with `clear_static`.
@@ -136,6 +138,7 @@ class ObstacleLayer:
         self._grid = EvidenceGrid(edge, timed=timed, rolling=keep_within is not None)
         self._rule = self.settings.misses_to_clear, self.settings.hits_to_mark
         self._sensors: dict[tuple[Pose2D, float, float], tuple[FloatArray, FloatArray]] = {}
+        self._views: dict[str, FieldOfView] = {}
         self._last: Estimate | None = None
         self._looked_at = -math.inf
 
@@ -148,6 +151,7 @@ class ObstacleLayer:
         """Forget everything, for a new run."""
         self._filter.reset()
         self._grid.clear()
+        self._views.clear()
         self._last = None
         self._looked_at = -math.inf
 
@@ -157,6 +161,8 @@ class ObstacleLayer:
 
     def forget_movers(self, places: FloatArray, time: float) -> MapWindow | None:
         """Forget marks where something was seen to move, and that were not hit within `mover_persistence`.
+
+        What no lidar looks at now stays: it is not hit, whether it is there or not.
 
         Args:
             places: Where that was of late: x, y and radius [m], map frame, shape (N, 3).
@@ -171,6 +177,9 @@ class ObstacleLayer:
         self._looked_at = time
         grid.begin_timing(time)
         row, col = grid.unseen(places + np.array([0.0, 0.0, _BESIDE_MOVER_M]), time - persistence)
+        views = [view for view in self._views.values() if view.time >= time - self.settings.source_timeout]
+        in_view = np.any([np.zeros(len(row), np.bool_), *(view.contains(*grid.centres(row, col)) for view in views)], 0)
+        row, col = row[in_view], col[in_view]
         if len(row) == 0:
             return None
         misses, hits = self._rule
@@ -252,6 +261,9 @@ class ObstacleLayer:
     def _mark(self, scan: Scan, poses: FloatArray) -> tuple[int, int, int, int]:
         grid = self._grid
         outline, limits = self._sensor_of(scan)
+        view = FieldOfView.of_scan(scan, poses, (self.settings.obstacle_min_range, self.settings.obstacle_max_range))
+        if view is not None:
+            self._views[scan.lidar] = view
         return _core.mark_scan(
             grid.cells,
             grid.points,

@@ -125,6 +125,11 @@ class Steering:
         """How many directives wait to be applied."""
         return len(self._orders)
 
+    @property
+    def is_restarting(self) -> bool:
+        """Whether the run in progress is about to start again: a `Restart` was given."""
+        return self.run in self._restarting
+
     def put(
         self,
         directive: Directive,

@@ -44,7 +44,7 @@ class _Refused:
         reason: Why the last one failed.
         tries: How many.
         waits: Whether others come first.
-        is_forgiven: Whether one of them was taken back.
+        is_forgiven: Whether one of them was taken back, or none may be: it was refused for good.
     """
 
     frontier: Frontier
@@ -97,9 +97,10 @@ class Targets:
             self._refused.append(refused)
         refused.reason, refused.waits = reason, True
         refused.tries = self._settings.tries if for_good else refused.tries + 1
+        refused.is_forgiven = refused.is_forgiven or for_good
 
     def forgive(self, frontiers: Sequence[Frontier]) -> None:
-        """Take back a failed try at each of these frontiers, once."""
+        """Take back a failed try at each of these frontiers, once, unless it was refused for good."""
         for one in self._refused:
             if not one.is_forgiven and any(is_same(one.frontier, frontier) for frontier in frontiers):
                 one.tries, one.waits, one.is_forgiven = one.tries - 1, False, True

@@ -39,26 +39,29 @@ class Navigation:
 
     def __init__(self, kit: Kit, plans: str, goals: list[Pose2D]) -> None:
         self._kit, self._plans, self._goals = kit, plans, goals
-        self._begun_s = 0.0
+        self._begun_s = self._passed_s = 0.0
         self._runs_before: int | None = None
+        self._recoveries = 0
 
     def begin(self, time: float) -> None:
-        """Take note that the robot drives from this time on [s]."""
-        self._begun_s, self._runs_before = time, None
+        """Take note that the robot drives from this time on [s]; a drive that another map interrupted goes on."""
+        self._begun_s, self._runs_before = time - self._passed_s, None
 
     def feedback(self, step: Step) -> dict[str, Any]:
         """Return where the robot is, how far and how long it still drives, and how often it had to recover."""
         kit, recoveries = self._kit, sum(ran.recovery for ran in step.behaviors)
         goals = () if step.steering is None else step.steering.goals
         if self._runs_before is None:
-            self._runs_before = recoveries
+            self._runs_before = recoveries - self._recoveries
+        self._recoveries = max(0, recoveries - self._runs_before)
+        self._passed_s = step.state.time - self._begun_s
         left_m = 0.0 if step.distance_remaining is None else step.distance_remaining
         speed = abs(step.state.twist.v if step.observation is None else step.observation.twist.v)
         return {
             "current_pose": kit.stamped(kit.beliefs.now.pose),
-            "navigation_time": kit.duration(step.state.time - self._begun_s),
+            "navigation_time": kit.duration(self._passed_s),
             "estimated_time_remaining": kit.duration(left_m / speed if speed > _SLOWEST_MPS else 0.0),
-            "number_of_recoveries": max(0, recoveries - self._runs_before),
+            "number_of_recoveries": self._recoveries,
             "distance_remaining": left_m,
             "number_of_poses_remaining": min(len(self._goals), max(0, len(goals) - step.goal)),
         }

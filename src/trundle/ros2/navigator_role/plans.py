@@ -104,9 +104,9 @@ class PlanServer:
 
     def _use(self, mission: Mission) -> None:
         """Plan for the robot of a mission, on its map."""
-        self._mission = mission
-        self._robot, self._grid = mission.navigator.robot, mission.navigator.grid
-        self._planner = create_planner(mission.scenario.planner, self._robot, self._grid)
+        robot, grid = mission.navigator.robot, mission.navigator.grid
+        self._planner = create_planner(mission.scenario.planner, robot, grid)
+        self._robot, self._grid, self._mission = robot, grid, mission
 
     def cancel(self, goal: ActionGoal) -> bool:
         """End the plan for a goal, and return whether there is one."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import threading
+import time as clock
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +14,7 @@ from trundle.maps import OccupancyGrid
 from trundle.mission import Cancel, Episode, Observer, Restart, RunInfo, Session, Step
 from trundle.mission.place import Place, load_masks
 from trundle.mission.scenario import Setting
-from trundle.mission.simulation import session_options
+from trundle.mission.simulation import SessionOptions, session_options
 from trundle.ros2.actions import Action
 from trundle.ros2.navigator_role.behaviors import (
     Behave,
@@ -39,6 +41,26 @@ from trundle.ros2.navigator_role.waypoints import FollowWaypoints
 from trundle.ros2.outputs.output import Output
 from trundle.ros2.role import BridgeContext
 
+_TAKES_S = 30.0
+"""How long a run on another map may take to begin [s]: a busy computer and a big map take a few."""
+
+_LOOK_S = 0.005
+
+
+@dataclass(slots=True, eq=False)
+class LoadedMap:
+    """A map that was loaded, on which the next run drives.
+
+    Attributes:
+        setting: The robot's map and navigator.
+        use: Called by the thread that drives, before the run begins.
+        begun: Set once the run has begun.
+    """
+
+    setting: Setting
+    use: Callable[[], None] = lambda: None
+    begun: threading.Event = field(default_factory=threading.Event)
+
 
 class NavigatorRole:
     """Drives by goals, paths and behaviors from the network, and publishes what a navigator of Nav2 does.
@@ -55,7 +77,8 @@ class NavigatorRole:
         tasks = Tasks(context)
         self._kit = Kit(context, tasks, Beliefs(context))
         self._plans = PlanServer(self._kit)
-        self._setting: Setting | None = None
+        self._loaded: LoadedMap | None = None
+        self._lock = threading.Lock()
         self.lifecycle = Lifecycle(context.wire, self._change_state)
 
     def open(self) -> None:
@@ -84,13 +107,23 @@ class NavigatorRole:
 
     def begin(self, observers: Sequence[Observer], seed: int | None) -> Session:
         """Begin a run; see `Role`. It waits for goals."""
-        self._take_setting()
+        loaded = self._take_map()
         mission = self._context.mission
-        self._pose_output.begin()
         options = session_options(mission.scenario, mission.grid, mission.navigator.robot)
+        return self._begin(loaded, observers, seed, options)
+
+    def _begin(
+        self, loaded: LoadedMap | None, observers: Sequence[Observer], seed: int | None, options: SessionOptions
+    ) -> Session:
+        """Begin a run; drives go on in one on a map that was loaded, and then `use_map` returns."""
+        self._pose_output.begin()
         outputs = NavigatorOutputs(self._kit, self._outputs, self._markers)
-        session = self._context.begin_session(mission.navigator, [*observers, outputs], seed, options)
+        agent = self._context.mission.navigator
+        session = self._context.begin_session(agent, [*observers, outputs], seed, options)
         self._kit.tasks.drive.resume()
+        if loaded is not None:
+            loaded.begun.set()
+        self._restart()
         return session
 
     # Another map -----------------------------------------------------------------------------------------------------
@@ -98,16 +131,29 @@ class NavigatorRole:
     def use_map(self, path: Path) -> None:
         """Let the robot drive on another map: a run on it begins where the robot stands, with the goals that are left.
 
-        Raises:
-            InputError: If the map cannot be used.
-        """
-        self._setting = setting = self._prepare(path)
-        self._kit.tasks.carry(f"another map was loaded: {path}")
-        self._kit.beliefs.map = setting.grid
-        self._context.driver.steering.put(Restart(), by="load_map")
-        self._context.wire.warnings.note(f"the robot drives on another map: {path}")
+        It returns once that run takes goals and poses, and handles the topics' messages while it waits.
 
-    def _prepare(self, path: Path) -> Setting:
+        Raises:
+            InputError: If the map cannot be used, or the run on it does not begin in time.
+        """
+        loaded = self._prepare(path)
+        self._kit.tasks.carry(f"another map was loaded: {path}")
+        self._restart(loaded)
+        wire, until = self._context.wire, clock.monotonic() + _TAKES_S
+        while not (loaded.begun.wait(_LOOK_S) or wire.is_closing):
+            wire.take_topics()
+            if clock.monotonic() > until:
+                raise InputError(f"the run has not begun again within {_TAKES_S:g} s: it takes the map once it does")
+        wire.warnings.note(f"the robot drives on another map: {path}")
+
+    def _restart(self, loaded: LoadedMap | None = None) -> None:
+        """Let the run begin again on a map, or on one whose restart was refused as this run was about to begin."""
+        with self._lock:
+            self._loaded = loaded or self._loaded
+            if self._loaded is not None:
+                self._context.driver.steering.put(Restart(), by="load_map")
+
+    def _prepare(self, path: Path) -> LoadedMap:
         """Make the robot's map and navigator from the file of another map; the simulated world stays."""
         mission = self._context.mission
         scenario = mission.scenario
@@ -121,15 +167,18 @@ class NavigatorRole:
         place = Place(mission.world, mission.robot, grid, scenario.floor_z or 0.0, *load_masks(scenario))
         given = {"start": here, "goal": here, "goals": None, "unmapped": None, "map_errors": None}
         setting = scenario.model_copy(update=given).prepare(place)
-        return replace(setting, scenario=scenario, goals=())
+        return LoadedMap(replace(setting, scenario=scenario, goals=()))
 
-    def _take_setting(self) -> Setting | None:
+    def _take_map(self) -> LoadedMap | None:
         """Drive on the map that was loaded, if one was; the thread that drives does that, between two runs."""
-        setting, self._setting = self._setting, None
-        if setting is not None:
-            here = replace(setting, start=self._kit.beliefs.stands)
+        with self._lock:
+            loaded, self._loaded = self._loaded, None
+        if loaded is not None:
+            here = replace(loaded.setting, start=self._kit.beliefs.stands)
             self._context.mission = here.with_simulator(self._context.mission.sim)
-        return setting
+            self._kit.beliefs.map = here.grid
+            loaded.use()
+        return loaded
 
     def lost(self, why: str) -> None:
         """Stop the robot, because whoever asked it to drive is out of reach."""

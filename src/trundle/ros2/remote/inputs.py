@@ -27,7 +27,7 @@ from trundle.ros2.remote.mounts import Mounts
 from trundle.ros2.remote.outline import OutlineCheck
 from trundle.ros2.remote.readings import Odometry, read_odometry
 from trundle.ros2.remote.scans import ScanInputs
-from trundle.ros2.remote.streams import AHEAD_S, RobotClock, Stream
+from trundle.ros2.remote.streams import AHEAD_S, WALL_S, RobotClock, Stream
 from trundle.ros2.wire import Wire
 
 AS_IT_COMES = Qos(20, "best_effort")
@@ -103,6 +103,7 @@ class RobotInputs:
         self._topic_stamp = -math.inf
         self._apart: tuple[Pose2D, Pose2D] | None = None
         self._zeros: Counter[str] = Counter()
+        self._ahead: dict[str, float] = {}
 
     def open(self) -> None:
         """Listen."""
@@ -345,6 +346,8 @@ class RobotInputs:
         self.clock.see(stamp, wall)
         if self.clock.epoch != epoch:
             self._forget()
+            self._compare_clocks(what, stamp - wall)
+        self._ahead[what] = stamp - wall
         now = self.clock.now(wall)
         if stamp > now + AHEAD_S:
             self._drop(what, "stamp in the future", f"its stamp {stamp:.3f} s is ahead of the time {now:.3f} s", "")
@@ -353,6 +356,17 @@ class RobotInputs:
             self._drop(what, "stamp in the past", f"its stamp {stamp:.3f} s is {now - stamp:.2f} s old", "")
             return None
         return stamp
+
+    def _compare_clocks(self, what: str, ahead: float) -> None:
+        """Let the robot stand where stamps say another time than those before: that of another clock, or a new one."""
+        apart = {one: abs(ahead - known) for one, known in self._ahead.items()}
+        if not apart:
+            return
+        other = what if apart.get(what, 0.0) > WALL_S else max(apart, key=lambda one: apart[one])
+        text = f"stamps of {what} and of {other} are {apart[other]:.1f} s apart: set their clocks"
+        if other == what:
+            text = f"stamps of {what} have jumped by {apart[what]:.1f} s"
+        self._guard.hold("clocks differ", text, self._real())
 
     def _drop(self, what: str, kind: str, text: str, source: str) -> None:
         self._wire.warn(

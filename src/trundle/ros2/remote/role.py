@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time as system
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -9,18 +10,15 @@ from pathlib import Path
 from trundle.control.latency import Latency
 from trundle.errors import InputError, TrundleError
 from trundle.geometry import Goal, Pose2D
-from trundle.localization import Localizer
 from trundle.maps import OccupancyGrid
 from trundle.mission import Cancel, End, Episode, Observer, RunInfo, Session, SetGoal, SetGoals, Step, TaskEnd
-from trundle.mission.scenario import Setting
 from trundle.mission.simulation import SessionOptions
 from trundle.ros2.navigator_role.context import NAVIGATOR
-from trundle.ros2.navigator_role.role import NavigatorOutputs, NavigatorRole
+from trundle.ros2.navigator_role.role import LoadedMap, NavigatorRole
 from trundle.ros2.outputs.output import Output
 from trundle.ros2.remote.guard import Guard, GuardedMonitor
 from trundle.ros2.remote.inputs import RobotInputs
 from trundle.ros2.remote.localizer import RemoteLocalizer, TfLocalizer
-from trundle.ros2.remote.map_fit import MapFit
 from trundle.ros2.remote.publishing import StartPose
 from trundle.ros2.remote.robot import RemoteRobot
 from trundle.ros2.remote.setting import RemoteOptions, make_parts, prepare
@@ -30,6 +28,9 @@ NOT_LOCATED = "the robot does not know yet where it is: give its pose on /initia
 
 WAITS_S = 60.0
 """A drive to goals is given up where the robot may not drive for so long [s of real time]."""
+
+SETTLES_S = 2.0
+"""Goals are taken for so long after a map was loaded [s of real time]: the first scans on it locate the robot."""
 
 _LATENCY_S, _LATENCY_STEP_S, _MOST_LATENCY_S = 1.0, 0.02, 0.3
 
@@ -82,8 +83,8 @@ class RemoteRole(NavigatorRole):
         super().__init__(context)
         self._robot, self._inputs, self._localizer, self._guard = robot, inputs, localizer, guard
         self._monitor, self._locates, self._delay_s = monitor, locates, delay_s
-        self._applied_s, self._looked_s = -1.0, 0.0
-        self._loaded: tuple[Localizer, MapFit | None]
+        self._applied_s, self._looked_s = -1.0, -math.inf
+        self._settles_until = -math.inf
 
     def open(self) -> None:
         """Open topics, services and actions."""
@@ -100,30 +101,29 @@ class RemoteRole(NavigatorRole):
 
     def begin(self, observers: Sequence[Observer], seed: int | None) -> Session:
         """Begin a run where the robot is; it waits for goals."""
-        setting = self._take_setting()
-        if setting is not None:
-            self._robot.use_world(setting.world)
-            if isinstance(self._localizer, RemoteLocalizer):
-                self._localizer.use_map(*self._loaded, self._start_on(setting.grid))
-        self._pose_output.begin()
+        loaded = self._take_map()
         self._localizer.begin()
+        self._applied_s, self._looked_s = -1.0, -math.inf  # the session sets the latency to 0, and its time begins at 0
         options: SessionOptions = {"localizer": self._localizer, "latency": None, "monitor": self._monitor}
-        outputs = NavigatorOutputs(self._kit, self._outputs, self._markers)
-        agent = self._context.mission.navigator
-        session = self._context.begin_session(agent, [_First(self), *observers, outputs], seed, options)
-        self._kit.tasks.drive.resume()
-        return session
+        return self._begin(loaded, [_First(self), *observers], seed, options)
 
-    def _prepare(self, path: Path) -> Setting:
+    def _prepare(self, path: Path) -> LoadedMap:
         """Make map, navigator and localizer from the file of another map."""
         mission, inputs = self._context.mission, self._inputs
         if not mission.scenario.known_map:
             raise InputError("the robot makes its map itself, as it drives: start trundle with a map, and amcl")
         scenario = mission.scenario.model_copy(update={"map": str(path), "world": None})
         setting = prepare(scenario, self._context.profile, RemoteOptions(), robot=mission.robot)
-        if isinstance(self._localizer, RemoteLocalizer):
-            self._loaded = make_parts(setting, has_scans=bool(inputs.sensors))
-        return setting
+        localizer = self._localizer
+        parts = make_parts(setting, has_scans=bool(inputs.sensors)) if isinstance(localizer, RemoteLocalizer) else None
+
+        def use() -> None:
+            self._robot.use_world(setting.world)
+            if parts is not None and isinstance(localizer, RemoteLocalizer):
+                localizer.use_map(*parts, self._start_on(setting.grid))
+            self._settles_until = system.monotonic() + SETTLES_S
+
+        return LoadedMap(setting, use)
 
     def _start_on(self, grid: OccupancyGrid) -> Pose2D | None:
         """Return where the robot is on a map that was loaded: where it was; None where that is not on it."""
@@ -142,10 +142,12 @@ class RemoteRole(NavigatorRole):
         context.clock.offset = self._robot.offset
         context.clock.set(step.state.time)
         context.origin = self._robot.T_run_odom
-        tasks, located = self._kit.tasks, self._localizer.is_located
-        if not located and not tasks.refuses:
+        tasks, localizer = self._kit.tasks, self._localizer
+        settles = system.monotonic() < self._settles_until and not localizer.waits_for_pose
+        takes = localizer.is_located or settles
+        if not takes and not tasks.refuses:
             tasks.refuses = NOT_LOCATED
-        elif located and tasks.refuses == NOT_LOCATED:
+        elif takes and tasks.refuses == NOT_LOCATED:
             tasks.refuses = ""
         if step.state.time - self._looked_s >= _LATENCY_S:
             self._looked_s = step.state.time
@@ -222,6 +224,9 @@ class GoalDrive:
 
     def on_step(self, step: Step) -> None:
         """Give the goals once the robot may drive; give up where it may not for too long."""
+        if self.message:  # the run was about to begin again as the drive ended
+            self._context.driver.steering.put(End(self.message), by="--goal")
+            return
         now = system.monotonic()
         if self._given and step.steering is not None:
             self._left = step.steering.goals[step.goal :]
@@ -247,8 +252,11 @@ class GoalDrive:
         """Do nothing: the run has taken up the goals."""
 
     def refuse(self, error: TrundleError) -> None:
-        """End: there is no path."""
-        self._end(str(error))
+        """End: there is no path; where the run is about to begin again, the next one gets the goals."""
+        if self._context.driver.steering.is_restarting:
+            self._given = False
+        else:
+            self._end(str(error))
 
     def end(self, end: TaskEnd) -> None:
         """End: the goals are reached, or given up; a run on another map goes on with those that are left."""

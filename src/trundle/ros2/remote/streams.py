@@ -61,7 +61,7 @@ class Stream:
 JUMP_BACK_S, JUMP_AHEAD_S = 0.5, 5.0
 """A time that goes back by more than this, or ahead while this machine's went by less, has jumped [s]."""
 
-_WALL_S = 2.0
+WALL_S = 2.0
 """Stamps that are within this of this machine's clock [s] are of a clock that is set like it."""
 
 
@@ -118,10 +118,10 @@ class RobotClock:
             return
         if not self.is_simulated:
             ahead = stamp - wall
-            if abs(ahead) <= _WALL_S:
+            if abs(ahead) <= WALL_S:
                 self.settings += self.offset != 0.0
                 self.offset = 0.0
-            elif self.offset == 0.0 or abs(ahead - self.offset) > _WALL_S:
+            elif self.offset == 0.0 or abs(ahead - self.offset) > WALL_S:
                 self.settings += 1
                 self.offset = ahead
             else:  # the least delayed stamp tells the most
