@@ -120,11 +120,13 @@ def give_way(
     start, along = np.array([robot.x, robot.y]), np.array([robot.vx, robot.vy]) * _LOOK_S
     away, _ = _from_line(points, start, along)
     inward = np.minimum(0.0, (velocities * away).sum(axis=1))
-    stops = sees & enters_way(points, points + velocities * dt, radii, robot)
+    stops = sees & enters_path(points, points + velocities * dt, radii, robot)
     return np.where(stops[:, None], velocities - inward[:, None] * away, velocities)
 
 
-def enters_way(points: FloatArray, reached: FloatArray, radii: FloatArray, robot: RobotMotion) -> npt.NDArray[np.bool_]:
+def enters_path(
+    points: FloatArray, reached: FloatArray, radii: FloatArray, robot: RobotMotion
+) -> npt.NDArray[np.bool_]:
     """Return which members would come too near to the robot, or to where it is about to be; shape (N,)."""
     start, along = np.array([robot.x, robot.y]), np.array([robot.vx, robot.vy]) * _LOOK_S
     _, gap = _from_line(points, start, along)

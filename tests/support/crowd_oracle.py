@@ -14,7 +14,7 @@ from support.crowd_forces import (
     RobotMotion,
     border_force,
     driving,
-    enters_way,
+    enters_path,
     give_way,
     keep_apart,
     repulsion,
@@ -229,7 +229,7 @@ class CrowdOracle:
             [floor.is_free(reached[part]) for floor, part in zip(self._floors, self._slices, strict=True)]
         )
         if robot is not None:
-            allowed &= ~(self._sees & enters_way(points, reached, self._radii, robot))
+            allowed &= ~(self._sees & enters_path(points, reached, self._radii, robot))
         reached = np.where(allowed[:, None], reached, points)
         state = np.empty_like(self._from)
         state[:, :2], state[:, 2] = reached, turned

@@ -21,7 +21,7 @@ class Lookup:
 
     Args:
         arena: The maps and missions.
-        arrays: Of the device.
+        arrays: The functions and arrays of the device.
         count: Number of robots.
     """
 

@@ -55,7 +55,7 @@ class NavigationSettings:
         lidar: Which lidars observe: True for all of the robot's, or names. If None, the first.
         beams: Beams of each lidar. If None, the lidar's own number.
         movers: How many people walk in each world that do not react to the robot.
-        crowd: How many more walk there that see the robot and give way to it.
+        crowd: How many more walk there that see the robot and give way to it; on the CPU alone.
         path_points: How many points of the path ahead are observed, 0.5 m apart; 0 for none.
         costmap_cells: Cells along an edge of the observed local costmap; 0 for none.
         critic: Whether `critic` is observed: what a robot without a map cannot know.

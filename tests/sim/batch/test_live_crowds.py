@@ -154,6 +154,20 @@ def test_recordings_with_and_without_live_crowds_share_a_batch():
         batch.movers(3)
 
 
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (lambda _: {"crowds": "people"}, "crowds must be"),
+        (lambda good: {"outlines": good.outlines[1:], "tracks": good.tracks[1:]}, "4 movers has crowds of 4"),
+        (lambda good: {"crowds": good.crowds._replace(movers=good.crowds.movers * np.nan)}, r"shape \(steps, 1, 4\)"),
+    ],
+)
+def test_bad_live_crowds_of_a_recording_are_named(change, text):
+    good = live(Crowd("people", 4), movers=(CART,))
+    with pytest.raises(InputError, match=text):
+        replace(good, **change(good))
+
+
 def test_a_gpu_refuses_live_crowds_by_name():
     with pytest.raises(InputError, match=r'device="cuda": live crowds are computed on the CPU alone'):
         BatchSimulator(GRID, CARTER, count=1, recordings=[live(Crowd("people", 1))], device="cuda")

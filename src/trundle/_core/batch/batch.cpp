@@ -1,6 +1,8 @@
 // `Batch`: its checks, and its loops over robots.
 #include "batch/batch.hpp"
 
+#include "shared/checks.hpp"
+
 #include <cmath>
 
 namespace trundle {
@@ -9,17 +11,7 @@ namespace {
 
 using namespace batch;
 
-void require(bool holds, const char *what) {
-  if (!holds) throw nb::value_error(what);
-}
-
-template <typename Array>
-bool is_finite(const Array &values) {
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!(std::abs(values.data()[i]) < 1e12)) return false;
-  }
-  return true;
-}
+constexpr double kFarthest = 1e12;  // robots may drive beyond where they can be put
 
 Point unit_vector(double angle) {
   const SinCos turn = sin_cos(angle);
@@ -61,7 +53,7 @@ Batch::Batch(In<std::uint8_t, 1> fields, In<std::int64_t, 2> shapes, In<double, 
   require(resolution > 1e-6 && resolution < 1e6, "the resolution must be a positive number");
   require(shapes.shape(0) > 0 && shapes.shape(1) == 2 && frames.shape(0) == shapes.shape(0) && frames.shape(1) == 3,
           "maps need shapes (M, 2) and frames (M, 3)");
-  require(is_finite(frames) && is_finite(tracks), "poses must be finite");
+  require(is_finite(frames, kFarthest) && is_finite(tracks, kFarthest), "poses must be finite");
   std::size_t offset = 0;
   for (std::size_t i = 0; i < shapes.shape(0); ++i) {
     const std::int64_t rows = shapes.data()[2 * i], cols = shapes.data()[2 * i + 1];
@@ -218,7 +210,8 @@ void Batch::drive(InOut<double, 2> poses, InOut<double, 2> motions, InOut<double
   require(contacts.shape(0) == count && contacts.shape(1) == 4, "contacts need shape (N, 4)");
   require(commands.shape(0) == count && commands.shape(1) == 2, "commands need shape (N, 2)");
   require(places.shape(0) == count && places.shape(1) == 2, "places need shape (N, 2)");
-  require(is_finite(poses) && is_finite(commands) && is_finite(motions), "poses and commands must be finite");
+  require(is_finite(poses, kFarthest) && is_finite(commands, kFarthest) && is_finite(motions, kFarthest),
+          "poses and commands must be finite");
   require(substeps >= 0 && substeps <= 10'000'000, "the number of substeps is out of range");
   check_places(places, active, crowds);
   double *pose = poses.data(), *motion = motions.data(), *wheel = wheels.data(), *length = lengths.data();
@@ -239,7 +232,7 @@ void Batch::scan(InOut<Range, 2> ranges, In<double, 2> poses, In<std::int64_t, 1
                  const BatchCrowds *crowds) const {
   const std::size_t count = active.size(), beams = model_.beams.size();
   require(ranges.shape(0) == count && ranges.shape(1) == beams, "ranges need shape (N, beams)");
-  require(poses.shape(0) == count && poses.shape(1) == 3 && is_finite(poses), "poses need shape (N, 3)");
+  require(poses.shape(0) == count && poses.shape(1) == 3 && is_finite(poses, kFarthest), "poses need shape (N, 3)");
   require(places.shape(0) == count && places.shape(1) == 2, "places need shape (N, 2)");
   require(errors.shape(0) == count && errors.shape(1) == 2 && is_finite(errors), "errors need shape (N, 2)");
   require(steps.size() == count && keys.size() == count, "steps and keys need shape (N,)");
@@ -251,9 +244,9 @@ void Batch::scan(InOut<Range, 2> ranges, In<double, 2> poses, In<std::int64_t, 1
     const std::int64_t *place = places.data() + 2 * i, step = steps.data()[i];
     const double time = static_cast<double>(step) * model_.limits.timestep;
     find_members(crowds == nullptr ? nullptr : crowds->run_of(i), time, memory.members);
+    const Errors errors_of_beams{error[0], error[1], keys.data()[i], static_cast<std::uint64_t>(step)};
     model_.scan(Pose{pose[0], pose[1], pose[2]}, maps_[static_cast<std::size_t>(place[0])], movers_, place[1],
-                time, memory.members, Errors{error[0], error[1], keys.data()[i], static_cast<std::uint64_t>(step)}, memory.other,
-                out + beams * i);
+                time, memory.members, errors_of_beams, memory.other, out + beams * i);
   });
 }
 

@@ -5,9 +5,6 @@
 
 namespace trundle {
 
-using crowds::is_finite;
-using crowds::require;
-
 BatchCrowds::BatchCrowds(std::vector<std::shared_ptr<const crowds::CrowdModel>> models, In<std::int64_t, 1> firsts,
                          In<std::int64_t, 1> of_recording, std::vector<In<double, 3>> movers, std::size_t count)
     : of_recording_(of_recording.data(), of_recording.data() + of_recording.size()), runs_(count) {

@@ -83,7 +83,8 @@ class RobotModel {
   // The first thing that the footprint touches at a pose: a cell before movers, the movers by their numbers.
   // `map_is_free`: whether it is known to touch no cell.
   Touched touch(const Pose &pose, const Map &map, bool map_is_free, const Movers &movers, std::int64_t recording,
-                double time, const Members &members, Spans &spans, std::vector<Point> &one, std::vector<Point> &other) const {
+                double time, const Members &members, Spans &spans, std::vector<Point> &one,
+                std::vector<Point> &other) const {
     if (!map_is_free) {
       const Point base = map.to_cells(pose.x, pose.y, resolution);
       place(sin_cos(pose.yaw - map.yaw), one);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "crowds/walk.hpp"
-#include "shared/arrays.hpp"
+#include "shared/checks.hpp"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -11,18 +11,6 @@
 #include <mutex>
 
 namespace trundle::crowds {
-
-inline void require(bool holds, const char *what) {
-  if (!holds) throw nb::value_error(what);
-}
-
-template <typename Array>
-bool is_finite(const Array &values) {
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!(std::abs(values.data()[i]) < 1e9)) return false;
-  }
-  return true;
-}
 
 inline Robot robot_of(const In<double, 1> &values) {
   require(values.size() == 5 && is_finite(values), "a robot needs finite x, y, vx, vy and radius");

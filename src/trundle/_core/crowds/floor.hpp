@@ -29,7 +29,7 @@ struct MapMemory {
   std::vector<std::uint8_t> costs;
 };
 
-// The way to a goal: for each cell in a window around it, which of the cells next to it is the next. Whoever leaves the
+// The path to a goal: for each cell in a window around it, which of the cells next to it is the next. Whoever leaves the
 // window gets a new one. A byte holds two cells.
 struct Route {
   std::int32_t goal = 0;

@@ -83,7 +83,7 @@ inline Vec border_force(double distance, Vec away, double radius) {
 }
 
 // The distance of a point from the line that the robot drives next, and the unit vector from there.
-inline double gap_to_way(Vec p, const Robot &robot, Vec &away) {
+inline double gap_to_path(Vec p, const Robot &robot, Vec &away) {
   const Vec along{robot.vx * kLookS, robot.vy * kLookS}, from{p.x - robot.x, p.y - robot.y};
   const double square = std::max(along.x * along.x + along.y * along.y, 1e-12);
   const double share = std::clamp((from.x * along.x + from.y * along.y) / square, 0.0, 1.0);
@@ -94,17 +94,17 @@ inline double gap_to_way(Vec p, const Robot &robot, Vec &away) {
 }
 
 // Whether someone would come too near to the robot, or to where it is about to be; who is near may go away from it.
-inline bool enters_way(Vec p, Vec reached, double radius, const Robot &robot) {
+inline bool enters_path(Vec p, Vec reached, double radius, const Robot &robot) {
   Vec away;
-  const double then = gap_to_way(reached, robot, away);
-  return then < radius + robot.radius + kMargin && then < gap_to_way(p, robot, away) - 1e-12;
+  const double then = gap_to_path(reached, robot, away);
+  return then < radius + robot.radius + kMargin && then < gap_to_path(p, robot, away) - 1e-12;
 }
 
 // A velocity without what leads into the robot, or into where it is about to be.
 inline Vec give_way(Vec p, Vec velocity, double radius, const Robot &robot, double dt) {
-  if (!enters_way(p, {p.x + velocity.x * dt, p.y + velocity.y * dt}, radius, robot)) return velocity;
+  if (!enters_path(p, {p.x + velocity.x * dt, p.y + velocity.y * dt}, radius, robot)) return velocity;
   Vec away;
-  gap_to_way(p, robot, away);
+  gap_to_path(p, robot, away);
   const double inward = std::min(0.0, velocity.x * away.x + velocity.y * away.y);
   return {velocity.x - inward * away.x, velocity.y - inward * away.y};
 }

@@ -213,7 +213,7 @@ void CrowdState::next(const CrowdModel &model, const Robot *robot, const double 
     const Planar &from = from_[i];
     Vec reached = memory.reached[i];
     const bool allowed = model.floors[member.crowd]->is_free(reached) &&
-                         !(robot != nullptr && member.sees && enters_way(from.at, reached, member.radius, *robot));
+                         !(robot != nullptr && member.sees && enters_path(from.at, reached, member.radius, *robot));
     if (!allowed) reached = from.at;
     to_[i] = {reached, memory.turned[i],
               {(reached.x - from.at.x) / kPeriod, (reached.y - from.at.y) / kPeriod},

@@ -1,6 +1,8 @@
 // `MissionDriver`: its checks, the loop of one drive, and its threads.
 #include "missions/driver.hpp"
 
+#include "shared/checks.hpp"
+
 #include <atomic>
 #include <cmath>
 #include <stdexcept>
@@ -14,18 +16,6 @@ namespace {
 using namespace missions;
 
 constexpr double kMostPeriods = 1e6, kLongest = 1e4;
-
-void require(bool holds, const char *what) {
-  if (!holds) throw nb::value_error(what);
-}
-
-template <typename Array>
-bool is_finite(const Array &values) {
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!(std::abs(values.data()[i]) < 1e9)) return false;
-  }
-  return true;
-}
 
 std::vector<double> corners_of(const In<double, 2> &outline) {
   require(outline.shape(0) >= 3 && outline.shape(1) == 2 && is_finite(outline), "an outline needs shape (N, 2)");

@@ -11,7 +11,6 @@
 #include "missions/pure_pursuit.hpp"
 #include "shared/arrays.hpp"
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>

@@ -56,7 +56,8 @@ class MoverRecording:
             none that react.
 
     Raises:
-        InputError: If there are other numbers of outlines than of tracks, no samples, or numbers that are not finite.
+        InputError: If there are other numbers of outlines than of tracks or of movers with the members of crowds, no
+            samples, or numbers that are not finite.
     """
 
     outlines: tuple[FloatArray | float, ...]
@@ -73,6 +74,8 @@ class MoverRecording:
             )
         if not (np.abs(tracks) < 1e9).all():
             raise InputError("the tracks of a recording must be finite")
+        if self.crowds is not None:
+            _check_crowds(self.crowds, len(self.outlines))
         tracks.flags.writeable = False
         object.__setattr__(self, "tracks", tracks)
         object.__setattr__(self, "period", check_number("period", self.period, 1e-6, 1e6, "s"))
@@ -134,6 +137,22 @@ class MoverRecording:
         members = [_shape_of(crowd.body) for crowd in crowds for _ in range(crowd.count)]
         tracks = np.concatenate([tracks, np.zeros((len(members), samples, 3))])
         return cls((*outlines, *members), tracks, period, _live(crowds, scripted, world, duration))
+
+
+def _check_crowds(crowds: LiveCrowds, count: int) -> None:
+    """Check live crowds of a recording with so many outlines."""
+    check_kind(crowds, LiveCrowds, "crowds", "MoverRecording.of_world(…, live_crowds=True) makes them")
+    members, others = len(crowds.walk.names), len(crowds.walk.movers_at(0))
+    if members + others != count:
+        raise InputError(
+            f"a recording of {count} movers has crowds of {members} members beside {others} others: it needs one "
+            "outline for each of them, members last"
+        )
+    movers = np.asarray(crowds.movers)
+    if movers.ndim != 3 or len(movers) == 0 or movers.shape[1:] != (others, 4) or not (np.abs(movers) < 1e9).all():
+        raise InputError(
+            f"the movers beside crowds must be finite numbers of shape (steps, {others}, 4), got {movers.shape}"
+        )
 
 
 def _live(crowds: Sequence[Crowd], movers: Sequence[Mover], world: World, duration: float) -> LiveCrowds:
