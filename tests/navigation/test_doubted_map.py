@@ -5,6 +5,7 @@ import pytest
 
 from support.sensed_rooms import GOAL, ROBOT, START, block, grid_of, room
 from trundle.costmap import LETHAL, Costmap, CostmapSettings, LayersSettings, ObstacleLayerSettings
+from trundle.errors import PlanningError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
@@ -42,6 +43,28 @@ def test_a_thing_that_is_on_the_map_alone_closes_the_only_path_unless_it_is_doub
     navigator = Navigator(grid_of(room(*WALLS, THING)), ROBOT, layers=doubting(doubts), settings=PATIENT)
     drive(navigator, room(*WALLS))
     assert navigator.status is (NavigationStatus.ARRIVED if doubts else NavigationStatus.NO_PATH)
+
+
+def test_a_plan_before_the_first_scan_is_made_again_after_it():
+    navigator = Navigator(grid_of(room(*WALLS, THING)), ROBOT, layers=doubting(), settings=PATIENT)
+    navigator.set_goal(GOAL)
+    with pytest.raises(PlanningError):
+        navigator.plan(START)
+    assert navigator.report().waits_to_plan
+    drive(navigator, room(*WALLS))
+    assert navigator.status is NavigationStatus.ARRIVED
+
+
+def test_a_robot_without_lidars_waits_two_seconds_for_a_scan_and_doubts_nothing():
+    navigator = Navigator(grid_of(room(*WALLS, THING)), ROBOT, layers=doubting(), settings=PATIENT)
+    navigator.set_goal(GOAL)
+    ended = []
+    for step in range(80):
+        navigator.update(START, Twist2D(), time=0.05 * step)
+        if navigator.status in FINAL:
+            ended.append(0.05 * step)
+    assert navigator.status is NavigationStatus.NO_PATH
+    assert 2.0 <= ended[0] <= 2.2
 
 
 def test_a_thing_that_is_in_the_world_as_well_is_seen_and_not_touched():

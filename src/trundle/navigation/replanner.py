@@ -159,7 +159,9 @@ class Replanner:
     def _doubts_map(self, error: PlanningError, now: Snapshot, state: DriveState, planner: Planner) -> bool:
         """Whether to plan again, with things taken off the map, as there is no path on the map alone either."""
         static = self._sensed.static
-        if static is None or not self._sensed.may_doubt or planner is self._quick or timed_out(error):
+        if self._sensed.awaits_scan(now.time):
+            self.tries.pending, self._failed = True, None
+        if static is None or planner is self._quick or timed_out(error) or not self._sensed.may_doubt:
             return False
         is_closed = self._routes.is_closed(static, now.pose, state.ahead, planner, self.tries.deadline_s(now.twist))
         self.budget.spend(self._routes.expansions, now.time, needed=True)
@@ -207,7 +209,7 @@ class Replanner:
 
     def plan_first(self, now: Snapshot, state: DriveState) -> Decision:
         """Make the plan that the robot waits for; the command is to stand where it may not drive on yet."""
-        if self.obstacle.is_blocked and not self.obstacle.may_plan(now.time):
+        if self._sensed.awaits_scan(now.time) or (self.obstacle.is_blocked and not self.obstacle.may_plan(now.time)):
             return self._stand(state)
         made = self._attempt(now, state)
         if self.finds_none(made):
@@ -252,8 +254,7 @@ class Replanner:
 
     def _see(self, now: Snapshot, state: DriveState, hit: PathHit | None) -> None:
         """Take that the path is blocked now, or that there is none: whether by what moves, and how far ahead."""
-        obstacle = self.obstacle
-        followed = self.followed
+        obstacle, followed = self.obstacle, self.followed
         obstacle.see(now.time, math.inf if hit is None or followed is None else followed.gap_m(hit, now.pose))
         if obstacle.by_mover:
             return

@@ -26,6 +26,7 @@ RESOLUTION_M = 0.05
 _AROUND_M = 6.0
 _JUMP_M = 1.0
 _NOTE_HITS_EVERY_S = 0.5
+_FIRST_SCAN_S = 2.0
 _NOTHING_M = 1e-3  # edge of a square that holds nothing
 _CORRECTED_M = 0.5  # a robot that is so far from its path has left it: see FollowedPath
 
@@ -58,6 +59,7 @@ class SensedMap:
         self._has_map = static is not None
         self._static = self._blank([]) if static is None else static
         self._trusted: Costmap | None = None  # the whole map, while things on it are doubted
+        self._awaiting_since: float | None = None  # a first scan [s]
         self._hit: npt.NDArray[np.bool_] | None = None  # cells of the map that carried a mark since the goal was set
         self._hits_noted_at = -math.inf
         self._reset_time = True
@@ -132,8 +134,20 @@ class SensedMap:
     @property
     def may_doubt(self) -> bool:
         """Whether `doubt_static` may take things off the map: the settings say so, and there was a scan."""
+        return self._doubts and self._layered is not None
+
+    @property
+    def _doubts(self) -> bool:
         obstacle = None if self._layers is False else (self._layers or LayersSettings()).obstacle
-        return self._has_map and self._layered is not None and obstacle is not None and obstacle.doubt_static
+        return self._has_map and obstacle is not None and obstacle.doubt_static
+
+    def awaits_scan(self, time: float) -> bool:
+        """Whether a plan is to wait at this time [s], for 2 s at most, as the map may be doubted after a first scan."""
+        if self.may_doubt or not self._doubts:
+            return False
+        if self._awaiting_since is None or time < self._awaiting_since:
+            self._awaiting_since = time
+        return time - self._awaiting_since <= _FIRST_SCAN_S
 
     def _note_hits(self) -> npt.NDArray[np.bool_]:
         """Return which cells of the map have carried a mark since the goal was set: marks may be forgotten later."""
@@ -157,7 +171,7 @@ class SensedMap:
     def begin(self) -> None:
         """Expect that the time may start over, and the robot be elsewhere: there is a new goal."""
         self._reset_time = True
-        self._last_pose = self._T_map_odom = self._hit = None
+        self._last_pose = self._T_map_odom = self._hit = self._awaiting_since = None
         if self._trusted is not None:
             self.replace_static(self._trusted)
 
