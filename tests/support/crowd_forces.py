@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from trundle.geometry import FloatArray
+from trundle.worlds.movers.walk import RobotMotion
 
 # How near those who see the robot come to it [m], and to the line that it drives in the next seconds [s]: more holds
 # them up far from its path, less lets them touch it before either has braked.
@@ -30,22 +30,6 @@ _SEEN = math.cos(math.radians(100.0))  # half of the angle of sight, 2 phi = 200
 _UNSEEN = 0.5  # c: share of a force from behind
 _PEDESTRIAN_M = 0.3
 """Radius of the model's pedestrians; distances to what is wider are shortened by how much it is."""
-
-
-class RobotMotion(NamedTuple):
-    """Place and speed of the robot, for those who see it.
-
-    Attributes:
-        x, y: Position [m], map frame.
-        vx, vy: Velocity [m/s], map frame.
-        radius: Radius of its circumscribed circle [m].
-    """
-
-    x: float
-    y: float
-    vx: float
-    vy: float
-    radius: float
 
 
 def driving(velocities: FloatArray, directions: FloatArray, speeds: FloatArray) -> FloatArray:

@@ -11,7 +11,6 @@ import numpy.typing as npt
 
 from support.crowd_forces import (
     MARGIN_M,
-    RobotMotion,
     border_force,
     driving,
     enters_path,
@@ -26,9 +25,7 @@ from trundle.geometry import FloatArray, wrap_angles
 from trundle.geometry.solids import Solid, solids_bounds
 from trundle.worlds.movers.crowd import Crowd
 from trundle.worlds.movers.mover import Mover, outline_of, radius_of, top_of
-
-PERIOD_S = 0.05
-"""Crowds are stepped at this period; between two steps they move straight at constant speed."""
+from trundle.worlds.movers.walk import PERIOD_S, RobotMotion
 
 # Members start at least this far from the robot [m], beside both radii, so that nobody touches it before it can brake.
 _CLEAR_OF_ROBOT = 2.0

@@ -75,7 +75,7 @@ class RobotClock:
         is_simulated: Whether there is a /clock.
         offset: How far the robot's clock is ahead of this machine's [s], where it is set differently; else 0.
         jumps: How often the time has jumped.
-        settings: How often `offset` was found anew, which makes all times before those of another clock.
+        settings: How often `offset` has changed, which makes all times before those of another clock.
         age: Mean age of stamps on arrival [s].
     """
 
