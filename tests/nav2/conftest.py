@@ -4,6 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from support.command_line import room
+
 
 @pytest.fixture
 def write(tmp_path):
@@ -15,3 +17,10 @@ def write(tmp_path):
         return path
 
     return write
+
+
+@pytest.fixture(scope="module")
+def map_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("maps") / "room.yaml"
+    room().save(path)
+    return path

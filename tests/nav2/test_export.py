@@ -9,7 +9,6 @@ import pytest
 import yaml
 
 from nav2.make_golden import GOLDEN, SCENARIO, TEXTS
-from support.command_line import room
 from trundle.errors import InputError
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.mission import Scenario
@@ -17,13 +16,6 @@ from trundle.nav2 import export_nav2, read_nav2_params
 from trundle.robots import Robot
 
 DISTROS = ("humble", "jazzy", "kilted", "lyrical")
-
-
-@pytest.fixture(scope="module")
-def map_file(tmp_path_factory):
-    path = tmp_path_factory.mktemp("maps") / "room.yaml"
-    room().save(path)
-    return path
 
 
 def scenario_of(settings, map_file, robot):

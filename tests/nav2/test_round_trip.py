@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from support.command_line import room
 from trundle.mission import Scenario
 from trundle.mission.place import Place, make_place
 from trundle.nav2 import export_nav2, read_nav2_params
@@ -16,13 +15,6 @@ from trundle.nav2.export import draft_params, params_text
 DATA = Path(__file__).parent / "data"
 FILES = ("carter", "humble", "jazzy", "kilted")
 DISTROS = ("humble", "jazzy", "kilted", "lyrical")
-
-
-@pytest.fixture(scope="module")
-def map_file(tmp_path_factory):
-    path = tmp_path_factory.mktemp("maps") / "room.yaml"
-    room().save(path)
-    return path
 
 
 def scenario_of(settings, map_file, robot):

@@ -5,12 +5,12 @@ import pytest
 
 from support.sensed_rooms import GOAL, ROBOT, START, block, grid_of, room
 from trundle.costmap import LETHAL, Costmap, CostmapSettings, LayersSettings, ObstacleLayerSettings
+from trundle.costmap.doubted_map import without_unseen
 from trundle.errors import PlanningError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
 from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
-from trundle.navigation.doubted_map import without_unseen
 from trundle.navigation.sensing import SensedMap
 from trundle.navigation.status import FINAL
 from trundle.observation import Estimate

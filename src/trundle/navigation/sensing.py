@@ -11,12 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.costmap import LETHAL, Costmap, CostmapSettings
+from trundle.costmap.doubted_map import without_unseen
 from trundle.costmap.layers import LayeredCostmap, LayersSettings
 from trundle.errors import SensorWarning
 from trundle.geometry import FloatArray, Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import UNKNOWN
-from trundle.navigation.doubted_map import without_unseen
 from trundle.navigation.growing_map import GrowingMap
 from trundle.observation import Estimate, Scan, Track
 from trundle.robots import Robot

@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle._core import label_components
-from trundle.costmap import LETHAL, Costmap
+from trundle.costmap.costmap import Costmap
+from trundle.costmap.costs import LETHAL
 from trundle.maps import FREE, OCCUPIED
 from trundle.maps.cells import UNKNOWN
 
