@@ -180,7 +180,7 @@ class Ghost:
 
 
 def test_a_false_obstacle_that_vanishes_only_delays_it():
-    navigator = Navigator(grid_of(room()), ROBOT)
+    navigator = Navigator(grid_of(room()), ROBOT, settings=NavigatorSettings(planning_deadline_s=None))
     run = Run(room(), navigator, change=Ghost(5.0, until=8.0))
     assert (navigator.status, run.contact) == (NavigationStatus.ARRIVED, "")
     assert NavigationStatus.BLOCKED in run.statuses

@@ -1,6 +1,7 @@
 """Print what `ros2 node list`, `ros2 node info NODE` and `ros2 topic info -v` would, as a line of JSON.
 
-graph.py NODE TOPICS TOPIC READERS: asks until the node is there and offers as many topics, and TOPIC has its readers.
+graph.py NODE TOPICS TOPIC READERS: asks until the node is there and offers those topics, a JSON list, and TOPIC has its
+readers. A node's topics are found one by one, and its endpoints some time after their names.
 """
 
 import json
@@ -24,14 +25,18 @@ def endpoint(info):
 def main():
     rclpy.init()
     asking = rclpy.create_node("asking")
-    name, count, topic, readers = sys.argv[1], int(sys.argv[2]), sys.argv[3], int(sys.argv[4])
-    until = time.monotonic() + 20
+    name, topics, topic, readers = sys.argv[1], set(json.loads(sys.argv[2])), sys.argv[3], int(sys.argv[4])
+    until = time.monotonic() + 60
     while time.monotonic() < until:
         nodes = [one for one, _ in asking.get_node_names_and_namespaces()]
         if name in nodes:
             publishers = dict(asking.get_publisher_names_and_types_by_node(name, "/"))
             subscribers = dict(asking.get_subscriber_names_and_types_by_node(name, "/"))
-            if len(publishers) >= count and len(asking.get_subscriptions_info_by_topic(topic)) >= readers:
+            if (
+                topics <= publishers.keys()
+                and all(asking.get_publishers_info_by_topic(one) for one in topics)
+                and len(asking.get_subscriptions_info_by_topic(topic)) >= readers
+            ):
                 break
         time.sleep(0.1)
     found = {
