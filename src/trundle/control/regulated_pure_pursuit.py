@@ -63,6 +63,7 @@ class RegulatedPurePursuit(Controller):
     def __init__(self, robot: Robot, **settings: Any) -> None:
         self._robot = robot
         self.settings = PursuitSettings(**settings)
+        self._reach_m = robot.circumscribed_radius + self.settings.footprint_padding
         self._outline = robot.planar.padded(self.settings.footprint_padding).outline
         self._driving_off = DrivingOff(robot, self.settings.acceleration_of(robot))
         self.reset()
@@ -117,27 +118,23 @@ class RegulatedPurePursuit(Controller):
         Raises:
             NoValidControlError: If every command would cause a contact.
         """
-        command = self._choose(pose, twist, costmap, dt)
-        self._driving_off.note(command)
-        return command
-
-    def _choose(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
-        if self._done:
-            return _STAND
-        if self._sections is None and self._path is not None:
+        if not self._done and self._sections is None and self._path is not None:
             self._lay_out(path_vertices(self._path), pose, costmap)
         if not self._done:
             self._finish_what_is_done(pose)
         if self._done:
+            self._driving_off.reset()
             return _STAND
         if self._turn is not None:
             commands = [Twist2D(0.0, self._turn_speed(self._turn.remaining))]
         else:
             commands = self._pursue(pose, costmap)
-        for command in (self._driving_off.limit(command, twist, dt) for command in commands):
+        for wish in commands:
+            command = self._driving_off.limit(wish, twist, dt)
             for factor in _SLOWER:
                 slower = Twist2D(factor * command.v, factor * command.w)
                 if self._is_clear(costmap, pose, twist, slower, dt):
+                    self._driving_off.note(slower)
                     return slower
         self._driving_off.reset()
         what = "turning in place" if self._turn is not None else "following the path"
@@ -350,15 +347,12 @@ class RegulatedPurePursuit(Controller):
 
     def _is_clear(self, costmap: Costmap, pose: Pose2D, twist: Twist2D, command: Twist2D, dt: float) -> bool:
         # Where the cost is 0 the inflation, which reaches beyond the footprint's swing and the stopping distance, ends.
-        if self._inflation_covers_stop(costmap, twist, dt) and cost_under(costmap, pose.x, pose.y) == 0:
-            return True
-        return can_stop(costmap, self._robot.limits, pose, twist, command, dt, padded=self._padded)
-
-    def _inflation_covers_stop(self, costmap: Costmap, twist: Twist2D, dt: float) -> bool:
         limits = self._robot.limits
         fastest = max(limits.linear_speed, abs(twist.v))
-        stop = fastest * (max(0.1, dt) + fastest / (2.0 * limits.linear_acceleration))
-        return costmap.inflation_radius >= self._robot.circumscribed_radius + self.settings.footprint_padding + stop
+        stop_m = fastest * (max(0.1, dt) + fastest / (2.0 * limits.linear_acceleration))
+        if costmap.inflation_radius >= self._reach_m + stop_m and cost_under(costmap, pose.x, pose.y) == 0:
+            return True
+        return can_stop(costmap, limits, pose, twist, command, dt, padded=self._padded)
 
 
 def _least_room(costmap: Costmap, first: FloatArray, last: FloatArray) -> float:

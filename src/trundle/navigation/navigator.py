@@ -355,7 +355,8 @@ class Navigator(NavigatorRequests):
         blocked = ""
         try:
             command = controller.compute_velocity(soon.pose, soon.twist, soon.costmap, self.dt)
-            check_result(command, Twist2D, controller, "compute_velocity")
+            if type(command) is not Twist2D:  # a plug-in may return anything
+                check_result(command, Twist2D, controller, "compute_velocity")
         except NoValidControlError:
             command, blocked = _STAND, "no valid control"
         if command != _STAND and (command := slow_down(command, replanner.fastest)) == _STAND:
@@ -370,7 +371,8 @@ class Navigator(NavigatorRequests):
     def _send(self, command: Twist2D, now: Snapshot) -> Twist2D:
         """Remember the command that takes effect after the delay."""
         self._command = command
-        self._delayed.send(command, now.time)
+        if self._delayed.delay_s > 0.0:
+            self._delayed.send(command, now.time)
         return command
 
     def _last_command(self, now: float) -> Twist2D:
