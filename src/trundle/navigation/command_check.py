@@ -17,7 +17,7 @@ from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop
 from trundle.costmap import LETHAL, Costmap
 from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.maps.masks import SpeedMask
-from trundle.navigation.followed_path import FollowedPath
+from trundle.navigation.progress import FollowedPath
 from trundle.navigation.sensing import SensedMap
 from trundle.navigation.state import Snapshot
 from trundle.path import Path

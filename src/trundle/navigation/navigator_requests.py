@@ -12,9 +12,9 @@ from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.navigation.behaviors import Behavior
 from trundle.navigation.behaviors.behavior import check_behavior_kind
-from trundle.navigation.followed_path import FollowedPath
 from trundle.navigation.inputs import read_goal
 from trundle.navigation.navigator_attributes import NavigatorAttributes
+from trundle.navigation.progress import FollowedPath
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.relocalization import Relocalization
 from trundle.navigation.sensing import SensedTracks
