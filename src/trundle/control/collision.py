@@ -122,5 +122,5 @@ def cost_under(costmap: Costmap, x: float, y: float) -> int:
     cos, sin = math.cos(origin.yaw), math.sin(origin.yaw)
     row = math.floor((cos * dy - sin * dx) / resolution)
     col = math.floor((cos * dx + sin * dy) / resolution)
-    rows, cols = costmap.shape
+    rows, cols = costmap.data.shape
     return costmap.data.item(row, col) if 0 <= row < rows and 0 <= col < cols else NO_INFORMATION
