@@ -13,8 +13,8 @@ from trundle.control import GoalChecker
 from trundle.errors import InputError, PlanningError
 from trundle.geometry import Goal, Pose2D, Twist2D, wrap_angle
 from trundle.navigation.agent import CONTROL_PERIOD_S, Agent, AgentInfo, AgentReport
-from trundle.navigation.followed_path import FollowedPath
 from trundle.navigation.policies.policy_file import PolicyFile
+from trundle.navigation.progress import FollowedPath
 from trundle.navigation.status import FINAL, NavigationStatus
 from trundle.observation import Estimate, Observation, Scan
 from trundle.robots import Lidar, Robot
