@@ -9,6 +9,7 @@ import pytest
 
 from support.policies import GOAL_SEEKER, write_path_follower, write_policy
 from trundle.control import GoalChecker
+from trundle.costmap import CostmapSettings
 from trundle.errors import InputError
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
@@ -237,8 +238,13 @@ def test_without_a_path_the_policy_ends_with_the_planners_reason(tmp_path):
 
 def test_a_policy_that_needs_a_path_is_refused_without_a_map_and_with_other_shapes(tmp_path):
     file = write_path_follower(tmp_path / "path.onnx")
-    with pytest.raises(InputError, match="follows a path, and there is no map"):
-        create_agent(str(file), ROBOT)
+    agent = create_agent(str(file), ROBOT)
+    agent.set_goal(Goal(3.0, 0.0))
+    assert drive(agent, 0.0) == Twist2D()
+    assert agent.report().status is NavigationStatus.STUCK
+    assert "there is no map to plan it on" in agent.report().message
+    with pytest.raises(InputError, match="use it in a scenario whose map is known"):
+        create_agent(str(file), ROBOT, navigator=Navigator(None, ROBOT, costmap=CostmapSettings()))
     wrong = write_policy(
         tmp_path / "wrong.onnx", {**GOAL_SEEKER, "observations": "ranges,goal,path", "path_points": "3"}
     )

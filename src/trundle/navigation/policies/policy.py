@@ -32,6 +32,8 @@ _REPLAN_S = 1.0  # Nav2's period; the robot leaves the path to go around what th
 _BLIND_S = 2.0
 """Without a scan for this long at the start [s], there will be none."""
 
+_NO_MAP = "follows a path, and there is no map to plan it on"
+
 _TURNING_GAIN = 2.0  # [1/s]: a goal's yaw is reached without overshoot at control periods of up to 0.5 s
 
 
@@ -52,7 +54,8 @@ class Policy(Agent):
     Attributes:
         file: The file's content.
         goal_checker: Says whether the goal is reached.
-        status: DRIVING until it has ARRIVED; STUCK where it needs scans and gets none, NO_PATH where it needs a path.
+        status: DRIVING until it has ARRIVED; STUCK where it needs scans and gets none, or a path and has
+            no map; NO_PATH where the planner finds none.
 
     Raises:
         InputError: If the file is no policy for this robot, or needs a path and there is no map to plan on.
@@ -66,12 +69,10 @@ class Policy(Agent):
         own = AgentInfo("policy") if navigator is None else navigator.info()
         self.goal_checker = GoalChecker() if own.goal_checker is None else own.goal_checker
         name = self.file.path.name
-        self._planner = navigator if "path" in self.file.observations else None
-        if "path" in self.file.observations and own.costmap is None:
-            raise InputError(
-                f"{self.file.path}: the policy follows a path, and there is no map to plan it on: use the policy in a "
-                "scenario whose map is known, or give it a navigator"
-            )
+        self._needs_path = "path" in self.file.observations
+        self._planner = navigator if self._needs_path else None
+        if self._planner is not None and own.grid is None:
+            raise InputError(f"{self.file.path}: the policy {_NO_MAP}: use it in a scenario whose map is known")
         planner = "none" if self._planner is None else own.planner
         self._info = replace(own, controller=name, planner=planner, goal_checker=self.goal_checker, plugins=())
         self.dt = min(CONTROL_PERIOD_S, self.file.period)
@@ -129,7 +130,7 @@ class Policy(Agent):
                 return Twist2D()
             return self._turn_to_yaw(pose, observation.twist, goal)
         if observation.time >= self._due_s - 1e-6:
-            if self._planner is not None and not self._find_path(self._planner, observation.time, pose, goal):
+            if self._needs_path and not self._find_path(observation.time, pose, goal):
                 return Twist2D()
             late = observation.time - self._due_s
             # Periods follow one another without drift; after a pause they begin again.
@@ -164,12 +165,16 @@ class Policy(Agent):
         share = min(1.0, most / max(abs(action.v), 1e-9))
         return Twist2D(action.v * share, action.w * share)
 
-    def _find_path(self, planner: Agent, time: float, pose: Pose2D, goal: Goal) -> bool:
+    def _find_path(self, time: float, pose: Pose2D, goal: Goal) -> bool:
         """Find its place on the path, which is planned when due; return False where none is known."""
+        if self._planner is None:
+            self.status = NavigationStatus.STUCK
+            self._message = f"the policy {self.file.path.name} {_NO_MAP}: give it a navigator with a map"
+            return False
         if time >= self._plan_due_s - 1e-6:
             self._plan_due_s = time + _REPLAN_S
             try:
-                planned = planner.plan_between(pose, goal)
+                planned = self._planner.plan_between(pose, goal)
             except PlanningError as error:
                 # Beside a box that the map lacks, the robot may stand where the map has no room; it drives on.
                 if self._followed is None:
