@@ -326,21 +326,20 @@ def lossy(given: argparse.Namespace) -> dict[str, Any]:
     """A robot that loses, delays and repeats messages, for a long time: contacts, memory, how far it comes.
 
     A drive that ends early, as one does where the machine is so busy that all falls silent for long, is counted, and
-    the next one sets off from where the robot stands, until the time is up.
+    the next one sets off from where the robot stands, until they have taken the time.
     """
-    began = time.monotonic()
-    moved, contacts, at, drives = 0.0, 0, Pose2D(2.0, 2.0), list[dict[str, Any]]()
-    while (left := given.seconds - (time.monotonic() - began)) > 0.0 and len(drives) < MOST_DRIVES:
+    seconds, moved, contacts, at, drives = 0.0, 0.0, 0, Pose2D(2.0, 2.0), list[dict[str, Any]]()
+    while (left := given.seconds - seconds) > 0.0 and len(drives) < MOST_DRIVES:
         number = len(drives)
         at, drive = lossy_drive(given, at, left, number % len(PLACES))
-        moved, contacts = moved + drive["moved"], contacts + drive["contacts"]
+        seconds, moved, contacts = seconds + drive["seconds"], moved + drive["moved"], contacts + drive["contacts"]
         drives.append(drive)
         print(
             f"drive {number + 1} ended after {drive['seconds']:.0f} s and {drive['moved']:.0f} m: {drive['message']}; ",
             end="",
         )
         print(f"stood {drive['stops']}; {drive['warnings']}", flush=True)
-    seconds, early = time.monotonic() - began, len(drives) - 1
+    early = len(drives) - 1
     print(f"{seconds:.0f} s, {moved:.0f} m, {contacts} contacts; {early} drives ended early")
     for number, drive in enumerate(drives, 1):
         if memory := drive["memory"]:
