@@ -62,7 +62,7 @@ def test_rows_of_mppi_are_those_of_the_kinematic_simulator():
 
 
 def test_rows_of_crossed_controllers_with_lidars_are_those_of_the_kinematic_simulator():
-    chosen = suite(controllers=["mppi", "regulated_pure_pursuit"], lidar=True, missions=2, time_limit_s=12.0)
+    chosen = suite(controllers=["mppi", "regulated_pure_pursuit"], lidar=True, missions=2)
     handed = assert_pairs_alike(chosen)
     assert len(handed) == 8
     assert handed.count("") >= 7
