@@ -68,7 +68,7 @@ class Motion:
 
 
 class OdometryBias:
-    """What the odometry is steadily wrong by, as scans show: a scale, and a turn for each metre.
+    """The steady error of the odometry, as scans show it: a scale, and a turn for each metre.
 
     Scan matching corrects every motion a little. Where these corrections go one way on average, the odometry has a
     bias, and is corrected beforehand; so the estimate does not lag behind.
