@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
-from trundle.localization.amcl.settings import AmclSettings
+from trundle.localization.amcl.amcl_settings import AmclSettings
 
 _SMALL_M = 1e-4  # of less, the direction is noise
 _LEAST_M, _LEAST_RAD = 0.001, 0.001
