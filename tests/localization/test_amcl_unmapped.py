@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from trundle.geometry import Pose2D
+from trundle.localization.amcl.amcl_settings import AmclSettings
 from trundle.localization.amcl.beams import Beams
 from trundle.localization.amcl.hypotheses import Hypotheses
 from trundle.localization.amcl.map_field import MapField
-from trundle.localization.amcl.settings import AmclSettings
 from trundle.maps import OccupancyGrid
 
 MIDDLE = Pose2D(4.0, 4.0, 0.0)

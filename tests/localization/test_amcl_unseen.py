@@ -10,10 +10,10 @@ import pytest
 from trundle.geometry import Pose2D, Pose3D, Twist2D
 from trundle.geometry.solids import Box, Solid
 from trundle.localization import create_localizer
+from trundle.localization.amcl.amcl_settings import AmclSettings
 from trundle.localization.amcl.beams import Beams
 from trundle.localization.amcl.hypotheses import Hypotheses
 from trundle.localization.amcl.map_field import MapField
-from trundle.localization.amcl.settings import AmclSettings
 from trundle.maps import OccupancyGrid
 from trundle.mission import sample_mission
 from trundle.navigation import Navigator

@@ -67,6 +67,6 @@ class PursuitSettings:
             )
 
     def acceleration_of(self, robot: Robot) -> float:
-        """Of each wheel when the robot drives off [m/s²]."""
+        """Return the acceleration of each wheel when the robot drives off [m/s²]."""
         limits, own = robot.limits, self.max_linear_accel
         return min(limits.linear_acceleration, limits.linear_speed / _FULL_SPEED_IN_S if own is None else own)

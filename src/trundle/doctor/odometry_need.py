@@ -38,7 +38,7 @@ class OdometryNeed:
 
     @property
     def message(self) -> str:
-        """Sentence that says so."""
+        """Return a sentence that says so."""
         return (
             f"after {self.distance:g} m it is within {self.tolerance:g} m of its goal if the odometry is wrong by at "
             f"most {100.0 * self.scale:.2g} % of the distance or {math.degrees(self.heading):.2g}° per metre"

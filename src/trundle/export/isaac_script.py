@@ -27,7 +27,7 @@ Stretch: TypeAlias = tuple[float, float, list[tuple[float, float]]]
 """Turn in place by [rad], to a heading [rad], then drive along corners [m]; perhaps none."""
 
 Zone: TypeAlias = tuple[float, float, float]
-"""From a distance along a stretch to another [m, m], no faster than this [m/s]."""
+"""A part of a stretch, by where it begins and ends along it [m, m], and its speed limit [m/s]."""
 
 _STOP_TO_TURN = 0.35
 """At bends sharper than this [rad] the follower stops and turns: it has no footprint check for curves."""

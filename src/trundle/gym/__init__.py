@@ -10,8 +10,8 @@ check_extra("gym", "trundle.gym")
 import gymnasium  # noqa: E402 - after the check
 
 from trundle.gym.env import NavigationEnv  # noqa: E402
+from trundle.gym.navigation_settings import REWARD_TERMS, NavigationSettings  # noqa: E402
 from trundle.gym.policy import policy_metadata  # noqa: E402
-from trundle.gym.settings import REWARD_TERMS, NavigationSettings  # noqa: E402
 from trundle.gym.vector_env import NavigationVectorEnv  # noqa: E402
 
 _ENTRIES = {

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import InputError, ScenarioError
 from trundle.geometry import FloatArray, Pose2D
-from trundle.gym.settings import SPLITS, NavigationSettings
+from trundle.gym.navigation_settings import SPLITS, NavigationSettings
 from trundle.maps import OccupancyGrid
 from trundle.mission.obstacles import Unmapped
 from trundle.planning import cost_field

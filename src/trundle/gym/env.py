@@ -12,9 +12,9 @@ from gymnasium import spaces
 from trundle.errors import InputError, UnknownNameError
 from trundle.gym.arena import Arena, make_arena
 from trundle.gym.episodes import Episodes
+from trundle.gym.navigation_settings import NavigationSettings
 from trundle.gym.observations import Observations, Observer
 from trundle.gym.render import PagePicture, draw_robot
-from trundle.gym.settings import NavigationSettings
 from trundle.values import check_seed
 
 RENDER_MODES = ("rgb_array", "human")

@@ -14,7 +14,7 @@ from trundle.gym.arena import Arena
 from trundle.gym.arrays import HOST
 from trundle.gym.draws import episode_keys, stream_numbers, uniform
 from trundle.gym.lookup import Lookup
-from trundle.gym.settings import SPLITS, NavigationSettings
+from trundle.gym.navigation_settings import SPLITS, NavigationSettings
 from trundle.gym.variation import Variation
 from trundle.sim.batch import NOTHING, BatchSimulator
 

@@ -14,7 +14,7 @@ from trundle.evaluation.public import barn, dynabarn
 from trundle.geometry import Pose2D
 from trundle.gym.arena import Arena, Missions, fixed_mission, make_map, record_movers
 from trundle.gym.env import NavigationEnv
-from trundle.gym.settings import NavigationSettings
+from trundle.gym.navigation_settings import NavigationSettings
 from trundle.gym.vector_env import NavigationVectorEnv
 from trundle.maps import OccupancyGrid
 from trundle.sim.batch import MoverRecording

@@ -14,9 +14,9 @@ from trundle.errors import InputError, UnknownNameError
 from trundle.gym.arena import Arena, make_arena
 from trundle.gym.env import RENDER_MODES, action_space, check_render_mode
 from trundle.gym.episodes import Episodes
+from trundle.gym.navigation_settings import NavigationSettings
 from trundle.gym.observations import Observations, Observer
 from trundle.gym.render import draw_robot
-from trundle.gym.settings import NavigationSettings
 from trundle.values import check_count, check_seed
 
 _MODES = {

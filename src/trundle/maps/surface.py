@@ -11,7 +11,7 @@ from trundle.maps.cells import Surface
 from trundle.maps.rasterise import HeightBand
 
 _LEAST_DEPTH = 0.25
-"""Of a cell, on average over the faces: halfway between walls on cell borders (0) and walls anywhere (a half)."""
+"""Share of a cell, on average over the faces: halfway between walls on cell borders (0) and walls anywhere (a half)."""
 
 _SQUARE = 1e-9
 

@@ -33,7 +33,7 @@ class Outcome(StrEnum):
     ARRIVED = "arrived"
     """The robot stands at the last goal and touched nothing."""
     ARRIVED_BY_ESTIMATE = "arrived_by_estimate"
-    """By its localizer's estimate it stands at the last goal, and it touched nothing; in truth it is, or was at an
+    """The robot stands at the last goal by its localizer's estimate, and touched nothing; in truth it is, or was at an
     earlier goal, elsewhere: see `Metrics.position_error_m`."""
     FINISHED = "finished"
     """An agent without a goal, such as a script of commands, was done, and the robot touched nothing."""

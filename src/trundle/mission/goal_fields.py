@@ -74,13 +74,13 @@ def exact_goals(goals: Sequence[Goal], given: Sequence[tuple[float, ...] | Waypo
 
 
 def position_of(given: tuple[float, ...] | WaypointFields) -> tuple[float, float]:
-    """Its x and y [m]."""
+    """The goal's x and y [m]."""
     x, y = (given.pose if isinstance(given, WaypointFields) else given)[:2]
     return x, y
 
 
 def shorten_goal(plain: object) -> object:
-    """A dumped goal as it is written in a YAML: tasks by name, and no empty list of them."""
+    """Return a dumped goal as a YAML has it: tasks by name, and no empty list of them."""
     if not isinstance(plain, dict):
         return plain
     values = cast("dict[str, object]", plain)

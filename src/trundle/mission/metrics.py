@@ -31,7 +31,7 @@ CLEARANCE_CAP = 2.0
 _FIRST = 12  # poses in the tightest places, measured first
 
 _RESOLUTION_M = 0.05
-"""Of the world's map where the robot has none."""
+"""Resolution of the world's map where the robot has none [m]."""
 
 _END_TOLERANCE_M = 0.5
 """How far an end of the shortest path may be moved: the cells hold all of every solid, and more at its edges."""

@@ -115,7 +115,7 @@ class _Instances:
 
     @property
     def size(self) -> int:
-        """Bytes of the arrays."""
+        """The arrays as bytes."""
         return 45 * sum(len(rows) for rows in self._rows.values())
 
     def add(self, drawn: DrawnSolid) -> None:

@@ -24,7 +24,7 @@ from trundle.planning.search_rounds import search_in_rounds
 from trundle.values import check_flag
 
 _QUICK_EXPANSIONS = 5_000
-"""Of hybrid A* in a quick planner: a tenth of a second. Where there is no path, all expansions take it seconds."""
+"""Expansions of hybrid A* in a quick planner: a tenth of a second. Where there is no path, all take it seconds."""
 
 
 class AutoPlanner(PosePlanner):

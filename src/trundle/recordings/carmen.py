@@ -56,7 +56,7 @@ class _Laser:
 
 @dataclass(slots=True, eq=False)
 class _Log:
-    """What a log holds."""
+    """The content of a log."""
 
     lasers: dict[str, _Laser] = field(default_factory=dict[str, _Laser])
     odometry: list[tuple[float, ...]] = field(default_factory=list[tuple[float, ...]])

@@ -73,7 +73,7 @@ class Inlet:
 
     @property
     def writers(self) -> int:
-        """How many write to it."""
+        """Number of publishers."""
         return self._subscription.matched
 
     def take(self, wire: Listener) -> bool:

@@ -77,7 +77,7 @@ class Outlet:
 
     @property
     def readers(self) -> int:
-        """How many read it."""
+        """Number of subscribers."""
         return self._publisher.matched
 
     def look(self) -> None:

@@ -67,7 +67,7 @@ class Feed(Protocol):
 
     @property
     def end(self) -> str | None:
-        """The `end` message, once it is over."""
+        """The `end` message; None until the run has ended."""
         ...
 
     @property

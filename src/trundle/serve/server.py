@@ -316,7 +316,7 @@ class _Connection(ServerConnection):
         strangers[self] = None
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Count it no more."""
+        """Take a client off the count."""
         self._connections.strangers.pop(self, None)
         self._connections.owners.discard(self)
         self._connections.bytes -= self._held

@@ -99,7 +99,7 @@ class Watch:
 
 
 class _Recorded:
-    """Calls back at the end."""
+    """An observer that calls a function when the run ends."""
 
     def __init__(self, tell: Callable[[Episode], None]) -> None:
         self._tell = tell

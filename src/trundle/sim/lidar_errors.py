@@ -49,7 +49,7 @@ class LidarErrors(Config):
         return self
 
     def simulate(self, sim: Simulator) -> Simulator:
-        """Wrap a simulator so that its lidars measure so; the simulator itself where there is no difference."""
+        """Return a simulator whose lidars have these errors; the simulator itself where there are none."""
         return sim if self == LidarErrors() else ErringLidars(sim, self)
 
 

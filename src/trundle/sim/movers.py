@@ -53,7 +53,7 @@ class MoverField:
         kinds = list(range(len(self._movers)))
         kinds += [len(kinds) + index for index, crowd in enumerate(crowds) for _ in range(crowd.count)]
         self.kinds = kinds
-        """Of each mover, the index of its solids in `bodies`."""
+        """The index of each mover's solids in `bodies`."""
         outlines = [outline_of(body) for body in self.bodies]
         corners = [tuple((x, y) for x, y in outline.round(6).tolist()) for outline in outlines]
         reach = [float(np.hypot(outline[:, 0], outline[:, 1]).max()) for outline in outlines]

@@ -30,7 +30,7 @@ class MoverState:
     """Where a moving obstacle is.
 
     Attributes:
-        name: Of the mover.
+        name: Name of the mover.
         pose: Pose of its frame, map frame.
         vx, vy: Velocity, map frame [m/s].
         w: Speed of rotation [rad/s], positive to the left.

@@ -46,7 +46,7 @@ class Camera:
 
     @property
     def distance(self) -> float:
-        """From eye to target [m]."""
+        """Distance from the eye to the target [m]."""
         return math.dist(self.eye, self.target)
 
     def angles(self) -> tuple[float, float]:

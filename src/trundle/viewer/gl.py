@@ -31,7 +31,7 @@ class GlContext(Protocol):
         ...
 
     def free(self) -> None:
-        """Release it."""
+        """Release the context."""
         ...
 
 

@@ -34,7 +34,7 @@ QUICK_S = 0.01
 """If a small picture takes longer than this, it is rendered by the CPU instead of a GPU."""
 
 STRIDE = 2
-"""Without a GPU, frames per rendered picture."""
+"""Frames per rendered picture where there is no GPU."""
 
 
 class SceneRenderer:

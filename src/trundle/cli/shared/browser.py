@@ -77,7 +77,7 @@ def advise(page: ServedPage, *, opens: bool, quiet: bool) -> None:
     Args:
         page: The page.
         opens: Whether to open it.
-        quiet: Without remarks.
+        quiet: Whether to print no remarks.
     """
     from trundle.serve.access import is_loopback
 
@@ -102,7 +102,7 @@ def linger(page: ServedPage, serve: Callable[[Callable[[], bool]], None], *, qui
     Args:
         page: The page.
         serve: Carries out what the page asks for meanwhile, until the function that it gets is true.
-        quiet: Without remarks.
+        quiet: Whether to print no remarks.
     """
     ended = time.monotonic()
 

@@ -42,7 +42,7 @@ class FieldStyle:
 
     @property
     def unit(self) -> float:
-        """Of the classes of clearance [m]."""
+        """Width of a class of clearance [m]."""
         return max(_UNIT_M, (self.radius + _NEAR_COST_M) / (_FARTHEST - 1))
 
     def costs(self, resolution: float) -> npt.NDArray[np.float32]:

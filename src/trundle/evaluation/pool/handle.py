@@ -31,7 +31,7 @@ class State(enum.Enum):
     LATE = enum.auto()
     """It is past its deadline: it is asked where it is, and then killed."""
     LOST = enum.auto()
-    """Its socket has ended."""
+    """The worker has closed its socket."""
     KILLED = enum.auto()
 
 

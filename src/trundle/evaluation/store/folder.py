@@ -122,7 +122,7 @@ class Manifest:
             ) from error
 
     def save(self, folder: Path) -> None:
-        """Write it whole."""
+        """Write the file as a whole."""
         write_text(folder / MANIFEST, json.dumps(asdict(self), indent=2) + "\n", durable=True)
 
 

@@ -1,6 +1,6 @@
 """`amcl`: adaptive Monte Carlo localisation, refined by scan matching."""
 
 from trundle.localization.amcl.amcl_localizer import AmclLocalizer
-from trundle.localization.amcl.settings import AmclSettings
+from trundle.localization.amcl.amcl_settings import AmclSettings
 
 __all__ = ["AmclLocalizer", "AmclSettings"]

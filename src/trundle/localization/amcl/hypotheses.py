@@ -12,10 +12,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from trundle.geometry import FloatArray, Pose2D
+from trundle.localization.amcl.amcl_settings import AmclSettings
 from trundle.localization.amcl.beams import Beams
 from trundle.localization.amcl.map_field import MapField
 from trundle.localization.amcl.motion import Motion
-from trundle.localization.amcl.settings import AmclSettings
 from trundle.localization.amcl.tracks import Match, Track, match, update_score
 from trundle.observation import LocalizationState
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from trundle._core import distance_field
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D
-from trundle.localization.amcl.settings import AmclSettings
+from trundle.localization.amcl.amcl_settings import AmclSettings
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import FREE_UP_TO, OCCUPIED_FROM, UNKNOWN
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
-from trundle.localization.amcl.settings import AmclSettings
+from trundle.localization.amcl.amcl_settings import AmclSettings
 
 _SMALL_M = 1e-4  # of less, the direction is noise
 _LEAST_M, _LEAST_RAD = 0.001, 0.001
@@ -68,7 +68,7 @@ class Motion:
 
 
 class OdometryBias:
-    """What the odometry is steadily wrong by, as scans show: a scale, and a turn for each metre.
+    """The steady error of the odometry, as scans show it: a scale, and a turn for each metre.
 
     Scan matching corrects every motion a little. Where these corrections go one way on average, the odometry has a
     bias, and is corrected beforehand; so the estimate does not lag behind.

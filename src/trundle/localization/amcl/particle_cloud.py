@@ -6,10 +6,10 @@ import numpy as np
 
 from trundle._core import move_particles, peak_particle, resample_particles, weigh_particles
 from trundle.geometry import FloatArray, Pose2D
+from trundle.localization.amcl.amcl_settings import AmclSettings
 from trundle.localization.amcl.beams import Beams
 from trundle.localization.amcl.map_field import MapField
 from trundle.localization.amcl.motion import LEAST, Motion
-from trundle.localization.amcl.settings import AmclSettings
 from trundle.localization.amcl.tracks import MOST_INFORMATIVE
 
 _BINS = np.array((0.5, np.pi / 18.0))  # as in Nav2

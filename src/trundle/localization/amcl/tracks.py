@@ -10,10 +10,10 @@ import numpy as np
 
 from trundle._core import judge_beams, match_scan
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
+from trundle.localization.amcl.amcl_settings import AmclSettings
 from trundle.localization.amcl.beams import Beams
 from trundle.localization.amcl.map_field import MapField
 from trundle.localization.amcl.motion import Motion
-from trundle.localization.amcl.settings import AmclSettings
 
 MOST_INFORMATIVE = 30.0  # beams: errors of a scan repeat with the map, and more would be counted twice
 _WIDTH_M = 0.1  # of the robust weights

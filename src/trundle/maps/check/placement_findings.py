@@ -14,7 +14,7 @@ from trundle.maps.check.turning import Turn
 from trundle.maps.grid import OccupancyGrid
 
 LEAST_OFFSET = 0.375
-"""In cells; smaller offsets are ignored."""
+"""The least offset that counts [cells]."""
 
 _PIVOT_CELLS = 3.0  # how far the point about which a map is turned may move
 

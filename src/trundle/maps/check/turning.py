@@ -124,7 +124,7 @@ class _Search:
         self._few = choose_points(lattice, self._middle, _SEARCH_SAMPLES, random)
         distances = np.linalg.norm(self._many.places, axis=1)
         self.radius = math.sqrt(2.0 * float((distances[self._many.weights > 0.0] ** 2).mean()))
-        """Of a disc as wide as the map's occupied cells [cells]."""
+        """Radius of a disc as wide as the map's occupied cells [cells]."""
         self._reach = float(distances.max()) + 1.0
         self._levels = make_levels(world.cells, self._reach)
 

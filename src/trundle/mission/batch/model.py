@@ -15,7 +15,7 @@ from trundle.sim.ramp import count_steps
 
 
 def numbers_of(navigator: Navigator) -> tuple[FloatArray, ...]:
-    """What the kernel takes of a costmap's inflation, the robot, and the settings of a navigator.
+    """Return the numbers that the kernel takes of a costmap's inflation, the robot, and a navigator's settings.
 
     Raises:
         InputError: If the control period is no multiple of the simulator's substep.

@@ -12,8 +12,7 @@ from trundle.maps import OccupancyGrid
 from trundle.navigation.agent import Agent, AgentInfo, AgentReport
 from trundle.navigation.behaviors import Behavior
 from trundle.navigation.command_check import AssistedCommand
-from trundle.navigation.exploration.frontiers import Frontier, find_frontiers
-from trundle.navigation.exploration.settings import ExplorerSettings
+from trundle.navigation.exploration.frontiers import ExplorerSettings, Frontier, find_frontiers
 from trundle.navigation.exploration.targets import GivenUp, Targets, is_same
 from trundle.navigation.navigator import Navigator
 from trundle.navigation.status import FINAL, NavigationStatus

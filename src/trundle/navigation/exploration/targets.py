@@ -6,8 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from trundle.navigation.exploration.frontiers import Frontier
-from trundle.navigation.exploration.settings import ExplorerSettings
+from trundle.navigation.exploration.frontiers import ExplorerSettings, Frontier
 
 _SAME_M = 1.0
 """Frontiers that are nearer to each other than this are one and the same [m]: they move as more is seen."""

@@ -133,7 +133,7 @@ class FootprintPlanner(PosePlanner):
     """
 
     name: ClassVar[str]
-    """Of the planner, for `Path.planner`."""
+    """The planner's name, for `Path.planner`."""
 
     _tight_places: TightPlaces | None = None
     """Reroutes stretches where the footprint collides, for planners whose cost is the length."""

@@ -44,7 +44,7 @@ class Query:
 
     @property
     def ends(self) -> str:
-        """From where to where, for messages."""
+        """Both ends in words, for messages."""
         start, goal = self.start.pose, self.goal.pose
         return f"from ({start.x:.2f}, {start.y:.2f}) to ({goal.x:.2f}, {goal.y:.2f})"
 

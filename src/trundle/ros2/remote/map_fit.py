@@ -7,8 +7,8 @@ from collections import deque
 import numpy as np
 
 from trundle.geometry import FloatArray, Pose2D
+from trundle.localization.amcl.amcl_settings import AmclSettings
 from trundle.localization.amcl.map_field import MapField
-from trundle.localization.amcl.settings import AmclSettings
 from trundle.maps import OccupancyGrid
 from trundle.observation import Scan
 

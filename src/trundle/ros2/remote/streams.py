@@ -11,7 +11,7 @@ SLOW_PERIODS = 2.2
 """A stream that is slower than five times a second is silent after so many of its periods."""
 
 _SHARE = 0.1
-"""Of a new interval in the mean one."""
+"""Weight of a new interval in the mean one."""
 
 
 class Stream:

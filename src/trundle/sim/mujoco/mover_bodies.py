@@ -39,7 +39,7 @@ class MoverBodies:
         owner = {body: index for index, body in enumerate(bodies)}
         geoms = [geom for geom in range(model.ngeom) if int(model.geom_bodyid[geom]) in owner]
         self.names = {geom: field.names[owner[int(model.geom_bodyid[geom])]] for geom in geoms}
-        """Of each of their geoms, the mover."""
+        """The mover of each geom."""
         self._owner_of = {geom: owner[int(model.geom_bodyid[geom])] for geom in geoms}
         self._geoms = np.array(geoms)
         self._owners = np.array([owner[int(model.geom_bodyid[geom])] for geom in geoms])

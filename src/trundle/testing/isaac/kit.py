@@ -82,7 +82,7 @@ class Timeline:
         return self._state is TimelineEvent.STOP
 
     def play(self, *_: object) -> None:
-        """Play."""
+        """Start the timeline."""
         self._become(TimelineEvent.PLAY)
 
     def pause(self) -> None:

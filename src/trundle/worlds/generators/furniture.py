@@ -12,7 +12,7 @@ from trundle.geometry.solids import Color, Cylinder, Sphere
 from trundle.worlds.generators.props import CHARCOAL, RUBBER, SEEN_TO, STEEL, WOOD, Part, box
 
 DESK_SIZE = (1.6, 0.8)
-"""Of a desk, along the wall and into the room [m]."""
+"""Size of a desk, along the wall and into the room [m]."""
 
 CABINET_SIZE = (0.9, 0.45)
 TABLE_SIZE = (2.2, 1.0)

@@ -26,7 +26,7 @@ FREE_BESIDE = 1.6
 """Least free width beside a cone [m]."""
 
 BAY_WIDTH, BAY_LENGTH = 2.9, 5.6
-"""Of a parking bay [m]."""
+"""Size of a parking bay [m]."""
 
 MAX_SIZE = 150.0  # [m]
 

@@ -329,7 +329,7 @@ class Topics:
         from rclpy.guard_condition import GuardCondition
 
         class OfNoExecutor(ReentrantCallbackGroup):
-            """Keeps what is in it from executors."""
+            """A callback group whose entities no executor calls."""
 
             def can_execute(self, entity):
                 return False
