@@ -51,6 +51,11 @@ def test_load_and_view_ends_with_the_simulated_time(run: Callable[..., str]) -> 
     assert "loaded: True, True" in said
 
 
+def test_a_task_is_logged_saved_and_cleared(isaac: Callable[..., Any], tmp_path: Path) -> None:
+    done = isaac(SCRIPTS / "task.py", tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "done\n", ""), done.stdout + done.stderr
+
+
 def test_list_joints_finds_those_of_nova_carter(run: Callable[..., str]) -> None:
     rows = {line.split()[0]: line.split()[1:] for line in run("list_joints").splitlines()}
     assert {

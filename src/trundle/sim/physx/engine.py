@@ -7,6 +7,7 @@ import importlib.metadata
 import logging
 import os
 import platform
+import re
 import sys
 import warnings
 from collections.abc import Iterator
@@ -29,6 +30,9 @@ _CPU_INFO = Path("/proc/cpuinfo")
 _SCHEMAS = ("PhysxSchema", "OmniUsdPhysicsDeformableSchema")
 _LOG = "trundle.sim.physx.ovphysx"
 """Logger that gets the messages of the engine."""
+_LOG_TIMEOUT_NS = 1_000_000_000
+_PRIM = re.compile(r"(?<![\w./])/[A-Za-z_]\w*")
+"""Where a message names a prim, also behind a colon."""
 
 _log = logging.getLogger(_LOG)
 _log.addHandler(logging.NullHandler())  # what matters becomes an exception or a warning; a program can still log it
@@ -198,27 +202,44 @@ def _schema_folders() -> list[str]:
     return folders if newton is None else [*folders, str(newton)]
 
 
-class _Collector(logging.Handler):
+class Messages(logging.Handler):
+    """What the engine says was wrong.
+
+    Attributes:
+        errors: Its errors, in order.
+        warnings: Its warnings: of a mesh that is not valid, only they name the prim.
+    """
+
     def __init__(self) -> None:
-        super().__init__(logging.ERROR)
-        self.messages: list[str] = []
+        super().__init__(logging.WARNING)
+        self.errors: list[str] = []
+        self.warnings: list[str] = []
 
     def emit(self, record: logging.LogRecord) -> None:
+        """Keep a message."""
         text = " ".join(record.getMessage().split())
-        self.messages.append(text.partition(" , FILE ")[0].partition(", FILE ")[0])  # where in PhysX' sources
+        messages = self.errors if record.levelno >= logging.ERROR else self.warnings
+        messages.append(text.partition(" , FILE ")[0].partition(", FILE ")[0])  # where in PhysX' sources
+
+    def told(self) -> str:
+        """Return the first error; the first message that names a prim, if there is one."""
+        named = (message for message in (*self.errors, *self.warnings) if _PRIM.search(message))
+        return next(named, self.errors[0])
 
 
 @contextmanager
-def collected_errors() -> Iterator[list[str]]:
-    """Collect what the engine logs as errors while the block runs, and leave out its advice on Warp's builds."""
-    collector = _Collector()
+def collected_messages() -> Iterator[Messages]:
+    """Collect what the engine logs in the block, until its end, and leave out its advice on Warp's builds."""
+    messages = Messages()
     before = _log.propagate
-    _log.addHandler(collector)
+    _log.addHandler(messages)
     _log.propagate = False
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)
-            yield collector.messages
+            yield messages
     finally:
+        with suppress(RuntimeError, TimeoutError):
+            library("ovphysx").flush_log(_LOG_TIMEOUT_NS)  # messages come from another thread
         _log.propagate = before
-        _log.removeHandler(collector)
+        _log.removeHandler(messages)

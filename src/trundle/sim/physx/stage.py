@@ -12,7 +12,7 @@ from trundle.errors import SimulationError, WorldError, WorldWarning
 from trundle.geometry.solids import Solid
 from trundle.guard.child import uncounted_growth
 from trundle.sim.physx.attachment import Attachment
-from trundle.sim.physx.engine import collected_errors, library, start_engine
+from trundle.sim.physx.engine import collected_messages, library, start_engine
 from trundle.sim.physx.scene import ROBOT, Scene, report_contacts
 from trundle.usd.stage import bind_friction, friction_material
 from trundle.usd.world import FRICTION, add_solid
@@ -63,7 +63,7 @@ class RunningStage:
             raise
 
     def _open(self) -> None:
-        with collected_errors() as refused:
+        with collected_messages() as refused:
             try:
                 self._stage = self._ovstage.Stage("trundle")
                 domains = self._ovstage.PopulationDomain.PHYSICS
@@ -72,13 +72,13 @@ class RunningStage:
                 self._attach()
                 self.centre_of_mass = self.attachment.centre_of_mass(self._scene.root)
             except (RuntimeError, ValueError, self._ovstage.OvstageError) as error:
-                reason = "; ".join(refused) or str(error)
+                reason = "; ".join(refused.errors) or str(error)
                 raise WorldError(f"{self._scene.source}: PhysX cannot simulate it: {reason}") from error
-        if refused:
-            told = next((message for message in refused if " /" in message), refused[0])
-            more = f" (and {len(refused) - 1} more)" if len(refused) > 1 else ""
+        if refused.errors:
+            more = f" (and {len(refused.errors) - 1} more)" if len(refused.errors) > 1 else ""
             warnings.warn(
-                f"{self._scene.source}: PhysX refuses a part of it, and the robot will pass through that: {told}{more}",
+                f"{self._scene.source}: PhysX refuses a part of it, and the robot will pass through that: "
+                f"{refused.told()}{more}",
                 WorldWarning,
                 stacklevel=4,
             )
@@ -111,7 +111,8 @@ class RunningStage:
             self._handles.clear()
             self.added.clear()
             self._seal()
-        self._attach()
+        with collected_messages():  # what is refused was told at the start
+            self._attach()
         return self.attachment
 
     def add(self, solid: Solid) -> None:
@@ -121,12 +122,12 @@ class RunningStage:
             WorldError: If PhysX refuses it.
         """
         path = f"/trundle_added_{self._ordinal}"
-        with collected_errors() as refused:
+        with collected_messages() as refused:
             self._handles.append(self._population.add_usd_reference_from_string(self._stage, _as_usd(solid), path))
             self._seal()
             self._engine.wait_task(self._engine.update_from_ovstage(self._ordinal, self._ordinal))
-        if refused:
-            raise WorldError(f"PhysX refuses the solid {solid.name!r}: {'; '.join(refused)}")
+        if refused.errors:
+            raise WorldError(f"PhysX refuses the solid {solid.name!r}: {'; '.join(refused.errors)}")
         self.added[path] = solid.name
 
     def _seal(self) -> None:

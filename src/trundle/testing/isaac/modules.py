@@ -79,6 +79,12 @@ class Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
             )
         if fullname in self.known or is_open(fullname) or new_name(fullname):
             return importlib.machinery.ModuleSpec(fullname, self, is_package=True)
+        if fullname.startswith("isaacsim.") and fullname.count(".") == 1 and not _is_on(path, fullname):
+            raise ModuleNotFoundError(
+                f"No module named {fullname!r}: without Isaac Sim there are only the packages isaacsim-core and "
+                "isaacsim-robot",
+                name=fullname,
+            )
         return None
 
     def create_module(self, spec: importlib.machinery.ModuleSpec) -> ModuleType:
@@ -153,3 +159,8 @@ def extension_paths() -> list[str]:
         found += sorted(str(path) for path in root.glob("exts*/isaacsim.*/isaacsim"))
     # Each folder once: both packages are installed in one place.
     return list(dict.fromkeys(found))
+
+
+def _is_on(path: object, fullname: str) -> bool:
+    """Whether a folder of a package's path has a module."""
+    return importlib.machinery.PathFinder.find_spec(fullname, path) is not None  # pyright: ignore[reportArgumentType]

@@ -129,7 +129,8 @@ class Engine:
         self._stage.destroy()
         self._stage = None
         self.load()
-        for path, kind, value in kept:
+        left = set(self._articulations())
+        for path, kind, value in (one for one in kept if one[0] in left):
             binding = self.bind([path], kind)
             if tuple(binding.shape) == value.shape:
                 binding.write(value)

@@ -82,6 +82,12 @@ class Context:
         self._close()
         return True
 
+    def save_as_stage(self, path: str, *_: object) -> bool:
+        """Write the stage to a file, as it is at the moment in one layer."""
+        return bool(self.stage.Flatten().Export(str(path)))
+
+    export_as_stage = save_as_stage
+
     def get_stage_loading_status(self) -> tuple[str, int, int]:
         """Return what is being loaded: never anything."""
         return "", 0, 0
