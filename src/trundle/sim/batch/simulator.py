@@ -289,7 +289,11 @@ class BatchSimulator:
             return np.zeros(0, dtype=np.int64)
         if chosen.ndim != 1 or chosen.dtype.kind not in "iu":
             raise InputError("robots must be indices, a bool for each robot, or None for all")
-        if chosen.min() < 0 or chosen.max() >= self._count or len(np.unique(chosen)) != len(chosen):
+        if (
+            chosen.min() < 0
+            or chosen.max() >= self._count
+            or (len(chosen) > 1 and len(np.unique(chosen)) != len(chosen))
+        ):
             raise InputError(f"robots must be different indices from 0 to {self._count - 1}")
         return chosen.astype(np.int64)
 
@@ -315,6 +319,8 @@ def _first(chosen: npt.NDArray[np.int64] | None, bad: npt.ArrayLike) -> int:
 
 
 def _spread(array: npt.NDArray[np.generic], shape: tuple[int, ...], what: str) -> npt.NDArray:
+    if array.shape == shape:  # np.broadcast_to takes ten times as long as a step of one robot's arithmetic
+        return np.ascontiguousarray(array)
     try:
         return np.ascontiguousarray(np.broadcast_to(array, shape))
     except ValueError:
