@@ -426,6 +426,16 @@ class MissionRun:
             How the drive ends instead, 8 where it goes on; x, y, yaw, v and w now; and v and w of the command.
         """
 
+    def look(self) -> tuple[int, float, float, float, float, float]:
+        """Begin a period whose command somebody else decides on.
+
+        Returns:
+            How the drive ends instead of another command, 8 where it goes on; and x, y, yaw, v and w now.
+        """
+
+    def take(self, v: float, w: float) -> int:
+        """Take that command [m/s, rad/s]; how the drive ends instead of driving it, 8 where it goes on."""
+
     def move(self, v: float, w: float) -> None:
         """Drive one control period with what is sent instead of the command [m/s, rad/s]."""
 

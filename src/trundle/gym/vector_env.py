@@ -87,6 +87,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             options: May hold `reset_mask`.
 
         Raises:
+            UnknownNameError: If there is no such option.
             InputError: If the mask or a seed is bad, or a GPU has found a bad action of an earlier step.
             WorldError: If no start leaves room for the crowd of a robot; the episodes of others may have begun.
         """
@@ -170,7 +171,10 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         return info | {f"_{name}": own for name, own in zip(info, masks, strict=True)}
 
     def _read_mask(self, options: dict[str, Any] | None) -> npt.NDArray[np.bool_]:
-        if not options or "reset_mask" not in options:
+        for name in options or ():
+            if name != "reset_mask":  # with a misspelt one all episodes would be lost
+                raise UnknownNameError("option of reset", name, ["reset_mask"])
+        if not options:
             return np.ones(self.num_envs, dtype=bool)
         given = options["reset_mask"]
         mask = np.asarray(given if isinstance(given, np.ndarray | list) else self.episodes.arrays.host(given))

@@ -219,8 +219,8 @@ class BatchSimulator:
         if not finite.all():
             first = int(np.argmin(finite.all(axis=1)))
             raise InputError(
-                f"the command of robot {first} is ({given[first, 0]:g}, {given[first, 1]:g}); commands must be finite. "
-                "No robot has moved"
+                f"the command of robot {first} is ({given[first, 0]:g}, {given[first, 1]:g}); commands must be "
+                "finite, and below 1e9 m/s and rad/s. No robot has moved"
             )
         self._engine.drive(given, self._mask(robots), substeps)
 
