@@ -69,12 +69,13 @@ class CommandRamp:
             self._report(f"({command.v:g} m/s, {command.w:g} rad/s)", f"({target.v:g} m/s, {target.w:g} rad/s)")
         radius, track, most = self._drive.wheel_radius, self._drive.track_width, self._drive.max_wheel_speed
         motions: list[Motion] = []
+        linear, angular = self._linear_step, self._angular_step
         for step in range(steps):
             if self._v == target.v and self._w == target.w:
                 return motions + [self._motion] * (steps - step)
-            self._v += min(self._linear_step, max(-self._linear_step, target.v - self._v))
-            self._w += min(self._angular_step, max(-self._angular_step, target.w - self._w))
-            v, w = self._v, self._w
+            short, turn = target.v - self._v, target.w - self._w  # compared, as min and max take longer than all else
+            self._v = v = self._v + (linear if short > linear else -linear if short < -linear else short)
+            self._w = w = self._w + (angular if turn > angular else -angular if turn < -angular else turn)
             across = w * track / 2.0
             left, right = (v - across) / radius, (v + across) / radius
             if most is not None and (abs(left) > most or abs(right) > most):

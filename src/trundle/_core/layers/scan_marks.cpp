@@ -45,6 +45,20 @@ struct Beam {
   bool clears, marks;
 };
 
+// The cell of the grid that a beam marks, and where in it; and the cell behind that.
+struct Mark {
+  std::ptrdiff_t row, col, behind_row, behind_col;
+  std::uint8_t x, y;
+
+  static Mark of(const Beam &beam) {
+    const double col = std::floor(beam.hit_x), row = std::floor(beam.hit_y);
+    const double behind_col = std::floor(beam.hit_x + beam.dx), behind_row = std::floor(beam.hit_y + beam.dy);
+    return {static_cast<std::ptrdiff_t>(row), static_cast<std::ptrdiff_t>(col), static_cast<std::ptrdiff_t>(behind_row),
+            static_cast<std::ptrdiff_t>(behind_col), static_cast<std::uint8_t>((beam.hit_x - col) * kSubcells),
+            static_cast<std::uint8_t>((beam.hit_y - row) * kSubcells)};
+  }
+};
+
 struct Bounds {
   double low_x = kFarthest * 4.0, low_y = low_x, high_x = -low_x, high_y = -low_x;
 
@@ -109,9 +123,8 @@ struct Picture {
     return memory;
   }
 
-  std::uint8_t &at(double x, double y) {
-    const auto r = static_cast<std::ptrdiff_t>(std::floor(y)) - row, c = static_cast<std::ptrdiff_t>(std::floor(x)) - col;
-    return pixels[static_cast<std::size_t>(r * cols + c)];
+  std::uint8_t &at(std::ptrdiff_t grid_row, std::ptrdiff_t grid_col) {
+    return pixels[static_cast<std::size_t>((grid_row - row) * cols + grid_col - col)];
   }
 
   // The cells that a beam passes on its way along x; for one along y with x and y swapped.
@@ -144,21 +157,19 @@ struct Picture {
     }
   }
 
-  void draw(const std::vector<Beam> &beams) {
+  void draw(const std::vector<Beam> &beams, const std::vector<Mark> &marks) {
     std::vector<Line> lines;
     lines.reserve(beams.size());
     for (const Beam &beam : beams) {
-      if (beam.marks) at(beam.hit_x + beam.dx, beam.hit_y + beam.dy) = kBehind;
       if (beam.clears) lines.push_back(line_of(beam));
     }
+    for (const Mark &mark : marks) at(mark.behind_row, mark.behind_col) = kBehind;
     for (std::size_t i = 0; i < lines.size(); ++i) {
       const std::size_t apart = i & (~i + 1);  // of the next beams that are drawn whatever this one is
       const bool is_between = i > 0 && i + apart < lines.size();
       draw(lines[i], is_between ? shared_steps(lines[i - apart], lines[i], lines[i + apart]) : 0);
     }
-    for (const Beam &beam : beams) {
-      if (beam.marks) at(beam.hit_x, beam.hit_y) = kHit;
-    }
+    for (const Mark &mark : marks) at(mark.row, mark.col) = kHit;
   }
 };
 
@@ -310,13 +321,12 @@ CellBox clear_passed(const EvidenceRule &rule, const Picture &picture, std::uint
   return clear_all_rows(rule, picture, evidence, rows, cols);
 }
 
-// Add what a picture shows at a point, if that is `kind`, and take it off the picture: each cell counts once.
-void add_once(std::uint8_t kind, const EvidenceRule &rule, Picture &picture, double x, double y, std::uint8_t *evidence,
-              std::ptrdiff_t rows, std::ptrdiff_t cols, CellBox &box) {
-  std::uint8_t &pixel = picture.at(x, y);
+// Add what a picture shows in a cell, if that is `kind`, and take it off the picture: each cell counts once.
+void add_once(std::uint8_t kind, const EvidenceRule &rule, Picture &picture, std::ptrdiff_t r, std::ptrdiff_t c,
+              std::uint8_t *evidence, std::ptrdiff_t rows, std::ptrdiff_t cols, CellBox &box) {
+  std::uint8_t &pixel = picture.at(r, c);
   if (pixel != kind) return;
   pixel = 0;
-  const auto r = static_cast<std::ptrdiff_t>(std::floor(y)), c = static_cast<std::ptrdiff_t>(std::floor(x));
   if (r < 0 || c < 0 || r >= rows || c >= cols) return;
   std::uint8_t &cell = evidence[r * cols + c];
   const std::uint8_t old = cell;
@@ -365,22 +375,24 @@ Rectangle mark_scan(Evidence evidence, HitPoints points, HitTimes times, std::in
   const bool is_beside = bounds.high_x < -3.0 || bounds.high_y < -3.0 || bounds.low_x > static_cast<double>(cols) + 3.0 ||
                          bounds.low_y > static_cast<double>(rows) + 3.0;
   if (beams.empty() || is_beside) return CellBox().as_rectangle();
-  Picture picture(bounds);
-  picture.draw(beams);
+  std::vector<Mark> marks;
+  marks.reserve(beams.size());
   for (const Beam &beam : beams) {
-    const double x = std::floor(beam.hit_x), y = std::floor(beam.hit_y);
-    if (!beam.marks || !(x >= 0.0 && y >= 0.0 && x < static_cast<double>(cols) && y < static_cast<double>(rows))) continue;
-    const std::ptrdiff_t cell = static_cast<std::ptrdiff_t>(y) * cols + static_cast<std::ptrdiff_t>(x);
+    if (beam.marks) marks.push_back(Mark::of(beam));
+  }
+  Picture picture(bounds);
+  picture.draw(beams, marks);
+  for (const Mark &mark : marks) {
+    if (mark.row < 0 || mark.col < 0 || mark.row >= rows || mark.col >= cols) continue;
+    const std::ptrdiff_t cell = mark.row * cols + mark.col;
     if (timed) times.data()[cell] = time;
     if (evidence.data()[cell] & kMarked) continue;
-    points.data()[2 * cell] = static_cast<std::uint8_t>((beam.hit_x - x) * kSubcells);
-    points.data()[2 * cell + 1] = static_cast<std::uint8_t>((beam.hit_y - y) * kSubcells);
+    points.data()[2 * cell] = mark.x, points.data()[2 * cell + 1] = mark.y;
   }
   CellBox box = clear_passed(rule, picture, evidence.data(), rows, cols);
-  for (const Beam &beam : beams) {
-    if (!beam.marks) continue;
-    add_once(kHit, rule, picture, beam.hit_x, beam.hit_y, evidence.data(), rows, cols, box);
-    add_once(kBehind, rule, picture, beam.hit_x + beam.dx, beam.hit_y + beam.dy, evidence.data(), rows, cols, box);
+  for (const Mark &mark : marks) {
+    add_once(kHit, rule, picture, mark.row, mark.col, evidence.data(), rows, cols, box);
+    add_once(kBehind, rule, picture, mark.behind_row, mark.behind_col, evidence.data(), rows, cols, box);
   }
   return box.as_rectangle();
 }

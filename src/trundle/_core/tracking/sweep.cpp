@@ -77,7 +77,7 @@ Sight View::judge(Point point, double margin, double direction) const {
     return Sight::kNothing;
   }
   const double from = bearing - 0.5 * spacing;
-  std::ptrdiff_t beam = std::min(first_from(bearings, from, std::ceil(from / spacing)), beams - 1);
+  std::ptrdiff_t beam = std::min(first_from(bearings, from, std::ceil(from * per_spacing)), beams - 1);
   if (!(apart(bearing, bearings[beam]) <= kOffBeam * spacing)) {
     beam = 0;  // past the last beam: of a full turn the first one is the nearest
     if (!(apart(bearing, bearings[0]) <= kOffBeam * spacing)) {
@@ -144,6 +144,7 @@ void Sweep::order(const Scan &scan, View &view) {
   if (count > 1) {
     view.spacing = (view.bearings[count - 1] - view.bearings[0]) / static_cast<double>(count - 1);
   }
+  view.per_spacing = 1.0 / view.spacing;
 }
 
 void Sweep::take(const Scan &scan, double max_range, const std::vector<Point> &body, View &view) {

@@ -19,6 +19,7 @@ struct View {
   double time = 0.0;
   Point sensor{};
   double zero = 0.0, spacing = 0.0;  // direction of the first beam, angle between two
+  double per_spacing = 0.0;          // beams per angle
   std::vector<double> bearings;      // of the beams from the first, ascending from 0 to a turn
   std::vector<double> through;       // how far each beam and those beside it saw at least
   std::vector<Point> ends;           // what each beam met, infinity for nothing
