@@ -216,9 +216,10 @@ class ShiftedSurfaceMap(_core.SurfaceMap):
 
 def painted_beside(paint: Function) -> Function:
     def change(*arguments):
-        paint(*arguments)
+        box = paint(*arguments)
         cells = arguments[5]
         cells[:] = np.roll(cells, 1, axis=1)
+        return box
 
     return change
 
@@ -290,6 +291,7 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "marks that are old": ("layers", fuzz_layers, "unmark_before", first_cell_changed),
     "marks under the robot": ("layers", fuzz_layers, "unmark_within", first_cell_changed),
     "marks in a map": ("layers", fuzz_layers, "paint_marks", painted_beside),
+    "marks in a window": ("layers", fuzz_layers, "repaint_marks", painted_beside),
     "solids": ("raster", SolidRaster, "add", cell_left_out),
     "distances on a map": ("localization", fuzz_localization, "distance_field", scaled(0.01)),
     "beams of a scan": ("localization", fuzz_localization, "pick_beams", part(1, lambda sensors: sensors + 1e-3)),

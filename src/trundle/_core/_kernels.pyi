@@ -904,6 +904,27 @@ def paint_marks(
 ) -> None:
     """Put the evidence into a part of a map, whose lower left corner has this pose in the frame of the evidence."""
 
+def repaint_marks(
+    evidence: npt.NDArray[np.uint8],
+    points: npt.NDArray[np.uint8],
+    row: int,
+    col: int,
+    resolution: float,
+    cells: npt.NDArray[np.int8],
+    base: npt.NDArray[np.int8],
+    kept: npt.NDArray[np.uint8],
+    window: tuple[int, int, int, int],
+    x: float,
+    y: float,
+    yaw: float,
+    cell_size: float,
+    clear_occupied: bool,
+) -> tuple[int, int, int, int]:
+    """Put the evidence into a window (row, row end, col, col end) of a map anew, from what it is without, `base`.
+
+    Returns the rectangle in which `cells` changed. (x, y, yaw) is the pose of the window's lower left corner.
+    """
+
 def draw_triangles(
     triangles: npt.NDArray[np.float64], width: int, height: int, scale: float, near: float, perspective: bool
 ) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.float64]]:

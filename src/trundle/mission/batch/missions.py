@@ -6,7 +6,6 @@ import math
 import time as clock
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from trundle.geometry import FloatArray, Goal, Pose2D, Twist2D
 from trundle.mission.batch.meetings import find_meetings
 from trundle.mission.batch.model import numbers_of
 from trundle.mission.batch.needs import world_needs_python
-from trundle.mission.batch.sensing import Drive, SensedDrive, Sensing, monitors
+from trundle.mission.batch.sensing import KernelDrive, MissionSensing, Sensing, monitors
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.metrics import Measure
 from trundle.mission.observers import RunInfo
@@ -87,7 +86,7 @@ class _Planned:
     began_s: float
 
     @property
-    def course(self) -> tuple[Path, PathCheck]:
+    def route(self) -> tuple[Path, PathCheck]:
         """The path, and its check.
 
         Raises:
@@ -157,9 +156,9 @@ class MissionBatch:
         ends: list[Episode | HandedOver] = []
         for planned, is_checked in zip(group, monitored, strict=True):
             sensed = self._sensing.begin(planned.mission.setting)
-            driven = _drive_checked(kernel, planned, sensed) if is_checked else next(together)
-            reason = _HANDED_OVER.get(driven.ending) or sensed.find_difference(driven.drive)
-            ends.append(HandedOver(reason) if reason else _conclude(planned, driven, sensed.log.monitor_stops))
+            drive = _drive_checked(kernel, planned, sensed) if is_checked else next(together)
+            reason = _HANDED_OVER.get(drive.ending) or sensed.find_difference(drive)
+            ends.append(HandedOver(reason) if reason else _conclude(planned, drive, sensed.log.monitor_stops))
         return ends
 
     def _needs_of(self, world: World) -> str:
@@ -232,40 +231,32 @@ def _plan(mission: BatchMission, needs: str) -> _Planned | Episode | HandedOver 
     return planned
 
 
-class _Driven(NamedTuple):
-    """A drive, how it ended by the kernel's number, and its control periods without a valid command."""
-
-    drive: Drive
-    ending: int
-    standing: int
-
-
-def _drive_together(kernel: MissionDriver, group: Sequence[_Planned], threads: int) -> Iterator[_Driven]:
+def _drive_together(kernel: MissionDriver, group: Sequence[_Planned], threads: int) -> Iterator[KernelDrive]:
     """Drive missions in one call of a kernel."""
     if not group:
         return
-    courses = [planned.course for planned in group]
+    routes = [planned.route for planned in group]
     rows, ends, results = kernel.drive(
         np.array([planned.info.start.as_tuple() for planned in group]),
         np.array([_goal_numbers(planned.info.goals[0]) for planned in group]),
         np.array([planned.info.time_limit_s for planned in group]),
-        np.concatenate([path.poses for path, _ in courses]),
-        np.concatenate([np.append(path.backward, False) for path, _ in courses]),
-        np.cumsum([len(path.poses) for path, _ in courses]),
-        np.concatenate([check.poses for _, check in courses]),
-        np.concatenate([check.along for _, check in courses]),
-        np.cumsum([len(check.poses) for _, check in courses]),
+        np.concatenate([path.poses for path, _ in routes]),
+        np.concatenate([np.append(path.backward, False) for path, _ in routes]),
+        np.cumsum([len(path.poses) for path, _ in routes]),
+        np.concatenate([check.poses for _, check in routes]),
+        np.concatenate([check.along for _, check in routes]),
+        np.cumsum([len(check.poses) for _, check in routes]),
         threads,
     )
     first = 0
     for planned, end, (ending, standing) in zip(group, ends.tolist(), results.tolist(), strict=True):
-        yield _Driven(_as_drive(planned, rows[first:end]), ending, standing)
+        yield _as_drive(planned, rows[first:end], ending, standing)
         first = end
 
 
-def _drive_checked(kernel: MissionDriver, planned: _Planned, sensed: SensedDrive) -> _Driven:
+def _drive_checked(kernel: MissionDriver, planned: _Planned, sensed: MissionSensing) -> KernelDrive:
     """Drive a mission whose commands pass a collision monitor."""
-    (path, check), info = planned.course, planned.info
+    (path, check), info = planned.route, planned.info
     patience_s = planned.navigator.settings.patience_s
     run = kernel.begin(
         np.array(info.start.as_tuple()),
@@ -287,24 +278,25 @@ def _drive_checked(kernel: MissionDriver, planned: _Planned, sensed: SensedDrive
         run.move(sent.v, sent.w)
         period += 1
     rows, standing = run.result()
-    return _Driven(_as_drive(planned, rows), ending, standing)
+    return _as_drive(planned, rows, ending, standing)
 
 
-def _as_drive(planned: _Planned, rows: FloatArray) -> Drive:
+def _as_drive(planned: _Planned, rows: FloatArray, ending: int, standing: int) -> KernelDrive:
     steps = count_steps(planned.info.dt, TIMESTEP)
-    return Drive(np.arange(0.0, len(rows) * steps, steps) * TIMESTEP, rows, planned.course[1])
+    time = np.arange(0.0, len(rows) * steps, steps) * TIMESTEP
+    return KernelDrive(time, rows, planned.route[1], ending, standing)
 
 
-def _conclude(planned: _Planned, driven: _Driven, monitor_stops: int | None) -> Episode:
+def _conclude(planned: _Planned, drive: KernelDrive, monitor_stops: int | None) -> Episode:
     """The episode of a drive."""
-    info, rows, time = planned.info, driven.drive.rows, driven.drive.time
-    log = RunLog.of(_trajectory(time, rows), (planned.course[0],))
+    info, rows, time = planned.info, drive.rows, drive.time
+    log = RunLog.of(_trajectory(time, rows), (planned.route[0],))
     log.monitor_stops = monitor_stops
     totals = AgentTotals()
-    if driven.standing:
-        totals.standing_reasons["no valid control"] += driven.standing
+    if drive.standing:
+        totals.standing_reasons["no valid control"] += drive.standing
     state = replace(standing_at(Pose2D(*rows[-1, :3].tolist()))[0], time=float(time[-1]))
-    is_there = driven.ending == _ARRIVED
+    is_there = drive.ending == _ARRIVED
     ending = endings.at_goal(state, None) if is_there else endings.timed_out(info.goals, info.time_limit_s)
     return _make_episode(planned, log, totals, ending)
 

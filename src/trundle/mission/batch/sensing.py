@@ -41,18 +41,22 @@ _FARTHEST_CELLS = 254.0  # that a field of Chebyshev distances has
 
 
 @dataclass(frozen=True, eq=False)
-class Drive:
-    """A drive along a path on the map alone.
+class KernelDrive:
+    """What a kernel drove along a path on the map alone.
 
     Attributes:
         time: At the beginning of each control period, and at the end [s], shape (N,).
         rows: (x, y, yaw, v, w) then, and the command (v, w) of the period before, shape (N, 7).
         check: Of the path.
+        ending: How it ended, by the kernel's number.
+        standing: In how many control periods there was no valid command.
     """
 
     time: FloatArray
     rows: FloatArray
     check: PathCheck
+    ending: int
+    standing: int
 
     @cached_property
     def places(self) -> FloatArray:
@@ -74,7 +78,7 @@ class Sensing:
         self._doubts: tuple[Costmap, float | None, _Doubts] | None = None
         self._beams: tuple[World, SceneBeams] | None = None
 
-    def begin(self, setting: Setting) -> SensedDrive:
+    def begin(self, setting: Setting) -> MissionSensing:
         """Begin a drive.
 
         Raises:
@@ -84,7 +88,7 @@ class Sensing:
         obstacle = (LayersSettings() if layers is None else layers).obstacle
         if setting.scenario.lidar and obstacle is not None:
             doubts = self._doubts_of(setting.navigator, obstacle)
-        return SensedDrive(setting, self._beams_in(setting.world), doubts)
+        return MissionSensing(setting, self._beams_in(setting.world), doubts)
 
     def _beams_in(self, world: World) -> SceneBeams:
         if self._beams is None or self._beams[0] is not world:
@@ -99,7 +103,7 @@ class Sensing:
         return kept[2]
 
 
-class SensedDrive:
+class MissionSensing:
     """What the robot of one mission senses.
 
     Args:
@@ -132,7 +136,7 @@ class SensedDrive:
         self.log.add_report(report)
         return report.command
 
-    def find_difference(self, drive: Drive) -> str:
+    def find_difference(self, drive: KernelDrive) -> str:
         """What was sensed that might have made a difference to a drive, in a few words; empty where nothing was."""
         setting, costmap = self._setting, self._setting.navigator.costmap
         reach = _stopping_reach(setting.navigator)
@@ -253,7 +257,7 @@ class _Doubts:
         blocked &= chebyshev_field((given < LETHAL).view(np.uint8)) <= 1
         return cls(costmap, costs, chebyshev_field(blocked.view(np.uint8)), solid | kept | beside)
 
-    def matter_to(self, drive: Drive, reach: float) -> bool:
+    def matter_to(self, drive: KernelDrive, reach: float) -> bool:
         """Whether one of these cells is looked up on a drive; blocked ones are within a reach [m]."""
         cells = reach / self.costmap.resolution + _SPARE_CELLS
         if cells > _FARTHEST_CELLS:
@@ -315,7 +319,7 @@ def _reads_exactly(lidar: Lidar, robot: Robot) -> bool:
     return lidar.noise == 0.0 and bool(inwards.min() >= lidar.range_min)
 
 
-def _is_near(drive: Drive, box: Solid, reach: float) -> bool:
+def _is_near(drive: KernelDrive, box: Solid, reach: float) -> bool:
     """Whether a box comes within a reach [m] of where a robot was or of its path."""
     low, high = box.bounds()
     half = 0.5 * math.hypot(float(high[0] - low[0]), float(high[1] - low[1]))
@@ -323,5 +327,5 @@ def _is_near(drive: Drive, box: Solid, reach: float) -> bool:
     return _distance(drive, x, y) <= reach + half
 
 
-def _distance(drive: Drive, x: float, y: float) -> float:
+def _distance(drive: KernelDrive, x: float, y: float) -> float:
     return float(np.hypot(drive.places[:, 0] - x, drive.places[:, 1] - y).min())
