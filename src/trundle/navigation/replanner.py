@@ -183,12 +183,18 @@ class Replanner:
 
         That one also plans where the last plans are not paid for, or all expansions are used up.
         """
-        if self._quick is None or not self.obstacle.is_blocked:
+        if self._quick is None or (not self.obstacle.is_blocked and not self._goes_on(now)):
             return self.planner
         if self.budget.must_wait(now.time) or self.budget.is_spent(now.time):
             return self._quick
         stands = not moves(now.twist)
         return self.planner if self.obstacle.is_thorough(now.time, stands=stands) else self._quick
+
+    def _goes_on(self, now: Snapshot) -> bool:
+        """Whether it goes on by short searches, with all expansions used up: what was seen to move is near."""
+        if self._quick is None or not self.budget.is_spent(now.time):
+            return False
+        return self.movers.was_near(now.pose.x, now.pose.y, self._robot.circumscribed_radius + _AROUND_M)
 
     def _must_wait(self, now: Snapshot) -> bool:
         """Whether no plan may be made now: the last ones are not paid for, and there is none that searches less."""
@@ -373,7 +379,7 @@ class Replanner:
         if self._must_wait(now):
             self.tries.pending = True
             return Decision(status=NavigationStatus.BLOCKED, replans=int(again), restarts_progress=True)
-        is_last = self.budget.is_spent(now.time) and not self.obstacle.is_blocked
+        is_last = self.budget.is_spent(now.time) and not (self.obstacle.is_blocked or self._goes_on(now))
         planner = self._choose_planner(now) if planner is None else planner
         made = self._plan_again(now, state, planner, again=again)
         if made.error is None:
