@@ -15,7 +15,7 @@ from trundle.geometry.solids import Box, Mesh, OccupancyCells
 from trundle.maps import OccupancyGrid, SpeedMask
 from trundle.mission import DropBox, Manual, Scenario, StepOnce, Trajectory, load_directives, run, sample_mission
 from trundle.navigation import Navigator, NavigatorSettings
-from trundle.navigation.speed_limiter import SpeedLimiter
+from trundle.navigation.command_check import SpeedLimiter
 from trundle.observation import Scan
 from trundle.path import Path
 from trundle.planning import PathCheck, create_planner

@@ -203,9 +203,9 @@ def test_a_live_run_raises_as_well(trundle: Trundle, room_map: Path, mine: Path)
 def test_a_fault_of_trundle_itself_ends_a_run_properly(
     trundle: Trundle, room_map: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    names = {"inv": np.linalg.inv, "zeros": np.zeros((2, 2)), "__name__": "trundle.navigation.followed_path"}
+    names = {"inv": np.linalg.inv, "zeros": np.zeros((2, 2)), "__name__": "trundle.navigation.progress"}
     exec("def advance(self, pose): inv(zeros)", names)  # as if the method were trundle's
-    monkeypatch.setattr("trundle.navigation.followed_path.FollowedPath.advance", names["advance"])
+    monkeypatch.setattr("trundle.navigation.progress.FollowedPath.advance", names["advance"])
     done = trundle("run", room_map, *ENDS, "--no-video")
     assert (done.code, "Traceback" in done.err) == (FAULT, True)
     episode = only_run()

@@ -3,8 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from trundle.control.driving_off import DrivingOff
-from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
+from trundle.control.regulated_pure_pursuit import DrivingOff, RegulatedPurePursuit
 from trundle.costmap import Costmap
 from trundle.errors import InputError
 from trundle.geometry import Pose2D, Twist2D, wrap_angle

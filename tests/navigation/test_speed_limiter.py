@@ -9,7 +9,7 @@ import pytest
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid, SpeedMask
 from trundle.navigation import Navigator
-from trundle.navigation.speed_limiter import SpeedLimiter, fastest_s, limits_along, slow_down
+from trundle.navigation.command_check import SpeedLimiter, fastest_s, limits_along, slow_down
 from trundle.path import Path
 from trundle.planning import PathCheck
 from trundle.robots import Robot

@@ -82,7 +82,10 @@ def may_pass(costmap: Costmap, poses: FloatArray, *, padded: FloatArray) -> bool
         poses: (x, y, yaw) [m, m, rad], map frame, close together; the first is where the robot is. Shape (N, 3).
         padded: The footprint's outline [m], base_link, widened by the clearance to keep, shape (N, 2).
     """
-    blocked = costmap.footprint_sweeps(poses[:-1], poses[1:], outline=padded) < math.inf
+    # `Costmap.footprint_sweeps` without its checks of the arguments: this is part of every control period.
+    origin, ends = costmap.origin, (poses[:-1], poses[1:])
+    shares = _core.footprint_sweep(costmap.data, costmap.resolution, origin.x, origin.y, origin.yaw, padded, *ends)
+    blocked = shares < math.inf
     if not blocked.any():
         return True
     if not costmap.footprint_collides(poses[0], outline=padded)[0]:
@@ -119,5 +122,5 @@ def cost_under(costmap: Costmap, x: float, y: float) -> int:
     cos, sin = math.cos(origin.yaw), math.sin(origin.yaw)
     row = math.floor((cos * dy - sin * dx) / resolution)
     col = math.floor((cos * dx + sin * dy) / resolution)
-    rows, cols = costmap.shape
+    rows, cols = costmap.data.shape
     return costmap.data.item(row, col) if 0 <= row < rows and 0 <= col < cols else NO_INFORMATION

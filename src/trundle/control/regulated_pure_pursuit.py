@@ -18,27 +18,39 @@ import numpy as np
 
 from trundle.control.collision import can_stop, cost_under
 from trundle.control.controller import Controller
-from trundle.control.driving_off import DrivingOff
 from trundle.control.pursuit_settings import PursuitSettings
-from trundle.control.sections import Motion, Section, Vertex, changes_direction, cut_sections, path_vertices, turn_by
+from trundle.control.sections import (
+    SECTION_DONE_M,
+    Motion,
+    Section,
+    Vertex,
+    changes_direction,
+    cut_sections,
+    path_vertices,
+    turn_by,
+)
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import NoValidControlError
-from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist, wrap_angle
+from trundle.geometry import FloatArray, Pose2D, Twist2D, wrap_angle
 from trundle.path import Path
 from trundle.robots import Robot
 
 _STAND = Twist2D(0.0, 0.0)
-_SIMULATION_STEP_M = 0.05  # of the curve that the robot would drive, when the lookahead is chosen
 _TURN_DONE_RAD = 0.02  # about a degree: pursuit makes what is left of the turn
-_SECTION_DONE_M = 0.01
 _SECTION_MISSED_M = 0.02
-"""A section is done so near its end. A lookahead with which the robot would miss the end by more is too long for it."""
+"""A lookahead with which the robot would miss a section's end by more is too long for it [m]."""
 
 _ROOM_STEP_M = 0.005
 _ROOM_STEP_RAD = math.radians(0.5)
 """Steps in which the least room along a path is looked for, fine enough not to step over its narrowest place."""
 
 _SLOWER = (1.0, 0.5, 0.25)  # shares of a command that are tried, the same arc at less speed
+
+_LEAD_S = 0.2
+"""How far commands may lead what the robot reaches: with less, motors that lag behind would hardly speed it up."""
+
+_LEAST_SHARE = 0.25
+"""Share of the acceleration that is left in any turn, so that a robot that turns all the time still drives off."""
 
 
 @dataclass(slots=True)
@@ -63,6 +75,7 @@ class RegulatedPurePursuit(Controller):
     def __init__(self, robot: Robot, **settings: Any) -> None:
         self._robot = robot
         self.settings = PursuitSettings(**settings)
+        self._reach_m = robot.circumscribed_radius + self.settings.footprint_padding
         self._outline = robot.planar.padded(self.settings.footprint_padding).outline
         self._driving_off = DrivingOff(robot, self.settings.acceleration_of(robot))
         self.reset()
@@ -117,27 +130,23 @@ class RegulatedPurePursuit(Controller):
         Raises:
             NoValidControlError: If every command would cause a contact.
         """
-        command = self._choose(pose, twist, costmap, dt)
-        self._driving_off.note(command)
-        return command
-
-    def _choose(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
-        if self._done:
-            return _STAND
-        if self._sections is None and self._path is not None:
+        if not self._done and self._sections is None and self._path is not None:
             self._lay_out(path_vertices(self._path), pose, costmap)
         if not self._done:
             self._finish_what_is_done(pose)
         if self._done:
+            self._driving_off.reset()
             return _STAND
         if self._turn is not None:
             commands = [Twist2D(0.0, self._turn_speed(self._turn.remaining))]
         else:
             commands = self._pursue(pose, costmap)
-        for command in (self._driving_off.limit(command, twist, dt) for command in commands):
+        for wish in commands:
+            command = self._driving_off.limit(wish, twist, dt)
             for factor in _SLOWER:
                 slower = Twist2D(factor * command.v, factor * command.w)
                 if self._is_clear(costmap, pose, twist, slower, dt):
+                    self._driving_off.note(slower)
                     return slower
         self._driving_off.reset()
         what = "turning in place" if self._turn is not None else "following the path"
@@ -208,7 +217,7 @@ class RegulatedPurePursuit(Controller):
             lookaheads.append(self.settings.lookahead_dist)
             bends = [i for i in range(first, last) if not stops[i]]
             if bends:
-                yaw = section.headings[0] if first > 0 or stops[0] else _travel_yaw(section, pose.yaw)
+                yaw = section.headings[0] if first > 0 or stops[0] else section.travel_yaw(pose.yaw)
                 touched, missed = self._pursue_ideally(section, yaw, self.settings.lookahead_dist, costmap)
                 if touched is not None or missed > _SECTION_MISSED_M:
                     lookaheads[-1] = self.settings.min_lookahead_dist
@@ -222,7 +231,7 @@ class RegulatedPurePursuit(Controller):
         self, section: Section, yaw: float, lookahead: float, costmap: Costmap
     ) -> tuple[float | None, float]:
         """Arc length [m] at which an ideal pursuit first collides, or None; and by how much it misses the end."""
-        driven, along = self._drive_geometrically(section, yaw, lookahead)
+        driven, along = section.pursue(yaw, lookahead)
         if len(driven) == 0:
             return None, 0.0
         hits = np.flatnonzero(costmap.footprint_collides(driven, outline=self._outline))
@@ -233,21 +242,6 @@ class RegulatedPurePursuit(Controller):
     @staticmethod
     def _nearest_bend(bends: list[int], section: Section, first: int, s: float) -> int:
         return min(bends, key=lambda bend: abs(section.starts[bend - first] - s))
-
-    def _drive_geometrically(self, section: Section, yaw: float, lookahead: float) -> tuple[FloatArray, list[float]]:
-        """Poses of an ideal pure pursuit along a section from its start, and how far along each is [m]."""
-        (x, y), s = section.points[0], 0.0
-        poses: list[tuple[float, float, float]] = []
-        along: list[float] = []
-        for _ in range(int(1.5 * section.length / _SIMULATION_STEP_M) + 1):
-            if section.length - s <= _SECTION_DONE_M:
-                break
-            curvature = self._curvature(section, x, y, yaw, s, lookahead)[0]
-            x, y, yaw = integrate_twist(x, y, yaw, 1.0, curvature, _SIMULATION_STEP_M)
-            s = section.project(x, y, s, 2.0 * _SIMULATION_STEP_M)
-            poses.append((x, y, _travel_yaw(section, yaw)))
-            along.append(s)
-        return np.array(poses).reshape(-1, 3), along
 
     # Following ------------------------------------------------------------------------------------------------------
 
@@ -265,11 +259,11 @@ class RegulatedPurePursuit(Controller):
                 return
         section = sections[self._index]
         self._s = section.project(pose.x, pose.y, self._s, self.settings.lookahead_dist)
-        if section.length - self._s > _SECTION_DONE_M:
+        if section.length - self._s > SECTION_DONE_M:
             return
         self._index, self._s = self._index + 1, 0.0
         # In the planned direction of rotation, to the planned yaw, from the yaw that the robot really has.
-        self._begin_turn(section.end_turn + wrap_angle(section.headings[-1] - _travel_yaw(section, pose.yaw)), pose)
+        self._begin_turn(section.end_turn + wrap_angle(section.headings[-1] - section.travel_yaw(pose.yaw)), pose)
         if self._turn is None and self._index >= len(sections):
             self._done = True
 
@@ -287,28 +281,19 @@ class RegulatedPurePursuit(Controller):
         """Commands to follow the section, the best first; the later ones lead back onto it where it is tight."""
         sections = self._sections or []
         section, settings = sections[self._index], self.settings
-        yaw = _travel_yaw(section, pose.yaw)
-        curvature, bearing = self._curvature(section, pose.x, pose.y, yaw, self._s, self._lookaheads[self._index])
+        yaw = section.travel_yaw(pose.yaw)
+        curvature, bearing = section.curvature(pose.x, pose.y, yaw, self._s, self._lookaheads[self._index])
         rotate = min(settings.rotate_to_heading_angular_vel, self._robot.limits.angular_speed)
         back_to_path = Twist2D(0.0, math.copysign(min(rotate, max(0.1, 2.0 * abs(bearing))), bearing))
         if abs(bearing) > settings.rotate_to_heading_min_angle:
             return [back_to_path, Twist2D(0.0, -back_to_path.w)]
         speed = self._regulated_speed(curvature, section, pose, costmap)
-        tight = self._curvature(section, pose.x, pose.y, yaw, self._s, settings.min_lookahead_dist)[0]
+        tight = section.curvature(pose.x, pose.y, yaw, self._s, settings.min_lookahead_dist)[0]
         slow = min(speed, settings.regulated_linear_scaling_min_speed, self._fastest_in_curve(tight))
         sign = -1.0 if section.backward else 1.0
         arcs = [Twist2D(sign * speed, speed * curvature), Twist2D(sign * slow, slow * tight)]
         # Turning does not help a robot that faces along its path: it would only sway in front of the obstacle.
         return [*arcs, back_to_path] if abs(bearing) > _TURN_DONE_RAD else arcs
-
-    @staticmethod
-    def _curvature(section: Section, x: float, y: float, yaw: float, s: float, lookahead: float) -> tuple[float, float]:
-        """Curvature [1/m] of the arc to the point `lookahead` ahead on the section, and the bearing [rad] to it."""
-        carrot_x, carrot_y = section.point_at(s + lookahead)
-        dx, dy = carrot_x - x, carrot_y - y
-        cos, sin = math.cos(yaw), math.sin(yaw)
-        ahead, left = cos * dx + sin * dy, cos * dy - sin * dx
-        return 2.0 * left / max(dx * dx + dy * dy, 1e-6), math.atan2(left, ahead)
 
     def _fastest_in_curve(self, curvature: float) -> float:
         limit = self._robot.limits.angular_speed
@@ -350,15 +335,12 @@ class RegulatedPurePursuit(Controller):
 
     def _is_clear(self, costmap: Costmap, pose: Pose2D, twist: Twist2D, command: Twist2D, dt: float) -> bool:
         # Where the cost is 0 the inflation, which reaches beyond the footprint's swing and the stopping distance, ends.
-        if self._inflation_covers_stop(costmap, twist, dt) and cost_under(costmap, pose.x, pose.y) == 0:
-            return True
-        return can_stop(costmap, self._robot.limits, pose, twist, command, dt, padded=self._padded)
-
-    def _inflation_covers_stop(self, costmap: Costmap, twist: Twist2D, dt: float) -> bool:
         limits = self._robot.limits
         fastest = max(limits.linear_speed, abs(twist.v))
-        stop = fastest * (max(0.1, dt) + fastest / (2.0 * limits.linear_acceleration))
-        return costmap.inflation_radius >= self._robot.circumscribed_radius + self.settings.footprint_padding + stop
+        stop_m = fastest * (max(0.1, dt) + fastest / (2.0 * limits.linear_acceleration))
+        if costmap.inflation_radius >= self._reach_m + stop_m and cost_under(costmap, pose.x, pose.y) == 0:
+            return True
+        return can_stop(costmap, limits, pose, twist, command, dt, padded=self._padded)
 
 
 def _least_room(costmap: Costmap, first: FloatArray, last: FloatArray) -> float:
@@ -368,6 +350,46 @@ def _least_room(costmap: Costmap, first: FloatArray, last: FloatArray) -> float:
     return float(costmap.clearance(np.linspace(first, last, pieces + 1)).min())
 
 
-def _travel_yaw(section: Section, yaw: float) -> float:
-    """Direction of travel [rad] on a section for a yaw, and the yaw for a direction of travel."""
-    return yaw + math.pi if section.backward else yaw
+class DrivingOff:
+    """Limits how fast commands speed a robot up: the outer wheel's acceleration stays within that of the robot.
+
+    A robot that drives off while it still turns asks its outer wheel for both accelerations at once. Where the wheel
+    then slips, odometry counts a turn that the robot did not make. So the more the turning speed changes, the less the
+    speed may grow; the arc stays the same. Braking is not limited.
+
+    Args:
+        robot: What is driven.
+        acceleration: Of each wheel along the floor [m/s²].
+    """
+
+    def __init__(self, robot: Robot, acceleration: float) -> None:
+        self._limits, self._half_track = robot.limits, robot.drive.track_width / 2.0
+        self._acceleration = acceleration
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the last command."""
+        self._last = 0.0
+
+    def limit(self, command: Twist2D, twist: Twist2D, dt: float) -> Twist2D:
+        """The same arc, not faster than may be commanded for the next `dt` [s] to a robot that moves with `twist`.
+
+        Speeds grow from the last command, which may lead what the robot reaches by 0.2 s of its acceleration: a robot
+        whose motors lag behind would hardly speed up otherwise.
+        """
+        forward = 1.0 if command.v >= 0.0 else -1.0
+        wanted, moving = abs(command.v), max(0.0, forward * twist.v)
+        most = moving + self._acceleration * _LEAD_S
+        base = min(max(moving, forward * self._last), most)
+        step = self._acceleration * dt
+        slowest = base + _LEAST_SHARE * step
+        if wanted <= slowest:
+            return command
+        turned = max(abs(share * command.w - twist.w) for share in (1.0, slowest / wanted))
+        across = self._half_track * min(turned, self._limits.angular_acceleration * dt)
+        share = min(1.0, max(slowest, base + step - across) / wanted)
+        return Twist2D(share * command.v, share * command.w)
+
+    def note(self, command: Twist2D) -> None:
+        """Take the command that was chosen."""
+        self._last = command.v

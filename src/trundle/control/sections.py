@@ -7,11 +7,16 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from trundle.geometry import wrap_angle
+import numpy as np
+
+from trundle.geometry import FloatArray, integrate_twist, wrap_angle
 from trundle.path import Path
 
 _SAME_PLACE_M = 1e-6
 _STRAIGHT_RAD = 1e-4
+SECTION_DONE_M = 0.01
+"""A section is done so near its end [m]."""
+_PURSUIT_STEP_M = 0.05  # of the curve that an ideal robot drives
 
 Motion = tuple[tuple[float, float, float], tuple[float, float, float]]
 """The first and the last pose (x, y, yaw) [m, m, rad] of a straight line or a turn in place, its yaw not wrapped."""
@@ -90,6 +95,44 @@ class Section:
             if distance < best_distance - 1e-12:
                 best, best_distance = along, distance
         return best
+
+    def travel_yaw(self, yaw: float) -> float:
+        """Direction of travel [rad] of a robot with this yaw, and the yaw for a direction of travel."""
+        return yaw + math.pi if self.backward else yaw
+
+    def curvature(self, x: float, y: float, yaw: float, s: float, lookahead: float) -> tuple[float, float]:
+        """Curvature [1/m] of the arc to the point `lookahead` ahead of arc length `s` [m], and the bearing [rad] to it.
+
+        The arc begins at (x, y) [m], map frame, in the direction of travel `yaw` [rad].
+        """
+        carrot_x, carrot_y = self.point_at(s + lookahead)
+        dx, dy = carrot_x - x, carrot_y - y
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        ahead, left = cos * dx + sin * dy, cos * dy - sin * dx
+        return 2.0 * left / max(dx * dx + dy * dy, 1e-6), math.atan2(left, ahead)
+
+    def pursue(self, yaw: float, lookahead: float) -> tuple[FloatArray, list[float]]:
+        """Drive it from its start by an ideal pure pursuit.
+
+        Args:
+            yaw: Direction of travel at the start [rad].
+            lookahead: [m].
+
+        Returns:
+            Poses (x, y, yaw) of the robot, shape (N, 3), and how far along the section each is [m].
+        """
+        (x, y), s = self.points[0], 0.0
+        poses: list[tuple[float, float, float]] = []
+        along: list[float] = []
+        for _ in range(int(1.5 * self.length / _PURSUIT_STEP_M) + 1):
+            if self.length - s <= SECTION_DONE_M:
+                break
+            curvature = self.curvature(x, y, yaw, s, lookahead)[0]
+            x, y, yaw = integrate_twist(x, y, yaw, 1.0, curvature, _PURSUIT_STEP_M)
+            s = self.project(x, y, s, 2.0 * _PURSUIT_STEP_M)
+            poses.append((x, y, self.travel_yaw(yaw)))
+            along.append(s)
+        return np.array(poses).reshape(-1, 3), along
 
     def _leg_at(self, s: float) -> int:
         return min(max(bisect.bisect_right(self.starts, s) - 1, 0), len(self.headings) - 1)

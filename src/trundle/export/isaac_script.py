@@ -18,7 +18,7 @@ from trundle.export.plain import Scene
 from trundle.export.usd import export_robot, export_world
 from trundle.files.writing import write_text
 from trundle.maps.masks import SpeedMask
-from trundle.navigation.speed_limiter import BESIDE_M, fastest_s, limits_along
+from trundle.navigation.command_check import BESIDE_M, fastest_s, limits_along
 from trundle.path import Path as Plan
 from trundle.sim.isaac.assets import ROBOTS, environment_path, robot_path
 from trundle.usd import GROUND_OFFSET, TIMESTEP

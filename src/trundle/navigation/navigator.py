@@ -21,7 +21,7 @@ from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
 from trundle.navigation.agent import Agent
 from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import Behavior, create_behavior
-from trundle.navigation.command_check import AssistedCommand, CommandCheck, assist_teleop
+from trundle.navigation.command_check import AssistedCommand, CommandCheck, SpeedLimiter, assist_teleop, slow_down
 from trundle.navigation.goal_queue import GoalQueue
 from trundle.navigation.inputs import Given, credible_twist, load_costmap, read_observed, read_update
 from trundle.navigation.navigator_requests import NavigatorRequests
@@ -33,7 +33,6 @@ from trundle.navigation.replanner import Replanner
 from trundle.navigation.retreat import Retreat
 from trundle.navigation.route_planner import RoutePlanner
 from trundle.navigation.sensing import SensedMap, SensedTracks
-from trundle.navigation.speed_limiter import SpeedLimiter, slow_down
 from trundle.navigation.state import Decision, Snapshot
 from trundle.navigation.status import NavigationStatus
 from trundle.observation import Estimate, Observation, Scan
@@ -359,7 +358,8 @@ class Navigator(NavigatorRequests):
         blocked = ""
         try:
             command = controller.compute_velocity(soon.pose, soon.twist, soon.costmap, self.dt)
-            check_result(command, Twist2D, controller, "compute_velocity")
+            if type(command) is not Twist2D:  # a plug-in may return anything
+                check_result(command, Twist2D, controller, "compute_velocity")
         except NoValidControlError:
             command, blocked = _STAND, "no valid control"
         if command != _STAND and (command := slow_down(command, replanner.fastest)) == _STAND:
@@ -374,7 +374,8 @@ class Navigator(NavigatorRequests):
     def _send(self, command: Twist2D, now: Snapshot) -> Twist2D:
         """Remember the command that takes effect after the delay."""
         self._command = command
-        self._delayed.send(command, now.time)
+        if self._delayed.delay_s > 0.0:
+            self._delayed.send(command, now.time)
         return command
 
     def _last_command(self, now: float) -> Twist2D:

@@ -12,7 +12,7 @@ from trundle.errors import InputError, PlanningError
 from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import SpeedMask
-from trundle.navigation.agent import Agent, AgentInfo, AgentReport
+from trundle.navigation.agent import Agent
 from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.navigation.command_check import CommandCheck
@@ -240,42 +240,3 @@ class NavigatorAttributes(Agent):
     def follows_given(self) -> bool:
         """Whether it follows a path that `follow` gave it."""
         return self._replanner.is_given
-
-    # All in one -----------------------------------------------------------------------------------------------------
-
-    def info(self) -> AgentInfo:
-        """Say what it is and drives with."""
-        return AgentInfo(
-            self.controller_name,
-            self.planner_name,
-            self.robot,
-            self.grid,
-            self.costmap,
-            self.speed_mask,
-            self.goal_checker,
-            plugins=(self, self.controller, self.planner, self.smoother, self.goal_checker),
-        )
-
-    def report(self, *, rollouts: bool = False) -> AgentReport:
-        """Say what it is doing, and why."""
-        # It is asked in every control period: what stands in the properties above is read without them.
-        state, replanner, controller = self._state, self._replanner, self._controller
-        followed = replanner.followed
-        return AgentReport(
-            status=state.status,
-            message=state.message,
-            error=state.error,
-            path=None if followed is None else followed.path,
-            distance_remaining=None if followed is None else followed.left_m,
-            costmap=self._sensed.costmap,
-            tracks=self.tracks,
-            rollouts=controller.rollouts() if rollouts else None,
-            intent=controller.intent,
-            goals_reached=self._goal_queue.goals_reached,
-            behaviors=self._runner.runs,
-            replans=state.replans,
-            planning_time_s=state.planning_time_s,
-            standing_reasons=state.standing_reasons,
-            waits_to_plan=replanner.tries.pending,
-            follows_given=replanner.is_given,
-        )

@@ -1,4 +1,4 @@
-"""`NavigatorRequests`: what a program asks of a `Navigator` between two updates: goals, paths, behaviors, plans."""
+"""`NavigatorRequests`: what a program asks of a `Navigator` between two updates: goals, behaviors, plans, reports."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from trundle.errors import InputError, PlanningError, PlanningStoppedError
 from trundle.fault import check_result
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
+from trundle.navigation.agent import AgentInfo, AgentReport
 from trundle.navigation.behaviors import Behavior
 from trundle.navigation.behaviors.behavior import check_behavior_kind
-from trundle.navigation.followed_path import FollowedPath
 from trundle.navigation.inputs import read_goal
 from trundle.navigation.navigator_attributes import NavigatorAttributes
+from trundle.navigation.progress import FollowedPath
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.relocalization import Relocalization
 from trundle.navigation.sensing import SensedTracks
@@ -207,6 +208,45 @@ class NavigatorRequests(NavigatorAttributes):
             if self.has_map:
                 raise
             return None
+
+    # What it says -----------------------------------------------------------------------------------------------------
+
+    def info(self) -> AgentInfo:
+        """Say what it is and drives with."""
+        return AgentInfo(
+            self.controller_name,
+            self.planner_name,
+            self.robot,
+            self.grid,
+            self.costmap,
+            self.speed_mask,
+            self.goal_checker,
+            plugins=(self, self.controller, self.planner, self.smoother, self.goal_checker),
+        )
+
+    def report(self, *, rollouts: bool = False) -> AgentReport:
+        """Say what it is doing, and why."""
+        # It is asked in every control period: what stands in the properties above is read without them.
+        state, replanner, controller = self._state, self._replanner, self._controller
+        followed = replanner.followed
+        return AgentReport(
+            status=state.status,
+            message=state.message,
+            error=state.error,
+            path=None if followed is None else followed.path,
+            distance_remaining=None if followed is None else followed.left_m,
+            costmap=self._sensed.costmap,
+            tracks=self.tracks,
+            rollouts=controller.rollouts() if rollouts else None,
+            intent=controller.intent,
+            goals_reached=self._goal_queue.goals_reached,
+            behaviors=self._runner.runs,
+            replans=state.replans,
+            planning_time_s=state.planning_time_s,
+            standing_reasons=state.standing_reasons,
+            waits_to_plan=replanner.tries.pending,
+            follows_given=replanner.is_given,
+        )
 
     # How a drive changes --------------------------------------------------------------------------------------------
 

@@ -8,13 +8,13 @@ import time as clock
 from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError, InputError, PlanningError, PlanningStoppedError
 from trundle.geometry import Twist2D
-from trundle.navigation.followed_path import FollowedPath
+from trundle.navigation.command_check import BRAKING_SHARE
 from trundle.navigation.navigator_settings import NavigatorSettings
 from trundle.navigation.obstacle_watch import MoverMemory, ObstacleWatch
 from trundle.navigation.planning_limits import FailedPlan, PlanningBudget, PlanningTries, moves, timed_out
+from trundle.navigation.progress import FollowedPath
 from trundle.navigation.route_planner import RoutePlanner, is_of_goal
 from trundle.navigation.sensing import SensedMap
-from trundle.navigation.speed_limiter import BRAKING_SHARE
 from trundle.navigation.state import NOTHING, Decision, DriveState, Snapshot
 from trundle.navigation.status import NavigationStatus
 from trundle.planning import PathHit, Planner

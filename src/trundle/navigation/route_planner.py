@@ -16,8 +16,8 @@ from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import BlockedPoseError, PlanningError
 from trundle.fault import check_result
 from trundle.geometry import FloatArray, Goal, Pose2D, wrap_angle
-from trundle.navigation.followed_path import FollowedPath
 from trundle.navigation.planning_limits import timed_out
+from trundle.navigation.progress import FollowedPath
 from trundle.navigation.sensing import SensedMap
 from trundle.path import Path
 from trundle.planning import Cancellation, PathCheck, Planner, Smoother

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from trundle.costmap import Costmap
 from trundle.errors import PlanningError
 from trundle.geometry import Goal, Pose2D, Twist2D
-from trundle.navigation.followed_path import FollowedPath
+from trundle.navigation.progress import FollowedPath
 from trundle.navigation.status import FINAL, NavigationStatus
 from trundle.observation import Track
 from trundle.planning import Planner

@@ -57,6 +57,7 @@ class KinematicSimulator(Simulator):
         self._movers = MoverField(world, robot) if world.movers else None
         self._beams = SceneBeams(world, self._movers)
         self._lidars = LidarSet(robot, lidar, self._beams.cast)
+        self._has_lidars = bool(self._lidars.heights)
         self._beams.prepare(self._lidars.heights)
         self._closed = False
         self.on_substep: Callable[[Substep], None] | None = None
@@ -224,6 +225,6 @@ class KinematicSimulator(Simulator):
             wheel_speeds=WheelSpeeds(motion.left, motion.right),
             odometry=self._odometry_at(pose),
             contacts=(*self._footprint.find(poses), *touched.values()),
-            scans=self._lidars.scan(pose, since, time),
+            scans=self._lidars.scan(pose, since, time) if self._has_lidars else (),
             movers=() if self._movers is None else self._movers.states(),
         )

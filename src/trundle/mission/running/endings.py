@@ -16,7 +16,7 @@ from trundle.sim import Contact, RobotState
 Ending: TypeAlias = tuple[Outcome, str]
 """The outcome and its message."""
 
-_TIPPED_RAD = math.radians(70.0)
+TIPPED_RAD = math.radians(70.0)
 """No robot on wheels comes back from this tilt."""
 
 
@@ -94,10 +94,8 @@ def timed_out(goals: Sequence[Goal], time_limit_s: float) -> Ending:
     return Outcome.TIMED_OUT, f"{what} within {time_limit_s:.1f} s"
 
 
-def tipped_over(state: RobotState) -> Ending | None:
-    """Something has knocked the robot over, and its wheels no longer move it; None where it stands."""
-    if state.tilt < _TIPPED_RAD:
-        return None
+def tipped_over(state: RobotState) -> Ending:
+    """Something has knocked the robot over by more than `TIPPED_RAD`, and its wheels no longer move it."""
     tilt = f"{math.degrees(state.tilt):.0f}°"
     return Outcome.STUCK, f"tipped over by {tilt} at {_words(state.pose)} after {state.time:.1f} s"
 

@@ -14,13 +14,13 @@ from trundle.mission.fields import Rules
 from trundle.mission.observers import RunInfo
 from trundle.mission.running import endings
 from trundle.mission.running.endings import Ending
-from trundle.mission.running.goal_count import GoalCount
 from trundle.mission.running.preparation import allowed_time
 from trundle.mission.running.robot_stack import RobotStack
 from trundle.mission.running.run_log import AgentTotals
 from trundle.navigation import AgentReport, NavigationStatus, NavigatorSettings
 from trundle.navigation.agents import check_command
 from trundle.navigation.status import FINAL
+from trundle.navigation.waypoint import tasks_of
 from trundle.path import Path
 from trundle.sim import RobotState
 
@@ -48,6 +48,8 @@ class GoalSequence:
         waits: Whether a run without goals waits for some, and goes on after the last one.
 
     Attributes:
+        goals: All goals, in order.
+        reached: How many of them are reached.
         totals: What the agent counted for the goals that were left or reached.
         time_limit_s: When the run is stopped [s].
         goes_on: Whether the run goes on where its goals are reached or given up; see `WaitAtGoal`.
@@ -74,8 +76,12 @@ class GoalSequence:
         self._at_first = through, hands_over
         self._is_idle = False
         self._stop_on_contact, self._extends, self._waits = stop_on_contact, extends, waits
-        checker = self._agent.info().goal_checker or NavigatorSettings().make_goal_checker()
-        self._count = GoalCount(info.goals, checker, through=through)
+        self._checker = self._agent.info().goal_checker or NavigatorSettings().make_goal_checker()
+        self.goals, self.reached = tuple(info.goals), 0
+        self._reached_before = 0
+        """How many were reached when the agent got those that were left, which it counts from none."""
+        self._is_by_estimate = False
+        """Whether one of them was reached only by the localizer's estimate."""
         self._planned_s = 0.0
         """Wall time [s] of a plan that was made as a goal was set; the next command has it."""
         self.totals = AgentTotals()
@@ -83,24 +89,14 @@ class GoalSequence:
         self.goes_on = False
 
     @property
-    def goals(self) -> tuple[Goal, ...]:
-        """All goals, in order."""
-        return self._count.goals
-
-    @property
-    def reached(self) -> int:
-        """How many of them are reached."""
-        return self._count.reached
-
-    @property
     def current(self) -> int:
-        """Index of the goal that the robot drives to."""
-        return self._count.current
+        """Index of the goal that the robot drives to; of the last one at the end, whose tasks may still run."""
+        return min(self.reached, max(0, len(self.goals) - 1))
 
     @property
     def is_done(self) -> bool:
         """Whether all goals are reached."""
-        return self._count.are_reached
+        return self.reached >= len(self.goals)
 
     @property
     def info(self) -> RunInfo:
@@ -121,7 +117,7 @@ class GoalSequence:
         """
         if (ending := self._ending_before(state)) is not None:
             return ending
-        stack, count = self._stack, self._count
+        stack = self._stack
         observation = stack.observation
         while True:
             command = stack.command(observation)
@@ -129,23 +125,27 @@ class GoalSequence:
             self._planned_s = 0.0
             arrived = stack.report.status is NavigationStatus.ARRIVED
             if self._hands_over:
-                if not count.count_passed(stack.report.goals_reached, state.pose, stack.believed):
+                if not self._count_passed(stack.report.goals_reached, state.pose):
                     return endings.elsewhere(self._agent, state)
                 if arrived and not (self._waits or self.goes_on):
                     return self._at_goal(state)
-            elif arrived and not count.are_reached:
-                if not count.count(state.pose, stack.believed):
+            elif arrived and not self.is_done:
+                if not self._is_at(self.goals[self.reached], state.pose):
                     return endings.elsewhere(self._agent, state)
-                if not count.are_reached:
-                    self._begin((count.next,))
+                self.reached += 1
+                if not self.is_done:
+                    self._begin((self.goals[self.reached],))
                     observation = replace(observation, scans=())  # the agent has them
                     continue
                 if not (self._waits or self.goes_on):
                     return self._at_goal(state)
-            may_end = not (self._waits or self.goes_on or self._is_idle)
+            is_driving = stack.report.status is NavigationStatus.DRIVING
+            may_end = not (is_driving or self._waits or self.goes_on or self._is_idle)
             if may_end and (ending := endings.given_up(stack.report, state)) is not None:
                 return ending
-            return self._timed_out(state) or check_command(self._agent, command)
+            if (ending := self._timed_out(state)) is not None:
+                return ending
+            return command if isinstance(command, Twist2D) else check_command(self._agent, command)
 
     def pass_by_hand(self, state: RobotState, dt: float) -> Ending | None:
         """Note that a control period of this length [s] is driven by hand; or how the run ends now."""
@@ -159,15 +159,38 @@ class GoalSequence:
             return Outcome.NO_PATH, str(self._unreachable)
         if hit is not None and self._stop_on_contact:
             return Outcome.COLLIDED, endings.describe_contact(hit, state.time)
-        if not self._waits and (ending := endings.tipped_over(state)) is not None:
-            return ending
-        if not self.goes_on and self._count.is_near_last(state.pose, self._rules.arrival_radius):
-            self._count.reached += 1
-            return self._at_goal(state)
-        return None
+        if state.tilt >= endings.TIPPED_RAD and not self._waits:
+            return endings.tipped_over(state)
+        radius = self._rules.arrival_radius
+        if radius is None or self.goes_on or self.reached + 1 != len(self.goals):
+            return None
+        if state.pose.distance_to(self.goals[-1].pose) > radius:
+            return None
+        self.reached += 1
+        return self._at_goal(state)
+
+    def _count_passed(self, reached: int, pose: Pose2D) -> bool:
+        """Count the goals that the agent has reached or passed; False where it is not at one at which it stops."""
+        while self.reached < min(self._reached_before + reached, len(self.goals)):
+            goal = self.goals[self.reached]
+            is_stop = not self._through or bool(tasks_of(goal)) or self.reached == len(self.goals) - 1
+            if is_stop and not self._is_at(goal, pose):
+                return False
+            self.reached += 1
+        return True
+
+    def _is_at(self, goal: Goal, pose: Pose2D) -> bool:
+        """Whether the robot is at a goal, truly or by its estimate; the latter is noted."""
+        if self._checker.is_within(pose, goal.pose, any_yaw=goal.yaw_free):
+            return True
+        believed = self._stack.believed
+        if believed is None or not self._checker.is_within(believed, goal.pose, any_yaw=goal.yaw_free):
+            return False
+        self._is_by_estimate = True
+        return True
 
     def _at_goal(self, state: RobotState) -> Ending:
-        return endings.at_goal(state, self._stack.estimate.pose if self._count.reached_by_estimate else None)
+        return endings.at_goal(state, self._stack.estimate.pose if self._is_by_estimate else None)
 
     def _timed_out(self, state: RobotState) -> Ending | None:
         if self.goes_on and self._extends:
@@ -187,7 +210,8 @@ class GoalSequence:
         """How a run that went on after its goals is ended by hand at the last one; None where it is elsewhere."""
         if not (self.goes_on and self.goals and self.is_done) or not self.rests(state):
             return None
-        if not self._count.is_at_last(state.pose, self._stack.believed):
+        last, places = self.goals[-1], (state.pose, self._stack.believed)
+        if not any(self._checker.is_within(at, last.pose, any_yaw=last.yaw_free) for at in places if at is not None):
             return None
         outcome, message = self._at_goal(state)
         return outcome, f"{message}; {why}"
@@ -209,7 +233,7 @@ class GoalSequence:
         """
         if not self._agent.needs_goal and not self._info.goals:
             raise InputError("the agent of this run drives without goals")
-        if not append or self._count.are_reached:
+        if not append or self.is_done:
             self._replace((goal,), state, self._at_first)
             return
         here = self.goals[-1].pose
@@ -245,7 +269,7 @@ class GoalSequence:
         self._follow(path)
         self._through, self._hands_over = self._at_first
         self._put(self.reached, (Goal.of(path.goal),), path)
-        self._count.begin_again()
+        self._reached_before = self.reached
         if self._extends:
             self.time_limit_s = state.time + self._allowed(here, self.goals[self.reached :], path)
 
@@ -272,7 +296,7 @@ class GoalSequence:
             self._begin(left)
         else:
             self._follow(path)
-            self._count.begin_again()
+            self._reached_before = self.reached
 
     def _replace(self, goals: tuple[Goal, ...], state: RobotState, how: tuple[bool, bool]) -> None:
         """Drive to these goals instead of those that are left; through them, and handed over at once, or not."""
@@ -290,7 +314,7 @@ class GoalSequence:
     def _put(self, done: int, goals: tuple[Goal, ...], leg: Path | None) -> None:
         """Keep so many goals, and put these after them, of which the plan is known up to the first stop."""
         self._is_idle = False
-        self._count.replace((*self.goals[:done], *goals), through=self._through)
+        self.goals = (*self.goals[:done], *goals)
         self._legs[done:] = [0.0 if leg is None or k else leg.length for k in range(len(goals))]
 
     def _allowed(self, here: Pose2D, goals: Sequence[Goal], leg: Path | None) -> float:
@@ -301,7 +325,7 @@ class GoalSequence:
         report = self._agent.report()
         if self._hands_over:
             self._agent.set_goals(goals, through=self._through)
-            self._count.begin_again()
+            self._reached_before = self.reached
         else:
             self._agent.set_goal(goals[0])
         self.totals.add(report)
@@ -334,7 +358,7 @@ class GoalSequence:
                 self.set_again()
             else:
                 self._follow(given)
-                self._count.begin_again()
+                self._reached_before = self.reached
             raise
         self._stack.ask_report()
         if path is not None:

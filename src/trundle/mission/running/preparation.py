@@ -18,7 +18,7 @@ from trundle.localization.localizer import Localizer, LocalizerAdapter
 from trundle.mission.observers import RunInfo
 from trundle.navigation import Agent, AgentInfo
 from trundle.navigation.agent import CONTROL_PERIOD_S
-from trundle.navigation.speed_limiter import fastest_s
+from trundle.navigation.command_check import fastest_s
 from trundle.navigation.waypoint import tasks_of
 from trundle.observation import Estimate
 from trundle.path import Path

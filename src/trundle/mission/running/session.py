@@ -139,6 +139,7 @@ class Session:
         self._first = standing_at(begin)
         self._wall_s = 0.0
         self._loop: ControlLoop | None = None
+        self._act = ControlLoop.steer_and_drive if is_steered else ControlLoop.drive
         self._ended = RunEnd((agent, localizer, monitor, sim))
         self._episode: Episode | None = None
         self._info = describe_early(agent, sim.robot, name, begin, goals, time_limit_s, seed, sim.world)
@@ -281,7 +282,7 @@ class Session:
         Raises:
             BaseException: What a plug-in raised; the run has ended as `error`, and observers were notified.
         """
-        return self._loop.last if self._attempt(ControlLoop.steer_and_drive) and self._loop is not None else None
+        return self._loop.last if self._attempt(self._act) and self._loop is not None else None
 
     def steer(self) -> bool:
         """Apply the directives that are due; `step` does so first, and waits while the run is paused.
@@ -304,11 +305,10 @@ class Session:
         Raises:
             BaseException: As `step`.
         """
-        act = ControlLoop.drive if self._executor is None else ControlLoop.steer_and_drive
         if self._loop is not None:
             self._loop.returns_steps = False
         try:
-            while self._attempt(act):
+            while self._attempt(self._act):
                 pass
         except KeyboardInterrupt as error:  # between two periods
             self.abort(error)
