@@ -97,7 +97,7 @@ def test_it_leaves_room_to_what_moves_and_blocks_the_aisle():
     run = Run(world, navigator)
     assert (navigator.status, run.contact) == (NavigationStatus.ARRIVED, "")
     assert NavigationStatus.BLOCKED in run.statuses
-    waiting = [5.0 - pose.x - REACH for pose, time in run.timed if 10.0 < time < 24.0]
+    waiting = [5.0 - pose.x - REACH for pose, time in run.timed if 9.0 < time < 14.0]
     assert min(waiting) > 1.0
     assert max(waiting) < 1.6
 

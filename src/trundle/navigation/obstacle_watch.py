@@ -21,8 +21,12 @@ STAND_OFF_M = 1.2
 STANDING_WITHIN = 0.5, 7.0
 """A robot stands at one place as long as it moves and turns by less than this [m, rad]."""
 _BACK_UP_EVERY_S = 5.0
-_THOROUGH_EVERY_S, _PAST_MOVERS_EVERY_S = 10.0, 20.0
-"""One such search in vain takes up to 800,000 of the 1,200,000 expansions of a drive; what moves may leave first."""
+_THOROUGH_EVERY_S = 10.0
+PAST_MOVERS_EVERY_S = 20.0
+"""Between two long searches where what moves blocks the path, and before the first [s]: it may leave by itself.
+
+One in vain takes up to 800,000 of the 1,200,000 expansions of a drive.
+"""
 
 
 class ObstacleWatch:
@@ -101,7 +105,7 @@ class ObstacleWatch:
             return True
         every_s, last = _THOROUGH_EVERY_S, self._thorough_at
         if self.by_mover:
-            every_s, last = _PAST_MOVERS_EVERY_S, max(last, self.since or 0.0)
+            every_s, last = PAST_MOVERS_EVERY_S, max(last, self.since or 0.0)
         if not stands or time - last < every_s - 1e-9:
             return False
         self._thorough_at = time

@@ -116,8 +116,6 @@ class Replanner:
         """Whether the robot needs a plan before it drives on."""
         return self.followed is None or self.tries.pending
 
-    # Planning -------------------------------------------------------------------------------------------------------
-
     def plan(
         self, now: Snapshot, state: DriveState, planner: Planner | None = None, *, needed: bool = True
     ) -> Decision:
@@ -211,8 +209,6 @@ class Replanner:
         holds = is_same and failed.holds(now.pose, state.ahead, now.costmap, noisy=self._sensed.is_active)
         return failed.error if holds else None
 
-    # The plan that the robot waits for ------------------------------------------------------------------------------
-
     def plan_first(self, now: Snapshot, state: DriveState) -> Decision:
         """Make the plan that the robot waits for; the command is to stand where it may not drive on yet."""
         if self._sensed.awaits_scan(now.time) or (self.obstacle.is_blocked and not self.obstacle.may_plan(now.time)):
@@ -246,8 +242,6 @@ class Replanner:
         if error is None:
             return "waiting to plan" if self.tries.pending else ""
         return "goal occupied" if is_of_goal(error, state.ahead) else "no path"
-
-    # What blocks the path -------------------------------------------------------------------------------------------
 
     def follow(self, now: Snapshot) -> None:
         """Take where the robot is: it is more patient where something was seen to move beside it."""
@@ -295,8 +289,6 @@ class Replanner:
         if room_m == math.inf:
             return math.inf
         return math.sqrt(2.0 * BRAKING_SHARE * self._robot.limits.linear_acceleration * max(0.0, room_m))
-
-    # Planning again -------------------------------------------------------------------------------------------------
 
     def reconsider(self, followed: FollowedPath, now: Snapshot, state: DriveState) -> Decision:
         """Plan again where a changed map blocks the path, or it is time to look for a better one."""

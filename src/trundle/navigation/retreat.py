@@ -11,9 +11,10 @@ from trundle._core import distance_field
 from trundle.costmap import INSCRIBED, LETHAL, Costmap
 from trundle.errors import PlanningError
 from trundle.geometry import FloatArray, Goal, Pose2D, Twist2D
-from trundle.navigation.followed_path import FollowedPath
+from trundle.navigation.obstacle_watch import PAST_MOVERS_EVERY_S
+from trundle.navigation.progress import FollowedPath
 from trundle.navigation.replanner import Replanner
-from trundle.navigation.route_planner import RoutePlanner
+from trundle.navigation.route_planner import RoutePlanner, is_of_goal
 from trundle.navigation.sensing import SensedMap
 from trundle.navigation.state import NOTHING, Decision, DriveState, Snapshot
 from trundle.navigation.status import NavigationStatus
@@ -98,6 +99,7 @@ class Retreat:
             and obstacle.standing_s >= (2.0 * _AFTER_S if made_room else _AFTER_S)
             and now.time >= self._again_s
             and state.error is not None
+            and not is_of_goal(state.error, state.ahead)
             and len(self._places) < _MOST
             and not self._replanner.is_given
         )
@@ -133,7 +135,7 @@ class Retreat:
         self._replanner.budget.allow_more()
         obstacle = self._replanner.obstacle
         obstacle.clear()
-        obstacle.see(now.time)
+        obstacle.see(now.time - PAST_MOVERS_EVERY_S)  # so that the next plan may search for long
         obstacle.by_mover = True
         return Decision(restarts_progress=True)
 
