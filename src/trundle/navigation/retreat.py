@@ -25,8 +25,8 @@ _AFTER_S = 10.0
 """So long it stands first [s]: most people are gone by then, and it backs up straight after 2 s."""
 _MOST = 6
 """So often it makes room on the way to a goal, each time at another place."""
-_LEAST_M, _REACH_M = 2.0, 9.0
-"""How far it drives at least and at most [m]."""
+_LEAST_M, _REACH_M = (2.0, 1.0), 9.0
+"""How far it drives at least, or where there is no such place, and at most [m]."""
 _PASS_M, _ROOM_M = 0.8, 3.0
 """Room for a person beside the circle in which the robot turns, and how far it is looked at from its middle [m]."""
 _PASS_WORTH_M = 6.0
@@ -150,7 +150,7 @@ def find_room(costmap: Costmap, pose: Pose2D, movers: FloatArray, others: Sequen
         others: Places that are not to be chosen again.
 
     Returns:
-        The place, to be reached with any yaw; None if there is none within 2 to 9 m of driving.
+        The place, to be reached with any yaw; None if there is none within 1 to 9 m of driving.
     """
     row, col = (int(index) for index in costmap.world_to_cell(pose.x, pose.y))
     if not costmap.contains(row, col):
@@ -168,12 +168,12 @@ def find_room(costmap: Costmap, pose: Pose2D, movers: FloatArray, others: Sequen
     costs = np.where(walls, 255, 1).astype(np.uint8)
     driven = costmap.resolution * cost_field(costs, (row - rows.start, col - cols.start), threads=1)
     room = distance_field((data >= LETHAL).view(np.uint8), costmap.resolution, 0.0, _ROOM_M)
-    beside = room - costmap.circumscribed_radius
-    allowed = (beside > 0.0) & (driven >= _LEAST_M) & (driven <= _REACH_M)
+    worth = _PASS_WORTH_M * np.minimum((room - costmap.circumscribed_radius) / _PASS_M, 1.0) - driven
+    worth[driven > _REACH_M] = -np.inf
     for other in others:
-        allowed &= np.hypot(x - other.x, y - other.y) > _OTHER_M
-    if not allowed.any():
-        return None
-    worth = _PASS_WORTH_M * np.minimum(beside / _PASS_M, 1.0) - driven
-    best = np.where(allowed, worth, -np.inf).argmax()
-    return Goal(float(x.flat[best]), float(y.flat[best]))
+        worth[np.hypot(x - other.x, y - other.y) <= _OTHER_M] = -np.inf
+    for least_m in _LEAST_M:
+        best = np.where(driven >= least_m, worth, -np.inf).argmax()
+        if math.isfinite(worth.flat[best]):
+            return Goal(float(x.flat[best]), float(y.flat[best]))
+    return None
