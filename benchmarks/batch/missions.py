@@ -1,6 +1,7 @@
 """Ten thousand missions on a map by the backend `batch`, and some by `kinematic`: from sampling to rows and a report.
 
     python -m benchmarks.batch.missions MAP.yaml [--missions 10000] [--workers 1] [--kinematic 300] [--sensing layers]
+                                                 [--controller mppi]
 
 Wall time is that of `trundle evaluate` as a whole, with its report; CPU time is of all its processes. Rows of missions
 that both backends drive are compared.
@@ -40,10 +41,12 @@ def cpu_s() -> float:
 
 
 def measure(
-    grid: str, backend: str, missions: int, workers: int, folder: Path, sensing: str
+    grid: str, backend: str, missions: int, workers: int, folder: Path, sensing: str, controller: str
 ) -> tuple[Evaluation, float, float]:
     """Evaluate missions; return the evaluation, its wall time [s] and its CPU time [s]."""
-    suite = Suite.make(worlds=[grid], missions=f"0:{missions}", backends=[backend], **SENSING[sensing])
+    suite = Suite.make(
+        worlds=[grid], missions=f"0:{missions}", backends=[backend], controllers=[controller], **SENSING[sensing]
+    )
     wall, cpu = time.perf_counter(), cpu_s()
     run_suite(suite, folder / backend, workers=workers)
     evaluation = Evaluation(folder / backend, suite=suite)
@@ -66,13 +69,14 @@ def main() -> None:
     parser.add_argument("--kinematic", type=int, default=300, help="missions of the backend kinematic")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--sensing", choices=SENSING, default="none", help="what the robot makes of its lidars")
+    parser.add_argument("--controller", default="regulated_pure_pursuit")
     options = parser.parse_args()
     lines = []
     with tempfile.TemporaryDirectory() as folder:
         ends = []
         for backend, missions in (("batch", options.missions), ("kinematic", options.kinematic)):
             evaluation, wall, cpu = measure(
-                options.map, backend, missions, options.workers, Path(folder), options.sensing
+                *(options.map, backend, missions, options.workers, Path(folder), options.sensing, options.controller)
             )
             ends.append(evaluation)
             per_10_000 = f"{cpu / missions * 1e4:.0f} s"

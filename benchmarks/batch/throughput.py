@@ -157,6 +157,15 @@ def environments(threads: int) -> None:
         for action in actions:
             env.step(action)
         print(f"VectorEnv, N = {count}: {count * steps / (clock(threads) - started) / 1e3:.1f} k steps/s")
+    one = gymnasium.make("trundle/Navigation-v0", world="office", worlds=1, threads=threads)
+    one.reset(seed=0)
+    actions = np.random.default_rng(0).uniform(0.0, 1.0, (1500, 2)).astype(np.float32)
+    started = clock(threads)
+    for action in actions:
+        *_, terminated, truncated, _ = one.step(action)
+        if terminated or truncated:
+            one.reset()
+    print(f"single environment: {len(actions) / (clock(threads) - started) / 1e3:.1f} k steps/s")
 
 
 if __name__ == "__main__":

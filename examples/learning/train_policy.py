@@ -1,5 +1,6 @@
-"""Train a policy that drives to goals without a map: recurrent PPO on a vector environment, exported as policy.onnx.
+"""Train a policy that drives to goals: recurrent PPO on a vector environment, exported as policy.onnx.
 
+It learns to drive without a map; with --path it learns to follow a planner's path around boxes that the map lacks.
 Needs the extra gym, PyTorch and onnx; on a GPU the extra gpu too. --updates 2 --envs 16 --worlds 1 is a short try.
 """
 
@@ -19,7 +20,10 @@ parser.add_argument("--minutes", type=float, default=8.5, help="from the start t
 parser.add_argument("--updates", type=int, default=1_000_000)
 parser.add_argument("--envs", type=int, default=4096)
 parser.add_argument("--steps", type=int, default=32, help="of each update; gradients go back that far")
-parser.add_argument("--worlds", type=int, default=150, help="mazes, and as many offices")
+parser.add_argument("--parts", type=int, default=16, help="batches of an epoch")
+parser.add_argument("--width", type=int, default=256, help="units of each layer")
+parser.add_argument("--path", action="store_true", help="follow a path on a map that lacks some boxes")
+parser.add_argument("--worlds", type=int, default=150, help="of each kind: mazes and offices; with --path, warehouses")
 parser.add_argument("--judge", type=int, default=500, help="missions of each kind in unseen worlds")
 parser.add_argument("--seed", type=int, default=0)
 parser.add_argument("--out", default="policy.onnx")
@@ -28,11 +32,17 @@ args = parser.parse_args()
 
 start = time.perf_counter()
 # 0.995 in a step of 0.2 s looks 40 s ahead: back out of a dead end, and to where the maze goes on.
-BEAMS, WIDTH, DISCOUNT, LAMBDA, CLIP, EPOCHS, PARTS = 180, 256, 0.995, 0.95, 0.2, 3, 16
+# On a path it is enough to look 10 s ahead: around the next box.
+BEAMS, WIDTH, DISCOUNT, LAMBDA, CLIP, EPOCHS = 180, args.width, 0.98 if args.path else 0.995, 0.95, 0.2, 3
 FASTEST_RATE = 8e-4  # of learning; it falls to nearly 0
 TASK = {"robot": "nova_carter", "beams": BEAMS, "period_s": 0.2, "goal_tolerance": 0.25, "critic": True}
 NORMALISATION = {"goal": ([0.0, 0.0, 0.0], [10.0, 1.0, 1.0]), "velocity": ([0.0, 0.0], [0.8, 0.7])}
-SEEN, KNOWN = BEAMS + 5, 3
+POINTS = 8 if args.path else 0
+KINDS = ("office", "warehouse") if args.path else ("maze", "office")
+if args.path:
+    TASK |= {"path_points": POINTS, "unmapped_boxes": 20}
+    NORMALISATION["path"] = ([0.0] * 2 * POINTS, [3.0] * 2 * POINTS)
+SEEN, KNOWN = BEAMS + 5 + 2 * POINTS, 3
 device = torch.device(args.device)
 torch.manual_seed(args.seed)
 torch.set_float32_matmul_precision("high")
@@ -86,7 +96,7 @@ def as_tensor(values) -> torch.Tensor:
 
 def look(observed: dict) -> torch.Tensor:
     """Put what is observed into one tensor, shape (robots, SEEN); near walls differ more than far ones."""
-    rest = torch.cat([as_tensor(observed[name]) for name in NORMALISATION], dim=1) / SCALES
+    rest = torch.cat([as_tensor(observed[name]).flatten(1) for name in NORMALISATION], dim=1) / SCALES
     return torch.cat([as_tensor(observed["ranges"]).add(0.1).log(), rest], dim=1)
 
 
@@ -123,7 +133,8 @@ def export(network: Network, env: gymnasium.vector.VectorEnv, path: Path) -> Non
     nodes = [
         helper.make_node("Add", ["ranges", "near"], ["shifted"]),
         helper.make_node("Log", ["shifted"], ["logs"]),
-        helper.make_node("Concat", ["logs", "goal", "velocity"], ["seen"], axis=1),
+        *([helper.make_node("Flatten", ["path"], ["points"])] if POINTS else []),
+        helper.make_node("Concat", ["logs", "goal", "velocity", *(["points"] if POINTS else [])], ["seen"], axis=1),
         layer("encoder.0", "seen", "a"),
         helper.make_node("Elu", ["a"], ["b"]),
         layer("encoder.2", "b", "c"),
@@ -136,6 +147,7 @@ def export(network: Network, env: gymnasium.vector.VectorEnv, path: Path) -> Non
         layer("action", "f", "action"),
     ]
     shapes = {"ranges": ["n", BEAMS], "goal": ["n", 3], "velocity": ["n", 2], "memory": [1, "n", WIDTH]}
+    shapes |= {"path": ["n", POINTS, 2]} if POINTS else {}
     results = {"action": ["n", 2], "memory_next": [1, "n", WIDTH]}
     inputs, outputs = (
         [helper.make_tensor_value_info(name, TensorProto.FLOAT, shape) for name, shape in ends.items()]
@@ -181,7 +193,7 @@ def judge(network: Network, kind: str) -> str:
 env = gymnasium.make_vec(
     "trundle/Navigation-v0",
     num_envs=args.envs,
-    world=["maze", "office"],
+    world=list(KINDS),
     worlds=args.worlds,
     seed=args.seed,
     max_time_s=200.0,
@@ -265,7 +277,7 @@ for update in range(args.updates):
     # Counted here once: to ask the GPU for it in each batch would take longer than the batch.
     parts_of_episodes = 1 + keep["begun"][1:].sum(0).cpu()
     for _ in range(EPOCHS):
-        for chosen in torch.randperm(robots).chunk(PARTS):
+        for chosen in torch.randperm(robots).chunk(args.parts):
             part, count = chosen.to(device), int(parts_of_episodes[chosen].sum())
             batch = [keep[name][:, part] for name in ("seen", "known", "begun")]
             mean, value, _ = network(*batch, first_state[part], count)
@@ -293,6 +305,7 @@ for update in range(args.updates):
         clocks = dict.fromkeys(clocks, 0.0)
         figures.zero_()
 export(network, env, Path(args.out))
-print(f"{total:,} steps in {(time.perf_counter() - start) / 60.0:.1f} minutes on {device}: {args.out}", flush=True)
-for kind in ("maze", "office") if args.judge else ():
+minutes, of_cores = (time.perf_counter() - start) / 60.0, time.process_time() / 60.0
+print(f"{total:,} steps in {minutes:.1f} minutes, {of_cores:.1f} of CPU, on {device}: {args.out}", flush=True)
+for kind in KINDS if args.judge else ():
     print(judge(network, kind), flush=True)

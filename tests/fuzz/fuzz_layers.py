@@ -10,7 +10,7 @@ import numpy as np
 
 from fuzz.loop import attempt, rng_of, spoil
 from support import evidence_oracle as oracle
-from trundle._core import mark_scan, paint_marks, unmark_before, unmark_within
+from trundle._core import mark_scan, paint_marks, repaint_marks, unmark_before, unmark_within
 from trundle.geometry import FloatArray
 
 
@@ -127,6 +127,30 @@ def check_painting(generator: random.Random, grid: oracle.Grid) -> None:
         if 0 <= row < shape[0] and 0 <= col < shape[1]:
             sure[row, col] = False
     assert (cells == expected)[sure].all()
+    check_repainting(generator, evidence, cells, kept, place)
+
+
+def check_repainting(
+    generator: random.Random, evidence: tuple, painted: np.ndarray, kept: np.ndarray, place: tuple
+) -> None:
+    """A window of a larger map is painted as a map of its own, and the rectangle holds what has changed there."""
+    base = rng_of(generator).choice(np.array([-1, 0, 100], np.int8), painted.shape)
+    alone = base.copy()
+    paint_marks(*evidence, alone, kept, *place)
+    row, col = generator.randrange(4), generator.randrange(4)
+    window = row, row + painted.shape[0], col, col + painted.shape[1]
+    around = ((row, generator.randrange(3)), (col, generator.randrange(3)))
+    wide_base, wide_kept, before = (np.pad(one, around, constant_values=1) for one in (base, kept, painted))
+    given = wide_base, wide_kept, window, *place
+    attempt(repaint_marks, spoil(generator, (*evidence, before.copy(), *given)))
+    after = before.copy()
+    box = repaint_marks(*evidence, after, *given)
+    expected = before.copy()
+    expected[row : window[1], col : window[3]] = alone
+    assert (after == expected).all()
+    rows, cols = np.nonzero(after != before)
+    ends = (rows.min(), rows.max() + 1, cols.min(), cols.max() + 1) if len(rows) else (0, 0, 0, 0)
+    assert box == tuple(int(end) for end in ends)
 
 
 def one_round(generator: random.Random) -> None:

@@ -116,17 +116,30 @@ def drive(generator: random.Random) -> None:
     ending, again, standing = step(MissionDriver(*model), *stepped)
     assert np.array_equal(again, rows)
     assert [ending, standing] == results[0].tolist()
+    assert np.array_equal(step_by_others(MissionDriver(*model), rows, *stepped), rows)
     check_drive(rows, results[0].tolist(), navigator, grid, start, goal, limit_s)
 
 
 def step(driver: MissionDriver, *mission: Any) -> tuple[int, Any, int]:
     """Drive one mission period by period."""
     run = driver.begin(*mission)
+    attempt(run.take, (0.1, 0.0))  # out of turn
     while True:
         ending, *_, v, w = run.decide()
         if ending != DRIVING:
             return ending, *run.result()
         run.move(v, w)
+
+
+def step_by_others(driver: MissionDriver, rows: Any, *mission: Any) -> Any:
+    """Drive it again by the commands that it was driven by, and those of the kernel in its last period."""
+    run = driver.begin(*mission)
+    for v, w in rows[1:, 5:].tolist():
+        assert run.look() == (DRIVING, *rows[len(run.result()[0]) - 1, :5].tolist())
+        assert run.take(v, w) == DRIVING
+        run.move(v, w)
+    run.look()
+    return run.result()[0]
 
 
 def check_drive(

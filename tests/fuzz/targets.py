@@ -99,7 +99,9 @@ TARGETS = {
         fuzz_mapping.one_round, ("SurfaceMap", "find_normals", "solve_graph", "count_beams", "draw_cells"), 100
     ),
     "tracking": Target(fuzz_tracking.one_round, ("ScanTracker",), 60),
-    "layers": Target(fuzz_layers.one_round, ("mark_scan", "paint_marks", "unmark_before", "unmark_within"), 150),
+    "layers": Target(
+        fuzz_layers.one_round, ("mark_scan", "paint_marks", "repaint_marks", "unmark_before", "unmark_within"), 150
+    ),
     "raster": Target(
         fuzz_raster.one_round,
         (

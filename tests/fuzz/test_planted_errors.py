@@ -176,10 +176,25 @@ class OverhastyDriver(_core.MissionDriver):
         run = super().begin(*arguments)
 
         class Run:
-            decide, result = run.decide, run.result
+            decide, look, take, result = run.decide, run.look, run.take, run.result
 
             def move(self, v: float, w: float) -> None:
                 run.move(v * (1.0 + 1e-6), w)
+
+        return Run()
+
+
+class ImpatientDriver(_core.MissionDriver):
+    """Takes a drive by others to be lost."""
+
+    def begin(self, *arguments: Any) -> Any:
+        run = super().begin(*arguments)
+
+        class Run:
+            decide, look, move, result = run.decide, run.look, run.move, run.result
+
+            def take(self, v: float, w: float) -> int:
+                return max(4, run.take(v, w) - 4)
 
         return Run()
 
@@ -216,9 +231,10 @@ class ShiftedSurfaceMap(_core.SurfaceMap):
 
 def painted_beside(paint: Function) -> Function:
     def change(*arguments):
-        paint(*arguments)
+        box = paint(*arguments)
         cells = arguments[5]
         cells[:] = np.roll(cells, 1, axis=1)
+        return box
 
     return change
 
@@ -274,6 +290,7 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "rays to outlines": ("rays", fuzz_rays, "cast_outline_rays", scaled(1e-2)),
     "whole missions": ("missions", fuzz_missions, "MissionDriver", lambda _: HastyDriver),
     "missions in steps": ("missions", fuzz_missions, "MissionDriver", lambda _: OverhastyDriver),
+    "missions by others": ("missions", fuzz_missions, "MissionDriver", lambda _: ImpatientDriver),
     "outlines to polygons": ("missions", fuzz_missions, "outline_distances", scaled(1e-6)),
     "points to a polyline": ("missions", fuzz_missions, "polyline_distances", scaled(1e-6)),
     "stopping": ("missions", fuzz_missions, "stopping_poses", scaled(1e-6)),
@@ -290,6 +307,7 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "marks that are old": ("layers", fuzz_layers, "unmark_before", first_cell_changed),
     "marks under the robot": ("layers", fuzz_layers, "unmark_within", first_cell_changed),
     "marks in a map": ("layers", fuzz_layers, "paint_marks", painted_beside),
+    "marks in a window": ("layers", fuzz_layers, "repaint_marks", painted_beside),
     "solids": ("raster", SolidRaster, "add", cell_left_out),
     "distances on a map": ("localization", fuzz_localization, "distance_field", scaled(0.01)),
     "beams of a scan": ("localization", fuzz_localization, "pick_beams", part(1, lambda sensors: sensors + 1e-3)),

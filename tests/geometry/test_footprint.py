@@ -1,4 +1,5 @@
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -99,3 +100,14 @@ def test_a_robot_and_its_costmap_have_one_footprint():
         assert np.array_equal(costmap.footprint, robot.outline)
         radii = robot.inscribed_radius, robot.circumscribed_radius
         assert (costmap.inscribed_radius, costmap.circumscribed_radius) == radii
+
+
+def test_the_least_width_is_that_of_the_narrowest_gap_wherever_base_link_is():
+    for turn in (0.0, 0.3, 1.2):
+        cos, sin = math.cos(turn), math.sin(turn)
+        corners = np.array([(-0.1, -0.3), (0.7, -0.3), (0.7, 0.2), (-0.1, 0.2)]) @ ((cos, sin), (-sin, cos))
+        assert Footprint(corners).least_width == pytest.approx(0.5)
+        assert Footprint(corners).inscribed_radius == pytest.approx(0.1)
+    side = 2.0  # the width of a triangle is its height
+    triangle = [(-1.0, -0.5), (1.0, -0.5), (0.0, side * math.sqrt(0.75) - 0.5)]
+    assert Footprint(triangle).least_width == pytest.approx(side * math.sqrt(0.75))

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from trundle.costmap import Costmap
+from trundle.errors import InputError
 from trundle.gym import NavigationEnv
 from trundle.maps import OccupancyGrid
+from trundle.sim.batch import NOTHING
 
 
 def room() -> OccupancyGrid:
@@ -75,3 +77,35 @@ def test_noise_stays_within_the_bounds():
     observed, _ = env.reset(seed=1)
     assert observed in env.observation_space
     assert not np.array_equal(observed["ranges"], env.step(np.zeros(2, np.float32))[0]["ranges"])
+
+
+def test_path_and_costmap_lack_the_unmapped_boxes_and_all_else_has_them():
+    options = {"world": "office", "worlds": 2, "path_points": 1, "costmap_cells": 60, "critic": True}
+    plain, boxed = NavigationEnv(**options), NavigationEnv(unmapped_boxes=20, **options)
+    arena = boxed.episodes.arena
+    for known, true, same in zip(arena.known, arena.grids, plain.episodes.arena.grids, strict=True):
+        np.testing.assert_array_equal(known.data, same.data)
+        assert (known.origin, known.shape) == (true.origin, true.shape)
+        differ = known.data != true.data
+        assert 500 < differ.sum() < 20 * 16**2 * 4
+        assert not Costmap.from_grid(known, arena.robot).data[(true.data == 100) & differ].max() >= 254
+    np.testing.assert_array_equal(arena.costs(), plain.episodes.arena.costs())
+    # The path leads through a box somewhere; what the critic knows never does.
+    ahead = arena.cells_ahead(0.5, arena.known), arena.cells_ahead(0.5, arena.grids)
+    assert (ahead[0] != ahead[1]).any()
+    boxed.reset(seed=3)
+    assert boxed.episodes.sim.contacts[0, 0] == NOTHING
+
+
+def test_boxes_are_the_same_for_a_seed_and_other_ones_in_each_split():
+    grids = [
+        NavigationEnv(world="office", worlds=1, unmapped_boxes=5, **more).episodes.arena.grids[0].data
+        for more in ({}, {}, {"split": "test"})
+    ]
+    np.testing.assert_array_equal(grids[0], grids[1])
+    assert (grids[0] != grids[2]).any()
+
+
+def test_a_map_has_no_unmapped_boxes():
+    with pytest.raises(InputError, match=r"World\.from_map"):
+        NavigationEnv(world=room(), robot="turtlebot3_burger", unmapped_boxes=3)

@@ -21,6 +21,16 @@ def test_they_say_what_the_robot_observes_and_how_actions_are_scaled():
     assert found["trundle.normalisation"] == '{"goal": [0.0, [10.0, 1.0, 1.0]]}'
 
 
+def test_an_environment_that_observes_a_path_makes_policies_that_follow_one():
+    found = policy_metadata(NavigationEnv(path_points=6, **OPTIONS))
+    assert found["trundle.observations"] == "ranges,goal,velocity,path"
+    assert found["trundle.path_points"] == "6"
+    alone = policy_metadata(NavigationEnv(path_points=6, **OPTIONS), observations=("ranges", "goal"))
+    assert "trundle.path_points" not in alone
+    with pytest.raises(InputError, match="observes no path: make it with path_points"):
+        policy_metadata(NavigationEnv(**OPTIONS), observations=("ranges", "path"))
+
+
 def test_what_a_robot_cannot_observe_or_do_is_refused():
     env = NavigationEnv(critic=True, **OPTIONS)
     with pytest.raises(InputError, match="cannot observe 'critic'"):

@@ -4,10 +4,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from trundle.geometry import Goal, Pose2D, Twist2D
-from trundle.navigation import create_agent
+from trundle.maps import OccupancyGrid
+from trundle.navigation import Navigator, create_agent
 from trundle.observation import Estimate, Observation
 from trundle.robots import Robot
 
@@ -38,6 +40,21 @@ def test_stable_baselines_learns_and_saves_its_policy(tmp_path):
     printed = run(tmp_path, "train_sb3.py", "--envs", "4", "--steps", "256", "--worlds", "1")
     assert "total_timesteps" in printed
     assert (tmp_path / "ppo_office.zip").stat().st_size > 0
+
+
+@pytest.mark.slow
+def test_a_short_training_on_paths_exports_a_policy_that_follows_the_planners(tmp_path):
+    for library in ("torch", "onnx", "onnxruntime"):
+        pytest.importorskip(library, reason=f"needs {library}, which the example trains or exports with")
+    short = ["--updates", "1", "--envs", "8", "--steps", "4", "--parts", "2", "--width", "16", "--worlds", "1"]
+    printed = run(tmp_path, "train_policy.py", "--path", "--device", "cpu", "--judge", "2", *short)
+    assert "office: " in printed
+    assert "warehouse: " in printed
+    robot = Robot.load("nova_carter")
+    navigator = Navigator(OccupancyGrid(np.zeros((200, 200), np.int8), 0.05), robot)
+    agent = create_agent(str(tmp_path / "policy.onnx"), robot, navigator=navigator)
+    assert agent.file.observations == ("ranges", "goal", "velocity", "path")
+    assert agent.file.path_points == 8
 
 
 @pytest.mark.slow

@@ -198,6 +198,15 @@ def test_a_bad_reset_mask_is_named(quick_options, mask):
         env.reset(options={"reset_mask": mask})
 
 
+def test_a_misspelt_option_of_reset_resets_nothing(quick_options):
+    env = make(quick_options)
+    env.reset(seed=0)
+    poses = env.unwrapped.episodes.sim.poses.copy()
+    with pytest.raises(InputError, match="Did you mean 'reset_mask'"):
+        env.reset(options={"reset_maks": np.ones(5, dtype=bool)})
+    assert np.array_equal(env.unwrapped.episodes.sim.poses, poses)
+
+
 def test_a_step_needs_a_reset_of_every_robot(quick_options):
     env = make(quick_options, count=2)
     with pytest.raises(InputError, match="robot 0 has no episode"):

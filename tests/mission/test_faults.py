@@ -13,16 +13,17 @@ import pytest
 
 import trundle
 from support.observers import Recorder
-from support.raising_plugins import GOAL, Agent, Boom
+from support.raising_plugins import GOAL, Agent, Boom, Raising
 from trundle.errors import InputError, NoPathError, SimulationError
 from trundle.fault import LIBRARIES, find_fault, folder_of
-from trundle.geometry import Twist2D
 from trundle.mission import Episode, Outcome, Session, run
 from trundle.navigation.behaviors import Behavior
 from trundle.observation import Estimate
 from trundle.planning import create_planner
 from trundle.record.run_folder import RunFolder
 from trundle.sim.kinematic import KinematicSimulator
+
+RAISED_IN = inspect.getfile(Raising)
 
 
 class Planner:
@@ -38,17 +39,11 @@ class Planner:
         return self.inner.plan(costmap, start, goal, **options)
 
 
-class Controller:
-    """Drives straight on; raises in a method, in its call number `at`."""
+class Controller(Raising):
+    """Drives straight on; raises where it is told."""
 
-    def __init__(self, where="compute_velocity", at=1, error=None, returns=Twist2D(0.2, 0.0)):
-        self.where, self.at, self.error, self.returns, self.calls = where, at, error or Boom("no idea"), returns, 0
-
-    def _call(self, method):
-        if method == self.where:
-            self.calls += 1
-            if self.calls >= self.at:
-                raise self.error
+    def __init__(self, where="compute_velocity", *given, **options):
+        super().__init__(where, *given, **options)
 
     def reset(self, *, seed=0):
         self._call("reset")
@@ -64,15 +59,9 @@ class Controller:
         return self.returns
 
 
-class Localizer:
-    def __init__(self, where="update", at=1):
-        self.where, self.at, self.calls = where, at, 0
-
-    def _call(self, method):
-        if method == self.where:
-            self.calls += 1
-            if self.calls >= self.at:
-                raise Boom("no idea")
+class Localizer(Raising):
+    def __init__(self, where="update", *given):
+        super().__init__(where, *given)
 
     def reset(self, pose, *, seed=0):
         self._call("reset")
@@ -169,7 +158,7 @@ def test_a_controller_that_raises(navigator, drive, where, at):
     navigator.controller = Controller(where, at)
     navigator.progress_checker.time_allowance = 60.0
     found = drive(time_limit_s=30.0)
-    check_ended(found, "controller", "Controller")
+    check_ended(found, "controller", "Controller", RAISED_IN)
     assert len(found[1].trajectory) == (at if where == "compute_velocity" else 1)
 
 
@@ -180,7 +169,7 @@ def test_a_controller_that_raises(navigator, drive, where, at):
 )
 def test_an_agent_that_raises(drive, where, at):
     found = drive(Agent(where, at), time_limit_s=60.0)
-    check_ended(found, "agent", "Agent", inspect.getfile(Agent))
+    check_ended(found, "agent", "Agent", RAISED_IN)
 
 
 class Unready(Agent):
@@ -204,7 +193,7 @@ def test_an_agent_and_a_localizer_whose_classes_raise_as_they_are_made(drive):
 
 @pytest.mark.parametrize(("where", "at"), [("reset", 1), ("update", 1), ("update", 20)])
 def test_a_localizer_that_raises(drive, where, at):
-    check_ended(drive(localizer=Localizer(where, at)), "localizer", "Localizer")
+    check_ended(drive(localizer=Localizer(where, at)), "localizer", "Localizer", RAISED_IN)
 
 
 @pytest.mark.parametrize("where", ["reset", "check"])

@@ -7,11 +7,13 @@ import sys
 import numpy as np
 import pytest
 
-from support.policies import GOAL_SEEKER, write_policy
+from support.policies import GOAL_SEEKER, write_path_follower, write_policy
 from trundle.control import GoalChecker
+from trundle.costmap import CostmapSettings
 from trundle.errors import InputError
 from trundle.geometry import Goal, Pose2D, Twist2D
-from trundle.navigation import NavigationStatus, create_agent
+from trundle.maps import OccupancyGrid
+from trundle.navigation import NavigationStatus, Navigator, create_agent
 from trundle.observation import Estimate, Observation, Scan
 from trundle.robots import Robot
 from trundle.testing import check_agent
@@ -173,6 +175,81 @@ def test_an_action_that_is_no_number_is_an_error(tmp_path):
     agent.set_goal(Goal(5.0, 0.0))
     with pytest.raises(InputError, match="actions must be finite"):
         drive(agent, 0.0)
+
+
+def walled_room():
+    """A room of 10 m with a wall across, open at its upper end."""
+    cells = np.pad(np.zeros((200, 200), np.int8), 2, constant_values=100)
+    cells[:140, 100:104] = 100
+    return OccupancyGrid(cells, 0.05, Pose2D(-5.1, -5.1))
+
+
+def test_a_policy_observes_the_planners_path_every_half_metre_and_from_where_the_robot_is(tmp_path):
+    grid = walled_room()
+    navigator = Navigator(grid, ROBOT)
+    file = str(write_path_follower(tmp_path / "path.onnx", points=60))
+    agent = create_agent(file, ROBOT, grid, navigator=navigator)
+    start, goal = Pose2D(-3.0, 0.0, 0.5), Goal(3.0, 0.0)
+    agent.set_goal(goal)
+    drive(agent, 0.0, pose=start)
+    planned = navigator.plan_between(start, goal)
+    assert agent.report().path.length == pytest.approx(planned.length)
+    seen = start.transform_points(agent._path_ahead(start).astype(float))
+    steps = np.hypot(*np.diff(np.vstack([(start.x, start.y), seen]), axis=0).T)
+    assert steps.max() < 0.5 + 0.03
+    assert seen[-1] == pytest.approx((3.0, 0.0), abs=0.02)
+    assert seen[:, 1].max() > 2.2  # around the wall
+    # Half a second later nothing is planned anew; the points begin where the robot is.
+    along = agent._followed.check
+    at = int(along.along.searchsorted(1.0))
+    there = Pose2D(*along.poses[at])
+    drive(agent, 0.6, pose=there)
+    assert agent.report().path.length == pytest.approx(planned.length - 1.0, abs=0.05)
+    assert math.hypot(*agent._path_ahead(there)[0]) == pytest.approx(0.5, abs=0.03)
+
+
+def test_a_policy_drives_along_the_planners_path_to_the_goal(tmp_path):
+    grid = walled_room()
+    agent = create_agent(
+        str(write_path_follower(tmp_path / "path.onnx")), ROBOT, grid, navigator=Navigator(grid, ROBOT)
+    )
+    pose, goal, time = Pose2D(-3.0, 0.0, 1.5), Goal(3.0, 0.0), 0.0
+    agent.set_goal(goal)
+    while agent.status is NavigationStatus.DRIVING and time < 120.0:
+        command = drive(agent, time, pose=pose, twist=Twist2D())
+        pose = pose @ Pose2D(command.v * 0.05, 0.0, command.w * 0.05)
+        time += 0.05
+    assert agent.status is NavigationStatus.ARRIVED
+    assert goal.distance_to(pose) < 0.3
+
+
+def test_without_a_path_the_policy_ends_with_the_planners_reason(tmp_path):
+    grid = walled_room()
+    agent = create_agent(
+        str(write_path_follower(tmp_path / "path.onnx")), ROBOT, grid, navigator=Navigator(grid, ROBOT)
+    )
+    agent.set_goal(Goal(30.0, 0.0))
+    assert drive(agent, 0.0) == Twist2D()
+    assert agent.report().status is NavigationStatus.NO_PATH
+    assert agent.report().error is not None
+    agent.set_goal(Goal(-3.0, 0.0))
+    assert drive(agent, 0.1, pose=Pose2D(-4.0, -3.0)) != Twist2D()
+
+
+def test_a_policy_that_needs_a_path_is_refused_without_a_map_and_with_other_shapes(tmp_path):
+    file = write_path_follower(tmp_path / "path.onnx")
+    agent = create_agent(str(file), ROBOT)
+    agent.set_goal(Goal(3.0, 0.0))
+    assert drive(agent, 0.0) == Twist2D()
+    assert agent.report().status is NavigationStatus.STUCK
+    assert "there is no map to plan it on" in agent.report().message
+    with pytest.raises(InputError, match="use it in a scenario whose map is known"):
+        create_agent(str(file), ROBOT, navigator=Navigator(None, ROBOT, costmap=CostmapSettings()))
+    wrong = write_policy(
+        tmp_path / "wrong.onnx", {**GOAL_SEEKER, "observations": "ranges,goal,path", "path_points": "3"}
+    )
+    with pytest.raises(InputError, match="the metadata name the input 'path'"):
+        create_agent(str(wrong), ROBOT)
 
 
 def test_without_onnxruntime_the_error_has_the_install_line(policy):

@@ -137,8 +137,8 @@ class FakeTransport:
             self.publishers.append(made)
         return made
 
-    def subscription(self, topic: str, type_name: str, qos: Qos) -> FakeSubscription:
-        made = FakeSubscription(self, topic, type_name, qos)
+    def subscription(self, topic: str, type_name: str, qos: Qos, *, wakes: bool = True) -> FakeSubscription:
+        made = FakeSubscription(self, topic, type_name, qos, wakes)
         with self.network.lock:
             self.subscriptions.append(made)
             for publisher in self.network.publishers(topic, type_name):
@@ -261,8 +261,9 @@ class FakePublisher(_End):
 class FakeSubscription(_End):
     kind = "subscription"
 
-    def __init__(self, transport: FakeTransport, topic: str, type_name: str, qos: Qos) -> None:
+    def __init__(self, transport: FakeTransport, topic: str, type_name: str, qos: Qos, wakes: bool) -> None:
         super().__init__(transport, topic, type_name, qos)
+        self._wakes = wakes
         self.dropped = 0
         self._samples: deque[Sample] = deque(maxlen=QUEUE)
 
@@ -275,7 +276,8 @@ class FakeSubscription(_End):
         for data in messages:
             self.dropped += len(self._samples) == QUEUE
             self._samples.append(Sample(data, source))
-        self.transport.wake()
+        if self._wakes:
+            self.transport.wake()
 
     def take(self) -> list[Sample]:
         taken = []

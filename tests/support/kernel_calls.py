@@ -171,6 +171,13 @@ def painted_marks() -> Any:
     return cells
 
 
+def repainted_marks() -> Any:
+    cells, (rows, cols) = UNKNOWN.copy(), UNKNOWN.shape
+    window = 1, rows, 0, cols - 1
+    box = _core.repaint_marks(MARKS, HIT_POINTS, 0, 0, 0.1, cells, UNKNOWN, OPEN, window, 0.3, 0.2, 0.4, 0.1, True)
+    return cells, box
+
+
 def updated() -> Any:
     grid = _core.BinaryGrid(OPEN, 8, "auto")
     grid.update(0, 0, BLOCKED)
@@ -326,6 +333,7 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "unmark_before": lambda: marked(_core.unmark_before, MARKS, HIT_TIMES, 1.0, 5, 2),
     "unmark_within": lambda: marked(_core.unmark_within, MARKS, HIT_POINTS, 0, 0, 0.1, OUTLINE + 1.0, 5, 2),
     "paint_marks": painted_marks,
+    "repaint_marks": repainted_marks,
     "png_unfilter": lambda: _core.png_unfilter(np.full((8, 9), 4, np.uint8), 1),
     "raster_hexahedra": lambda: marked(_core.raster_hexahedra, UNKNOWN, VERTICES[np.newaxis], *BAND, False),
     "raster_discs": lambda: marked(_core.raster_discs, UNKNOWN, np.array([(1.0, 1.0, 0.5)]), *BAND[2:], False),

@@ -28,6 +28,12 @@ def step_mission(periods: int = 20) -> Any:
     return run
 
 
+def take_command() -> int:
+    run = step_mission()
+    run.look()
+    return run.take(0.2, 0.1)
+
+
 MISSION_CALLS: dict[str, Callable[[], Any]] = {
     "MissionDriver": lambda: type(DRIVER).__name__,
     "MissionDriver.drive": lambda: DRIVER.drive(
@@ -37,6 +43,8 @@ MISSION_CALLS: dict[str, Callable[[], Any]] = {
     "MissionDriver.begin": lambda: type(DRIVER.begin(*ONE_WAY)).__name__,
     "MissionRun": lambda: type(step_mission(0)).__name__,
     "MissionRun.decide": lambda: step_mission().decide(),
+    "MissionRun.look": lambda: step_mission().look(),
+    "MissionRun.take": lambda: take_command(),
     "MissionRun.move": lambda: step_mission().result(),
     "MissionRun.result": lambda: step_mission().result(),
 }

@@ -56,3 +56,26 @@ def write_policy(
     helper.set_model_props(model, {f"trundle.{key}": text for key, text in texts.items()})
     path.write_bytes(model.SerializeToString())
     return path
+
+
+def write_path_follower(path: Path, *, points: int = 2) -> Path:
+    """Write a policy that drives to the first point of the path; v = x and w = y of it [m]."""
+    from onnx import TensorProto, helper, numpy_helper
+
+    pick = np.zeros((2 * points, 2), dtype=np.float32)
+    pick[0, 0] = pick[1, 1] = 1.0
+    graph = helper.make_graph(
+        [
+            helper.make_node("Flatten", ["path"], ["flat"]),
+            helper.make_node("MatMul", ["flat", "pick"], ["action"]),
+        ],
+        "policy",
+        [helper.make_tensor_value_info("path", TensorProto.FLOAT, ["batch", points, 2])],
+        [helper.make_tensor_value_info("action", TensorProto.FLOAT, ["batch", 2])],
+        [numpy_helper.from_array(pick, "pick")],
+    )
+    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=9)
+    texts = {"observations": "path", "path_points": str(points), "period": "0.2", "scale": "0.5,0.7"}
+    helper.set_model_props(model, {f"trundle.{key}": text for key, text in texts.items()})
+    path.write_bytes(model.SerializeToString())
+    return path

@@ -10,10 +10,10 @@ class Boom(Exception):  # noqa: N818
     pass
 
 
-class Agent:
-    """Drives straight on; raises where it is told."""
+class Raising:
+    """Raises in one of its methods, in the call number `at` of it."""
 
-    def __init__(self, where="update", at=1, error=None, returns=Twist2D(0.2, 0.0)):
+    def __init__(self, where, at=1, error=None, returns=Twist2D(0.2, 0.0)):
         self.where, self.at, self.error, self.returns, self.calls = where, at, error or Boom("no idea"), returns, 0
 
     def _call(self, method):
@@ -21,6 +21,13 @@ class Agent:
             self.calls += 1
             if self.calls >= self.at:
                 raise self.error
+
+
+class Agent(Raising):
+    """Drives straight on; raises where it is told."""
+
+    def __init__(self, where="update", *given, **options):
+        super().__init__(where, *given, **options)
 
     @property
     def status(self):

@@ -426,6 +426,16 @@ class MissionRun:
             How the drive ends instead, 8 where it goes on; x, y, yaw, v and w now; and v and w of the command.
         """
 
+    def look(self) -> tuple[int, float, float, float, float, float]:
+        """Begin a period whose command somebody else decides on.
+
+        Returns:
+            How the drive ends instead of another command, 8 where it goes on; and x, y, yaw, v and w now.
+        """
+
+    def take(self, v: float, w: float) -> int:
+        """Take that command [m/s, rad/s]; how the drive ends instead of driving it, 8 where it goes on."""
+
     def move(self, v: float, w: float) -> None:
         """Drive one control period with what is sent instead of the command [m/s, rad/s]."""
 
@@ -903,6 +913,27 @@ def paint_marks(
     clear_occupied: bool,
 ) -> None:
     """Put the evidence into a part of a map, whose lower left corner has this pose in the frame of the evidence."""
+
+def repaint_marks(
+    evidence: npt.NDArray[np.uint8],
+    points: npt.NDArray[np.uint8],
+    row: int,
+    col: int,
+    resolution: float,
+    cells: npt.NDArray[np.int8],
+    base: npt.NDArray[np.int8],
+    kept: npt.NDArray[np.uint8],
+    window: tuple[int, int, int, int],
+    x: float,
+    y: float,
+    yaw: float,
+    cell_size: float,
+    clear_occupied: bool,
+) -> tuple[int, int, int, int]:
+    """Put the evidence into a window (row, row end, col, col end) of a map anew, from what it is without, `base`.
+
+    Returns the rectangle in which `cells` changed. (x, y, yaw) is the pose of the window's lower left corner.
+    """
 
 def draw_triangles(
     triangles: npt.NDArray[np.float64], width: int, height: int, scale: float, near: float, perspective: bool

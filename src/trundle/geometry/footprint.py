@@ -58,6 +58,16 @@ class Footprint:
         length, width = np.ptp(self.outline, axis=0).tolist()
         return length, width
 
+    @property
+    def least_width(self) -> float:
+        """Width of the narrowest gap that it fits through [m]: the least distance between two parallel lines around it.
+
+        The lines of least distance touch an edge (Houle and Toussaint 1988, "Computing the width of a set").
+        """
+        edges = np.roll(self.outline, -1, axis=0) - self.outline
+        inwards = np.stack([-edges[:, 1], edges[:, 0]]) / np.hypot(edges[:, 0], edges[:, 1])
+        return float(np.ptp(self.outline @ inwards, axis=0).min())
+
     def padded(self, padding: float) -> Footprint:
         """Return the footprint with every edge moved outwards by `padding` [m], 0 or more."""
         if not padding >= 0.0:

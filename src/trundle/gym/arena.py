@@ -15,6 +15,7 @@ from trundle.errors import InputError, ScenarioError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.gym.settings import SPLITS, NavigationSettings
 from trundle.maps import OccupancyGrid
+from trundle.mission.obstacles import Unmapped
 from trundle.planning import cost_field
 from trundle.robots import Robot
 from trundle.sim.batch import MoverRecording
@@ -60,6 +61,7 @@ class Arena:
         missions: Of each map.
         fields: Distances to goals [m], infinite where the robot cannot go, each of the shape of its map.
         recordings: Of the movers of each map, none or several.
+        known: The maps that a robot has, where they lack something; else `grids`.
     """
 
     def __init__(
@@ -70,8 +72,10 @@ class Arena:
         missions: Sequence[Missions],
         fields: Sequence[npt.NDArray[np.float32]],
         recordings: Sequence[Sequence[MoverRecording]],
+        known: Sequence[OccupancyGrid] | None = None,
     ) -> None:
         self.robot, self.grids, self.names = robot, tuple(grids), tuple(names)
+        self.known = self.grids if known is None else tuple(known)
         self.recordings = [each for of_map in recordings for each in of_map]
         self.recording_counts = np.array([len(of_map) for of_map in recordings])
         self.first_recording = _starts_of(self.recording_counts)
@@ -89,16 +93,17 @@ class Arena:
         self.frames = np.column_stack([x, y, np.cos(yaw), np.sin(yaw)])
         self.resolution = grids[0].resolution
 
-    def cells_ahead(self, length: float) -> npt.NDArray[np.int32]:
+    def cells_ahead(self, length: float, grids: Sequence[OccupancyGrid]) -> npt.NDArray[np.int32]:
         """Return, for each cell of each field, which cell is some way ahead on a path that keeps away from walls.
 
         Args:
             length: How far ahead [m].
+            grids: The maps that the path is on: `grids` or `known`.
         """
         maps = np.repeat(np.arange(len(self.grids)), self.mission_counts)
         steps = max(1, round(length / self.resolution))
         found: list[npt.NDArray[np.int32]] = []
-        costmaps = [Costmap.from_grid(grid, self.robot) for grid in self.grids]
+        costmaps = [Costmap.from_grid(grid, self.robot) for grid in grids]
         for mission in np.unique(self.mission_fields, return_index=True)[1]:
             costmap = costmaps[maps[mission]]
             cell = [int(index) for index in costmap.world_to_cell(*self.goals[mission])]
@@ -106,8 +111,8 @@ class Arena:
         return np.concatenate(found)
 
     def costs(self) -> npt.NDArray[np.uint8]:
-        """Return the costs of all maps, one after the other."""
-        return np.concatenate([Costmap.from_grid(grid, self.robot).data.ravel() for grid in self.grids])
+        """Return the costs of all maps that a robot has, one after the other."""
+        return np.concatenate([Costmap.from_grid(grid, self.robot).data.ravel() for grid in self.known])
 
 
 def _starts_of(sizes: Sequence[int] | npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
@@ -153,17 +158,34 @@ def make_arena(settings: NavigationSettings, robot: Robot) -> Arena:
     if not each:
         raise InputError("an environment needs at least one world")
     places = [place for one in each for place in _places(settings, robot, one)]
-    grids, names, missions, fields = [], [], [], list[npt.NDArray[np.float32]]()
+    grids, known, names, missions, fields = [], [], [], [], list[npt.NDArray[np.float32]]()
     recordings: list[list[MoverRecording]] = []
     for number, (name, world, grid) in enumerate(places):
         rng = np.random.default_rng([settings.seed, SPLITS.index(settings.split), number])
+        known.append(grid)
+        if settings.unmapped_boxes:
+            world, grid = _add_boxes(settings, robot, world, grid, number)
         found, of_goals = pick_missions(grid, robot, rng, settings.min_distance, name, first_field=len(fields))
         grids.append(grid)
         names.append(name)
         missions.append(found)
         fields += of_goals
         recordings.append(_record(settings, robot, world))
-    return Arena(robot, grids, names, missions, fields, recordings)
+    return Arena(robot, grids, names, missions, fields, recordings, known)
+
+
+def _add_boxes(
+    settings: NavigationSettings, robot: Robot, world: World | None, grid: OccupancyGrid, number: int
+) -> tuple[World, OccupancyGrid]:
+    """Put boxes into a world where its map has room for the robot; return it and a map that has them."""
+    if world is None:
+        raise InputError("unmapped_boxes need a world: give World.from_map(grid) instead of the map")
+    boxes = Unmapped(boxes=(settings.unmapped_boxes, settings.unmapped_boxes), near_path=0.0, room=0.0)
+    seed = (settings.seed * len(SPLITS) + SPLITS.index(settings.split)) * _WORLDS_OF_A_SEED + number
+    fuller = boxes.add_to(world, Costmap.from_grid(grid, robot), world.seeds, seed)
+    (x, y), (rows, cols) = (grid.origin.x, grid.origin.y), grid.shape
+    bounds = (x, y), (x + cols * grid.resolution, y + rows * grid.resolution)
+    return fuller, make_map(settings, robot, fuller, bounds)
 
 
 def pick_missions(

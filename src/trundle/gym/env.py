@@ -66,9 +66,8 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         self.episodes.reset(only)
         self._ready = True
         self._observer.scan()
-        info = {name: values[0] for name, values in self.episodes.start_figures().items()}
         self._show()
-        return self._observe(), _plain(info)
+        return self._observe(), _plain(self.episodes.start_figures())
 
     def step(self, action: npt.NDArray[np.float32]) -> tuple[Observations, SupportsFloat, bool, bool, dict[str, Any]]:
         """Drive one period.
@@ -81,8 +80,8 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         outcome = self.episodes.step(self.episodes.check_actions(np.asarray(action)[None]))
         self._observer.scan()
         self._show()
-        info = _plain({name: values[0] for name, values in outcome.info.items()})
-        return self._observe(), float(outcome.rewards[0]), bool(outcome.terminated[0]), bool(outcome.truncated[0]), info
+        reward, terminated, truncated = outcome.rewards.item(), outcome.terminated.item(), outcome.truncated.item()
+        return self._observe(), reward, terminated, truncated, _plain(outcome.info)
 
     def render(self) -> Any:
         """Return a picture of the robot, its scan and its goal, uint8, shape (rows, cols, 3); None for the page."""
@@ -121,4 +120,5 @@ def action_space(episodes: Episodes) -> spaces.Box:
 
 
 def _plain(info: dict[str, Any]) -> dict[str, Any]:
-    return {name: value.item() for name, value in info.items()}
+    """Return the figures of the one robot as numbers."""
+    return {name: values.item() for name, values in info.items()}

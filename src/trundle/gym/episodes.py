@@ -88,6 +88,7 @@ class Episodes:
         self._low, self._high = put(self.action_low - _ROUNDING), put(self.action_high + _ROUNDING)
         self._scale, self._offset = put(self.command_scale), put(self.command_offset)
         self._half_span = put((self.action_high - self.action_low) / 2.0)
+        self._most_steps = settings.max_steps
         self._split = SPLITS.index(settings.split)
         vary = settings.vary
         self._variation = vary if isinstance(vary, Variation) else Variation.of(vary)
@@ -261,7 +262,7 @@ class Episodes:
         straight = lib.hypot(goals[:, 0] - poses[:, 0], goals[:, 1] - poses[:, 1])
         off_map, contact = ~inside, sim.contacts[:, 0] != NOTHING
         arrived = (straight <= settings.goal_tolerance) & ~contact
-        late = self.elapsed >= settings.max_steps
+        late = self.elapsed >= self._most_steps
         if active is not None:
             off_map, contact, arrived, late = off_map & active, contact & active, arrived & active, late & active
             away = lib.where(active, away, self.distances)

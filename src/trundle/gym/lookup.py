@@ -8,9 +8,10 @@ import numpy as np
 
 from trundle.gym.arena import Arena
 from trundle.gym.arrays import Arrays
+from trundle.navigation.policies.policy import PATH_SPACING_M
 
-POINT_SPACING = 0.5
-"""Length of path from one observed point to the next [m]."""
+POINT_SPACING = PATH_SPACING_M
+"""Length of path from one observed point to the next [m]: along the axes of the map, up to √2 of it aslant."""
 
 _MOST_POINTS = 2**20
 """Cells of local costmaps that are looked up at once: each needs some hundred bytes meanwhile."""
@@ -30,7 +31,7 @@ class Lookup:
         self._map_frames, self._map_shapes = arrays.put(arena.frames), arrays.put(arena.shapes)
         self._map_starts = arrays.put(arena.map_starts)
         self._distances, self._field_starts = arrays.put(arena.distances_to_goals), arrays.put(arena.field_starts)
-        self._ahead: Any = None
+        self._ahead: dict[bool, Any] = {}
         self._costs: Any = None
         # Of each robot: (x, y, cos, sin) of its map, that map's shape, and where that map and the goal's field begin.
         self._frames, self._shapes = arrays.full((count, 4), 0.0), arrays.full((count, 2), 0, "int64")
@@ -53,19 +54,28 @@ class Lookup:
         found = self._arrays.cast(self._distances[self._fields + cell], "float64")
         return self._arrays.lib.where(inside, found, np.inf)
 
-    def path(self, poses: Any, points: int) -> list[tuple[Any, Any]]:
+    def path(self, poses: Any, points: int, *, known: bool) -> list[tuple[Any, Any]]:
         """Return (x, y) of points of the path ahead, map frame [m], each of shape (N,).
 
         The path descends on the costs to go to the goal, which keeps it away from walls.
+
+        Args:
+            poses: Of the robots.
+            points: How many points.
+            known: Whether the path is on the maps that the robots have, which may lack something.
         """
-        if self._ahead is None:
-            self._ahead = self._arrays.put(self._arena.cells_ahead(POINT_SPACING))
+        arena = self._arena
+        known = known and arena.known is not arena.grids
+        if known not in self._ahead:
+            on = arena.known if known else arena.grids
+            self._ahead[known] = self._arrays.put(arena.cells_ahead(POINT_SPACING, on))
+        ahead = self._ahead[known]
         lib, (x0, y0, cos, sin) = self._arrays.lib, self._frames.T
         cell, inside = self.locate(poses)
         cols = self._shapes[:, 1]
         found: list[tuple[Any, Any]] = []
         for _ in range(points):
-            cell = self._arrays.cast(self._ahead[self._fields + cell], "int64")
+            cell = self._arrays.cast(ahead[self._fields + cell], "int64")
             row = cell // cols
             along, up = ((cell - row * cols) + 0.5) * self._resolution, (row + 0.5) * self._resolution
             x, y = x0 + cos * along - sin * up, y0 + sin * along + cos * up

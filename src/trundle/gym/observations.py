@@ -26,7 +26,8 @@ class Observer:
     - `ranges`: Of all beams, one lidar after the other [m]; without a return `range_max`.
     - `goal`: Straight distance to the goal [m], up to 200, and the cosine and sine of its direction.
     - `velocity`: v [m/s] and w [rad/s].
-    - `path`: Points of a path to the goal that keeps away from walls [m], 0.5 m apart, as (x, y), with `path_points`.
+    - `path`: Points of a path to the goal that keeps away from walls [m], 0.5 m apart, as (x, y), with `path_points`;
+      on the map without `unmapped_boxes`.
     - `costmap`: Costs around the robot, uint8, its x axis along the columns, with `costmap_cells`.
     - `critic`: Length of the shortest path [m], and the cosine and sine of the direction of that path, with `critic`.
 
@@ -76,17 +77,17 @@ class Observer:
             "goal": self._direction(goals[:, 0] - x, goals[:, 1] - y, cos, sin),
             "velocity": arrays.cast(sim.twists, "float32"),
         }
-        if self._points or self._critic:
-            path = [(to_x - x, to_y - y) for to_x, to_y in episodes.lookup.path(poses, max(self._points, 1))]
-            if self._points:
-                far = (self._points + 1) * POINT_SPACING * 2.0
-                parts = [part for dx, dy in path for part in (cos * dx + sin * dy, cos * dy - sin * dx)]
-                local = arrays.columns(*parts).reshape(len(poses), self._points, 2)
-                found["path"] = arrays.cast(arrays.clip(local, -far, far), "float32")
-            if self._critic:
-                ahead = self._direction(*path[0], cos, sin)
-                ahead[:, 0] = arrays.clip(episodes.distances, 0.0, FARTHEST)
-                found["critic"] = ahead
+        if self._points:
+            far = (self._points + 1) * POINT_SPACING * 2.0
+            path = [(to_x - x, to_y - y) for to_x, to_y in episodes.lookup.path(poses, self._points, known=True)]
+            parts = [part for dx, dy in path for part in (cos * dx + sin * dy, cos * dy - sin * dx)]
+            local = arrays.columns(*parts).reshape(len(poses), self._points, 2)
+            found["path"] = arrays.cast(arrays.clip(local, -far, far), "float32")
+        if self._critic:
+            to_x, to_y = episodes.lookup.path(poses, 1, known=False)[0]
+            ahead = self._direction(to_x - x, to_y - y, cos, sin)
+            ahead[:, 0] = arrays.clip(episodes.distances, 0.0, FARTHEST)
+            found["critic"] = ahead
         if self._cells:
             costs = episodes.lookup.costs_around(poses, self._offsets)
             found["costmap"] = costs.reshape(len(poses), self._cells, self._cells)

@@ -13,7 +13,7 @@ from trundle.navigation.policies.policy_file import OBSERVATIONS, metadata_for
 def policy_metadata(
     env: Any,
     *,
-    observations: Sequence[str] = OBSERVATIONS,
+    observations: Sequence[str] | None = None,
     normalisation: Mapping[str, tuple[object, object]] | None = None,
     states: Mapping[str, str] | None = None,
 ) -> dict[str, str]:
@@ -23,7 +23,8 @@ def policy_metadata(
 
     Args:
         env: The `NavigationEnv` or `NavigationVectorEnv`, or a wrapper of one.
-        observations: The network's inputs that are observations.
+        observations: The network's inputs that are observations. If None, `ranges`, `goal` and `velocity`, and `path`
+            where the environment observes it.
         normalisation: (mean, scale) by observation, where the network gets (value − mean) / scale.
         states: Recurrent inputs, and the outputs that they become.
 
@@ -33,7 +34,13 @@ def policy_metadata(
     episodes: Any = getattr(getattr(env, "unwrapped", env), "episodes", None)
     if not isinstance(episodes, Episodes):
         raise InputError(f"policy_metadata needs an environment of trundle.gym, got {type(env).__name__}")
+    points = episodes.settings.path_points
+    possible = tuple(name for name in OBSERVATIONS if points or name != "path")
+    if observations is None:
+        observations = possible
     for name in observations:
+        if name == "path" and not points:
+            raise InputError("the environment observes no path: make it with path_points")
         if name not in OBSERVATIONS:
             raise InputError(f"a policy cannot observe {name!r} on a robot; it may observe: {', '.join(OBSERVATIONS)}")
     if not episodes.settings.scaled_actions:
@@ -48,6 +55,7 @@ def policy_metadata(
         beams=beams,
         reach=reach,
         lidars=tuple(lidars),
+        path_points=points if "path" in observations else 0,
         period=episodes.settings.period_s,
         scale=episodes.command_scale.tolist(),
         offset=episodes.command_offset.tolist(),

@@ -85,7 +85,7 @@ def _arena(
 
 
 def _challenge(options: dict[str, Any]) -> dict[str, Any]:
-    for name in ("world", "worlds", "world_options", "movers", "crowd"):
+    for name in ("world", "worlds", "world_options", "movers", "crowd", "unmapped_boxes"):
         if name in options:
             raise InputError(f"the option {name} is for trundle/Navigation-v0; these worlds are files")
     return {"robot": "jackal", "goal_tolerance": GOAL_TOLERANCE, "max_time_s": MAX_TIME_S, **options}

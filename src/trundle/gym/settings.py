@@ -57,6 +57,7 @@ class NavigationSettings:
         movers: How many people walk in each world that do not react to the robot.
         crowd: How many more walk there that see the robot and give way to it; on the CPU alone.
         path_points: How many points of the path ahead are observed, 0.5 m apart; 0 for none.
+        unmapped_boxes: Boxes that stand in each world, and that `path` and `costmap` know nothing of.
         costmap_cells: Cells along an edge of the observed local costmap; 0 for none.
         critic: Whether `critic` is observed: what a robot without a map cannot know.
         scaled_actions: Whether actions are from −1 to 1, as shares of the robot's largest speeds, or [m/s, rad/s].
@@ -87,6 +88,7 @@ class NavigationSettings:
     movers: int = 0
     crowd: int = 0
     path_points: int = 0
+    unmapped_boxes: int = 0
     costmap_cells: int = 0
     critic: bool = False
     scaled_actions: bool = True
@@ -107,6 +109,7 @@ class NavigationSettings:
         check_count("movers", self.movers, 0, 500)
         check_count("crowd", self.crowd, 0, 500)
         check_count("path_points", self.path_points, 0, 200)
+        check_count("unmapped_boxes", self.unmapped_boxes, 0, 1000)
         check_count("costmap_cells", self.costmap_cells, 0, 512)
         if self.beams is not None:
             check_count("beams", self.beams, 1, 100_000)

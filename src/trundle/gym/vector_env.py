@@ -74,6 +74,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self.single_action_space = action_space(self.episodes)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._ended = self.episodes.arrays.full(num_envs, 0, "bool")
+        self._everyone = self.episodes.arrays.full(num_envs, 1, "bool")
         self._ready = np.zeros(num_envs, dtype=bool)
 
     def reset(
@@ -86,6 +87,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             options: May hold `reset_mask`.
 
         Raises:
+            UnknownNameError: If there is no such option.
             InputError: If the mask or a seed is bad, or a GPU has found a bad action of an earlier step.
             WorldError: If no start leaves room for the crowd of a robot; the episodes of others may have begun.
         """
@@ -123,7 +125,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         outcome = self.episodes.step(given, active)
         self._observer.scan()
         ended = outcome.terminated | outcome.truncated
-        info = self._masked(outcome.info, arrays.full(self.num_envs, 1, "bool"))
+        info = self._masked(outcome.info, self._everyone)
         observations = self._observer.observe()
         if self._mode is AutoresetMode.SAME_STEP:
             robots = arrays.indices(ended)
@@ -164,10 +166,15 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
 
     def _masked(self, info: dict[str, Any], mask: Any) -> dict[str, Any]:
         """Return an info as Gymnasium has it for many: beside every array, which robots it is of."""
-        return info | {f"_{name}": self.episodes.arrays.copy(mask) for name in info}
+        masks = self.episodes.arrays.full((len(info), self.num_envs), 0, "bool")
+        masks[:] = mask
+        return info | {f"_{name}": own for name, own in zip(info, masks, strict=True)}
 
     def _read_mask(self, options: dict[str, Any] | None) -> npt.NDArray[np.bool_]:
-        if not options or "reset_mask" not in options:
+        for name in options or ():
+            if name != "reset_mask":  # with a misspelt one all episodes would be lost
+                raise UnknownNameError("option of reset", name, ["reset_mask"])
+        if not options:
             return np.ones(self.num_envs, dtype=bool)
         given = options["reset_mask"]
         mask = np.asarray(given if isinstance(given, np.ndarray | list) else self.episodes.arrays.host(given))

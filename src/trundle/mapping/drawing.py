@@ -66,7 +66,7 @@ def draw_map(graph: PoseGraph, *, resolution: float = 0.05, robot: Robot | None 
 
 def widest_gap_m(robot: Robot | None) -> float:
     """Return up to which width gaps of walls are closed [m]: not where the robot may fit through; None if unknown."""
-    return _WIDEST_GAP_M if robot is None else min(_WIDEST_GAP_M, 2.0 * robot.inscribed_radius)
+    return _WIDEST_GAP_M if robot is None else min(_WIDEST_GAP_M, robot.planar.least_width)
 
 
 class Beams(tuple[FloatArray, FloatArray, npt.NDArray[np.uint8]]):

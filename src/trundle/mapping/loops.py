@@ -15,6 +15,7 @@ import numpy as np
 
 from trundle._core import search_poses
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
+from trundle.localization.amcl.search import thin_out
 from trundle.mapping.contradictions import seen_through
 from trundle.mapping.nodes import Nodes, Surface
 from trundle.mapping.submaps import Submaps
@@ -117,7 +118,7 @@ class LoopFinder:
     def _match_far(self, node: int, cloud: Surface, index: int, metres: float, radians: float) -> list[Loop]:
         submap = self._submaps.all[index]
         known = self._submaps.surface(index)
-        points = _thin(cloud.points)
+        points = thin_out(cloud.points, _POINT_CELL_M, _POINTS)
         if len(points) < 20:
             return []
         rows, cols = known.table.shape
@@ -230,13 +231,3 @@ def compute_drift(length: float) -> tuple[float, float]:
         return math.inf, math.pi
     radians = math.radians(0.5 + 0.25 * math.sqrt(length))
     return 0.1 + 0.01 * length + 0.3 * length * radians, min(math.pi, radians)
-
-
-def _thin(points: FloatArray) -> FloatArray:
-    """One point for each cell, so that what is near does not count for more, and not too many."""
-    cells = np.floor(points / _POINT_CELL_M).astype(np.int64)
-    _, first = np.unique(cells[:, 0] * 1_000_003 + cells[:, 1], return_index=True)
-    first.sort()
-    if len(first) > _POINTS:
-        first = first[np.linspace(0, len(first) - 1, _POINTS).astype(np.intp)]
-    return np.ascontiguousarray(points[first])

@@ -205,7 +205,7 @@ class Unmapped(Config):
         """
         rng = np.random.default_rng([_STREAM, seed])
         count = int(rng.integers(self.boxes[0], self.boxes[1] + 1))
-        points = np.array([end[:2] for end in ends], dtype=np.float64)
+        points = np.array([end[:2] for end in ends], dtype=np.float64).reshape(-1, 2)
         places = FreePlaces(costmap, points, rng, "unmapped", "box")
         solids: list[Solid] = []
         for number in range(count):
@@ -243,7 +243,7 @@ class FreePlaces:
         """Draw a place that is farther than `clear` [m] from the start and the goals."""
         for _ in range(_TRIES if len(self._free) else 0):
             x, y = self._beside_path() if beside_path and path_length(self._path) > 0.0 else self._anywhere()
-            far = np.hypot(*(self._points - (x, y)).T).min() > clear
+            far = np.hypot(*(self._points - (x, y)).T).min(initial=math.inf) > clear
             if far and self._costmap.cost_at(x, y) < INSCRIBED:
                 return x, y
         raise ScenarioError(

@@ -56,6 +56,8 @@ class SensedMap:
     ) -> None:
         self._robot, self._settings = robot, _without_map(costmap)
         self._layers: LayersSettings | Literal[False] | None = layers
+        obstacle = None if layers is False else (layers or LayersSettings()).obstacle
+        self._may_take_off = obstacle is not None and obstacle.doubt_static
         self._has_map = static is not None
         self._static = self._blank([]) if static is None else static
         self._trusted: Costmap | None = None  # the whole map, while things on it are doubted
@@ -138,8 +140,7 @@ class SensedMap:
 
     @property
     def _doubts(self) -> bool:
-        obstacle = None if self._layers is False else (self._layers or LayersSettings()).obstacle
-        return self._has_map and obstacle is not None and obstacle.doubt_static
+        return self._has_map and self._may_take_off
 
     def awaits_scan(self, time: float) -> bool:
         """Whether a plan is to wait at this time [s], for 2 s at most, as the map may be doubted after a first scan."""

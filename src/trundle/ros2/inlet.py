@@ -19,9 +19,6 @@ _LOGGER = logging.getLogger(__name__)
 MOST_A_SECOND = 500
 """Messages of one topic that are handled in a second [real time]; a node that sends more floods, and is reported."""
 
-NEWEST_S = 0.002
-"""A topic of which only the newest message counts is looked at so often [s]; /clock may come 1,000 times a second."""
-
 
 class Record(Protocol):
     """Keeps what goes over the wire."""
@@ -71,7 +68,6 @@ class Inlet:
         self._is_recorded = is_recorded
         self.topic, self.type_name, self.qos = topic, type_name, qos
         self._subscription, self._handler, self._newest = subscription, handler, newest
-        self._handled_s = 0.0
         self._second, self._count = 0, 0
         self.received = 0
 
@@ -86,11 +82,8 @@ class Inlet:
         samples = self._subscription.take()
         if self._newest and samples:
             self.received += len(samples) - 1
-            now = clock.monotonic()
-            if now - self._handled_s < NEWEST_S:
-                self.received += 1
-                return False
-            self._handled_s = now
+            for sample in samples[:-1]:
+                self._keep(sample.data, wire)
             samples = samples[-1:]
         for sample in samples:
             self.received += 1
@@ -114,9 +107,12 @@ class Inlet:
             ),
         )
 
-    def _handle(self, data: bytes, source: str, wire: Listener) -> None:
+    def _keep(self, data: bytes, wire: Listener) -> None:
         if wire.record is not None and self._is_recorded:
             wire.record.add(self.topic, self.type_name, self.qos, data, wire.now())
+
+    def _handle(self, data: bytes, source: str, wire: Listener) -> None:
+        self._keep(data, wire)
         try:
             message = wire.types.decode(self.type_name, data)
         except TrundleError as error:

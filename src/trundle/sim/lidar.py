@@ -95,7 +95,7 @@ class LidarSet:
             ranges = np.add(ranges, noise, out=noise)
         ranges = np.maximum(ranges, lidar.range_min)
         np.minimum(ranges, lidar.range_max, out=ranges)
-        ranges[missed] = np.inf
+        np.putmask(ranges, missed, np.inf)
         return make_scan(name, now, mount, lidar.z, angles, ranges, lidar.range_min, lidar.range_max)
 
 

@@ -35,7 +35,7 @@ class Keys(Protocol):
         ...
 
 
-class _Driver:
+class _KeyObserver:
     """An observer that turns keys into directives, records the drive, and shows it."""
 
     def __init__(self, keys: Keys, steering: Steering, log: DriveLog, show: Callable[[Step], None]) -> None:
@@ -96,7 +96,7 @@ def drive_by_hand(
         simulator,
         StandingAgent(simulator, period_s=period_s),
         start,
-        observers=[_Driver(keys, steering, log, show), *observers],
+        observers=[_KeyObserver(keys, steering, log, show), *observers],
         seed=seed,
         stop_on_contact=False,
         measure=None,

@@ -132,8 +132,8 @@ class Tracker:
         return self.tracks
 
     def _take(self, scan: Scan, poses: FloatArray) -> None:
-        lidar = self._lidars.setdefault(scan.lidar, len(self._lidars))
-        sensor = np.array([*scan.mount.as_tuple(), scan.range_min, scan.range_max])
+        lidar, mount = self._lidars.setdefault(scan.lidar, len(self._lidars)), scan.mount
+        sensor = np.array((mount.x, mount.y, mount.yaw, scan.range_min, scan.range_max))
         self._kernel.see(lidar, scan.time, scan.ranges, scan.angles, poses, sensor)
 
     def _predict(self, now: float) -> tuple[Track, ...]:

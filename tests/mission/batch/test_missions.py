@@ -180,7 +180,8 @@ def test_a_robot_that_stands_closer_to_a_wall_than_its_padding_drives_off_alike(
 @pytest.mark.parametrize(
     ("settings", "named"),
     [
-        ({"controller": "mppi"}, "controller mppi"),
+        ({"controller": "trundle.control:RegulatedPurePursuit"}, "controller trundle.control:RegulatedPurePursuit"),
+        ({"agent": "policy.onnx"}, "agent"),
         ({"collision_monitor": True}, "collision_monitor without lidars"),
         ({"latency": {"command_delay_s": 0.1}}, "latency"),
         ({"movers": [{"crowd": "person", "count": 1}], "lidar": True}, "movers that lidars see"),

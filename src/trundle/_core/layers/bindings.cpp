@@ -14,4 +14,7 @@ void bind_layers(nanobind::module_ &m) {
         arg("outline"), arg("hit"), arg("miss"));
   m.def("paint_marks", &paint_marks, arg("evidence"), arg("points"), arg("row"), arg("col"), arg("resolution"),
         arg("cells"), arg("kept"), arg("x"), arg("y"), arg("yaw"), arg("cell_size"), arg("clear_occupied"));
+  m.def("repaint_marks", &repaint_marks, arg("evidence"), arg("points"), arg("row"), arg("col"), arg("resolution"),
+        arg("cells"), arg("base"), arg("kept"), arg("window"), arg("x"), arg("y"), arg("yaw"), arg("cell_size"),
+        arg("clear_occupied"));
 }

@@ -2,6 +2,9 @@
 // scan, then the picture is added to the evidence. So each cell counts once per scan, and a cell that was hit is not
 // cleared by another beam of the same scan.
 //
+// Near the sensor many beams pass each cell. A beam between two others that are a cell apart at most passes no cell but
+// theirs, and is drawn only from where they part or end: every other beam, then every other one of those that are left.
+//
 // A beam is drawn as in Bresenham's algorithm: one cell for each step along its longer axis, the one that it passes at
 // the middle of the step. The cell in which it ends is not passed. The cell behind that one loses what hits it had
 // gathered on the way to a mark: a range that is too long now and then does not thicken a wall on its far side, where no
@@ -55,6 +58,27 @@ struct Bounds {
 
 std::int64_t to_fixed(double value) { return static_cast<std::int64_t>(std::floor(value * kOne + 0.5)); }
 
+// Cells of a picture that a beam passes: from the one at `first`, step by step, each `y >> 32` rows or columns across.
+struct Line {
+  std::ptrdiff_t first = 0, step = 0, across = 0, count = 0;
+  std::int64_t y = 0, rise = 0;
+};
+
+// The first steps of a line on which it passes no cell but those of the lines beside it. What they differ by is linear.
+std::ptrdiff_t shared_steps(const Line &left, const Line &line, const Line &right) {
+  constexpr std::int64_t kCell = std::int64_t{1} << 32;
+  const auto is_alike = [&](const Line &one) { return one.first == line.first && one.step == line.step && one.across == line.across; };
+  if (!is_alike(left) || !is_alike(right)) return 0;
+  const std::int64_t sign = right.rise < left.rise ? -1 : 1;
+  const std::int64_t past_left = sign * (line.y - left.y), past_line = sign * (right.y - line.y);
+  const std::int64_t left_grows = sign * (line.rise - left.rise), line_grows = sign * (right.rise - line.rise);
+  const std::int64_t wide = past_left + past_line, grows = left_grows + line_grows;
+  std::ptrdiff_t count = std::min({left.count, line.count, right.count});
+  if (grows > 0) count = std::min(count, static_cast<std::ptrdiff_t>(static_cast<double>(kCell - wide) / static_cast<double>(grows)));
+  if (count < 1 || past_left < 0 || past_line < 0 || wide + (count - 1) * grows > kCell) return 0;
+  return past_left + (count - 1) * left_grows >= 0 && past_line + (count - 1) * line_grows >= 0 ? count : 0;
+}
+
 // The picture of a scan: cells [row, row + rows) x [col, col + cols) of the grid.
 struct Picture {
   std::ptrdiff_t row, col, rows, cols;
@@ -90,39 +114,47 @@ struct Picture {
     return pixels[static_cast<std::size_t>(r * cols + c)];
   }
 
-  // Cells that a beam passes on its way along x; for one along y with x and y swapped.
+  // The cells that a beam passes on its way along x; for one along y with x and y swapped.
   template <bool kSwapped>
-  void pass(double x0, double y0, double x1, double y1) {
+  Line line_along(double x0, double y0, double x1, double y1) const {
     const std::ptrdiff_t along = kSwapped ? cols : 1, across = kSwapped ? 1 : cols;
     const auto first = static_cast<std::ptrdiff_t>(std::floor(x0)), last = static_cast<std::ptrdiff_t>(std::floor(x1));
     const double slope = (y1 - y0) / (x1 - x0);
     const std::ptrdiff_t step = last > first ? 1 : -1;
-    const std::int64_t rise = to_fixed(step * slope);
-    std::int64_t y = to_fixed(y0 + (static_cast<double>(first) + 0.5 - x0) * slope);
-    std::uint8_t *out = pixels.data() + first * along;
-    for (std::ptrdiff_t n = step * (last - first); n > 0; --n) {
-      out[(y >> 32) * across] = kPassed;
-      y += rise;
-      out += step * along;
-    }
+    return {first * along, step * along, across, step * (last - first),
+            to_fixed(y0 + (static_cast<double>(first) + 0.5 - x0) * slope), to_fixed(step * slope)};
   }
 
-  void draw(const Beam &beam) {
+  Line line_of(const Beam &beam) const {
     const double x0 = beam.x0 - static_cast<double>(col), y0 = beam.y0 - static_cast<double>(row);
     const double x1 = beam.x1 - static_cast<double>(col), y1 = beam.y1 - static_cast<double>(row);
-    if (std::abs(x1 - x0) >= std::abs(y1 - y0)) {
-      if (x1 != x0) pass<false>(x0, y0, x1, y1);
-    } else {
-      pass<true>(y0, x0, y1, x1);
+    if (!(std::abs(x1 - x0) >= std::abs(y1 - y0))) return line_along<true>(y0, x0, y1, x1);
+    return x1 != x0 ? line_along<false>(x0, y0, x1, y1) : Line{};
+  }
+
+  void draw(const Line &line, std::ptrdiff_t from) {
+    const std::ptrdiff_t step = line.step, across = line.across;
+    const std::int64_t rise = line.rise;
+    std::int64_t y = line.y + from * rise;
+    std::uint8_t *out = pixels.data() + line.first + from * step;
+    for (std::ptrdiff_t n = line.count - from; n > 0; --n) {
+      out[(y >> 32) * across] = kPassed;
+      y += rise;
+      out += step;
     }
   }
 
   void draw(const std::vector<Beam> &beams) {
+    std::vector<Line> lines;
+    lines.reserve(beams.size());
     for (const Beam &beam : beams) {
       if (beam.marks) at(beam.hit_x + beam.dx, beam.hit_y + beam.dy) = kBehind;
+      if (beam.clears) lines.push_back(line_of(beam));
     }
-    for (const Beam &beam : beams) {
-      if (beam.clears) draw(beam);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const std::size_t apart = i & (~i + 1);  // of the next beams that are drawn whatever this one is
+      const bool is_between = i > 0 && i + apart < lines.size();
+      draw(lines[i], is_between ? shared_steps(lines[i - apart], lines[i], lines[i + apart]) : 0);
     }
     for (const Beam &beam : beams) {
       if (beam.marks) at(beam.hit_x, beam.hit_y) = kHit;
@@ -172,31 +204,27 @@ std::vector<Beam> read_beams(const Sensor &sensor, const In<double, 1> &angles, 
   return beams;
 }
 
-// What a scan does to some cells of a row; returns whether it changed one that matters.
-TRUNDLE_INLINE std::uint8_t add_cells(const EvidenceRule &rule, const std::uint8_t *__restrict drawn,
-                                      std::uint8_t *__restrict evidence, std::uint8_t *__restrict changed,
-                                      std::ptrdiff_t count) {
-  const std::uint8_t hit = rule.hit, miss = rule.miss, neutral = rule.neutral, top = rule.top;
+// Whether a cell became marked, unmarked, seen (a level of 1 or more) or surely free (a level of 1). The latter two change
+// only where one of the levels is 0 or 1.
+TRUNDLE_INLINE std::uint8_t matters(std::uint8_t old, std::uint8_t now) {
+  const std::uint8_t old_level = old & kLevel, level = now & kLevel;
+  const std::uint8_t old_kind = old_level < 2 ? old_level : std::uint8_t{2}, kind = level < 2 ? level : std::uint8_t{2};
+  return static_cast<std::uint8_t>(((old ^ now) & kMarked) | (old_kind ^ kind));
+}
+
+// What a scan does to some cells of a row that beams passed; returns whether it changed one that matters.
+TRUNDLE_INLINE std::uint8_t clear_cells(const EvidenceRule &rule, const std::uint8_t *__restrict drawn,
+                                        std::uint8_t *__restrict evidence, std::uint8_t *__restrict changed,
+                                        std::ptrdiff_t count) {
+  const std::uint8_t miss = rule.miss, neutral = rule.neutral;
   std::uint8_t any = 0;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
-    const std::uint8_t pixel = drawn[i], old = evidence[i];
-    const std::uint8_t level = old & kLevel, marked = old & kMarked;
-    const std::uint8_t above = level > neutral ? level : neutral;
-    const auto raised = static_cast<std::uint8_t>(above + hit);
-    const std::uint8_t up = raised < top ? raised : top;
+    const std::uint8_t old = evidence[i], level = old & kLevel;
     const std::uint8_t from = level == 0 ? neutral : level;
     const auto lowered = static_cast<std::uint8_t>(from > miss ? from - miss : 1);
-    const std::uint8_t up_mark = up == top ? kMarked : marked, down_mark = lowered <= neutral ? std::uint8_t{0} : marked;
-    const auto if_hit = static_cast<std::uint8_t>(up | up_mark), if_passed = static_cast<std::uint8_t>(lowered | down_mark);
-    const auto unconfirmed = static_cast<std::uint8_t>(lowered > neutral ? lowered : neutral);
-    const std::uint8_t if_behind = marked == 0 && level > neutral ? unconfirmed : old;
-    const std::uint8_t behind_or_old = pixel == kBehind ? if_behind : old;
-    const std::uint8_t passed_or_other = pixel == kPassed ? if_passed : behind_or_old;
-    const std::uint8_t now = pixel == kHit ? if_hit : passed_or_other;
-    // Seen is a level of 1 or more, surely free a level of 1: both change only where one of the levels is 0 or 1.
-    const std::uint8_t now_level = now & kLevel;
-    const std::uint8_t old_kind = level < 2 ? level : std::uint8_t{2}, new_kind = now_level < 2 ? now_level : std::uint8_t{2};
-    const auto differs = static_cast<std::uint8_t>(((old ^ now) & kMarked) | (old_kind ^ new_kind));
+    const std::uint8_t mark = lowered <= neutral ? std::uint8_t{0} : static_cast<std::uint8_t>(old & kMarked);
+    const std::uint8_t now = drawn[i] == kPassed ? static_cast<std::uint8_t>(lowered | mark) : old;
+    const std::uint8_t differs = matters(old, now);
     evidence[i] = now;
     changed[i] = differs;
     any |= differs;
@@ -204,18 +232,29 @@ TRUNDLE_INLINE std::uint8_t add_cells(const EvidenceRule &rule, const std::uint8
   return any;
 }
 
-// Whether a block has only cells that no beam passed, or that are surely free already: nothing changes there.
+// What a hit does to a cell, and what it does to the one behind that.
+std::uint8_t raised(const EvidenceRule &rule, std::uint8_t old) {
+  const int level = std::min(std::max<int>(old & kLevel, rule.neutral) + rule.hit, static_cast<int>(rule.top));
+  return static_cast<std::uint8_t>(level | (level == rule.top ? kMarked : old & kMarked));
+}
+
+std::uint8_t unconfirmed(const EvidenceRule &rule, std::uint8_t old) {
+  if (old & kMarked || old <= rule.neutral) return old;
+  return static_cast<std::uint8_t>(std::max<int>(old - rule.miss, rule.neutral));
+}
+
+// Whether a block has only cells that no beam passed, or that are surely free already: nothing is cleared there.
 TRUNDLE_INLINE bool stays(const std::uint8_t *drawn, const std::uint8_t *evidence) {
   std::uint8_t any = 0;
   for (std::ptrdiff_t i = 0; i < kBlock; ++i) {
-    const std::uint8_t passed = drawn[i] ^ kPassed, free = evidence[i] ^ 1;
-    any |= drawn[i] == 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(passed | free);
+    const std::uint8_t not_free = evidence[i] ^ 1, passed = drawn[i] == kPassed ? 255 : 0;
+    any |= static_cast<std::uint8_t>(passed & not_free);
   }
   return any == 0;
 }
 
-// What a scan does to a row of cells, block by block: most lie between two beams, or in space that is known to be free.
-TRUNDLE_INLINE bool add_row(const EvidenceRule &rule, const std::uint8_t *drawn, std::uint8_t *evidence,
+// What the beams that pass do to a row of cells, block by block: most lie between two beams, or in space that is known to be free.
+TRUNDLE_INLINE bool clear_row(const EvidenceRule &rule, const std::uint8_t *drawn, std::uint8_t *evidence,
                             std::uint8_t *changed, std::ptrdiff_t count) {
   std::uint8_t any = 0;
   std::ptrdiff_t i = 0;
@@ -223,10 +262,10 @@ TRUNDLE_INLINE bool add_row(const EvidenceRule &rule, const std::uint8_t *drawn,
     if (stays(drawn + i, evidence + i)) {
       std::memset(changed + i, 0, kBlock);
     } else {
-      any |= add_cells(rule, drawn + i, evidence + i, changed + i, kBlock);
+      any |= clear_cells(rule, drawn + i, evidence + i, changed + i, kBlock);
     }
   }
-  any |= add_cells(rule, drawn + i, evidence + i, changed + i, count - i);
+  any |= clear_cells(rule, drawn + i, evidence + i, changed + i, count - i);
   return any != 0;
 }
 
@@ -239,8 +278,8 @@ void add_ends(CellBox &box, std::ptrdiff_t row, std::ptrdiff_t col, const std::u
   box.add(row, col + first, col + end);
 }
 
-// Add a picture to the evidence of a grid; returns where that made a difference.
-TRUNDLE_INLINE CellBox add_all_rows(const EvidenceRule &rule, const Picture &picture, std::uint8_t *evidence,
+// Add what a picture shows as passed to the evidence of a grid; returns where that made a difference.
+TRUNDLE_INLINE CellBox clear_all_rows(const EvidenceRule &rule, const Picture &picture, std::uint8_t *evidence,
                                     std::ptrdiff_t rows, std::ptrdiff_t cols) {
   CellBox box;
   const std::ptrdiff_t first = std::max<std::ptrdiff_t>(0, picture.col), end = std::min(cols, picture.col + picture.cols);
@@ -249,7 +288,7 @@ TRUNDLE_INLINE CellBox add_all_rows(const EvidenceRule &rule, const Picture &pic
   const std::ptrdiff_t row_end = std::min(rows, picture.row + picture.rows);
   for (std::ptrdiff_t r = std::max<std::ptrdiff_t>(0, picture.row); r < row_end; ++r) {
     const std::uint8_t *drawn = picture.pixels.data() + (r - picture.row) * picture.cols + (first - picture.col);
-    if (add_row(rule, drawn, evidence + r * cols + first, changed.data(), end - first)) {
+    if (clear_row(rule, drawn, evidence + r * cols + first, changed.data(), end - first)) {
       add_ends(box, r, first, changed.data(), end - first);
     }
   }
@@ -257,18 +296,32 @@ TRUNDLE_INLINE CellBox add_all_rows(const EvidenceRule &rule, const Picture &pic
 }
 
 #ifdef TRUNDLE_AVX2
-TRUNDLE_TARGET("avx2") CellBox add_picture_avx2(const EvidenceRule &rule, const Picture &picture, std::uint8_t *evidence,
+TRUNDLE_TARGET("avx2") CellBox clear_passed_avx2(const EvidenceRule &rule, const Picture &picture, std::uint8_t *evidence,
                                                 std::ptrdiff_t rows, std::ptrdiff_t cols) {
-  return add_all_rows(rule, picture, evidence, rows, cols);
+  return clear_all_rows(rule, picture, evidence, rows, cols);
 }
 #endif
 
-CellBox add_picture(const EvidenceRule &rule, const Picture &picture, std::uint8_t *evidence, std::ptrdiff_t rows,
+CellBox clear_passed(const EvidenceRule &rule, const Picture &picture, std::uint8_t *evidence, std::ptrdiff_t rows,
                     std::ptrdiff_t cols) {
 #ifdef TRUNDLE_AVX2
-  if (__builtin_cpu_supports("avx2")) return add_picture_avx2(rule, picture, evidence, rows, cols);
+  if (__builtin_cpu_supports("avx2")) return clear_passed_avx2(rule, picture, evidence, rows, cols);
 #endif
-  return add_all_rows(rule, picture, evidence, rows, cols);
+  return clear_all_rows(rule, picture, evidence, rows, cols);
+}
+
+// Add what a picture shows at a point, if that is `kind`, and take it off the picture: each cell counts once.
+void add_once(std::uint8_t kind, const EvidenceRule &rule, Picture &picture, double x, double y, std::uint8_t *evidence,
+              std::ptrdiff_t rows, std::ptrdiff_t cols, CellBox &box) {
+  std::uint8_t &pixel = picture.at(x, y);
+  if (pixel != kind) return;
+  pixel = 0;
+  const auto r = static_cast<std::ptrdiff_t>(std::floor(y)), c = static_cast<std::ptrdiff_t>(std::floor(x));
+  if (r < 0 || c < 0 || r >= rows || c >= cols) return;
+  std::uint8_t &cell = evidence[r * cols + c];
+  const std::uint8_t old = cell;
+  cell = kind == kHit ? raised(rule, old) : unconfirmed(rule, old);
+  if (matters(old, cell)) box.add(r, c, c + 1);
 }
 
 }  // namespace
@@ -323,7 +376,13 @@ Rectangle mark_scan(Evidence evidence, HitPoints points, HitTimes times, std::in
     points.data()[2 * cell] = static_cast<std::uint8_t>((beam.hit_x - x) * kSubcells);
     points.data()[2 * cell + 1] = static_cast<std::uint8_t>((beam.hit_y - y) * kSubcells);
   }
-  return add_picture(rule, picture, evidence.data(), rows, cols).as_rectangle();
+  CellBox box = clear_passed(rule, picture, evidence.data(), rows, cols);
+  for (const Beam &beam : beams) {
+    if (!beam.marks) continue;
+    add_once(kHit, rule, picture, beam.hit_x, beam.hit_y, evidence.data(), rows, cols, box);
+    add_once(kBehind, rule, picture, beam.hit_x + beam.dx, beam.hit_y + beam.dy, evidence.data(), rows, cols, box);
+  }
+  return box.as_rectangle();
 }
 
 }  // namespace trundle

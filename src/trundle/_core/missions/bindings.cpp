@@ -18,6 +18,8 @@ void bind_missions(nanobind::module_ &m) {
            arg("check"), arg("along"), arg("patience"), nb::keep_alive<0, 1>());
   nb::class_<MissionRun>(m, "MissionRun")
       .def("decide", &MissionRun::decide)
+      .def("look", &MissionRun::look)
+      .def("take", &MissionRun::take, arg("v"), arg("w"))
       .def("move", &MissionRun::move, arg("v"), arg("w"))
       .def("result", &MissionRun::result);
   m.def("polyline_distances", &polyline_distances, arg("points"), arg("corners"));

@@ -124,29 +124,34 @@ MissionDriver::Drive::Drive(const MissionDriver &driver, const Mission &mission,
   has_touched_ = touching_.collides(*driver.ground_, driver.footprint_, real_);
 }
 
-std::int64_t MissionDriver::Drive::decide() {
+std::int64_t MissionDriver::Drive::look() {
   const Pose pose = stands_at(real_);
-  const Twist twist{wheels_.v, wheels_.w};
-  driven.rows.insert(driven.rows.end(), {pose.x, pose.y, pose.yaw, twist.v, twist.w, sent_.v, sent_.w});
-  const auto end = [&](std::int64_t ending) { return driven.ending = ending; };
+  driven.rows.insert(driven.rows.end(), {pose.x, pose.y, pose.yaw, wheels_.v, wheels_.w, sent_.v, sent_.w});
   if (has_touched_) return end(kTouched);
-  const double time = static_cast<double>(steps_) * driver_.timestep_, period = driver_.period_;
-  if (driver_.is_reached(mission_, pose, twist)) return end(kArrived);
-  const bool is_patient = place_.standing(pose, time) <= patience_;
+  if (driver_.is_reached(mission_, pose, twist())) return end(kArrived);
+  const bool is_patient = place_.standing(pose, time()) <= patience_;
   if (is_held_) {  // what stops the robot may move away
     if (!is_patient) return end(kHeld);
     progress_.reset();
   }
-  if (!(progress_.standing(pose, time) <= driver_.progress_allowance_)) return end(kStood);
+  if (!(progress_.standing(pose, time()) <= driver_.progress_allowance_)) return end(kStood);
   followed_.advance(pose.x, pose.y);
-  const std::optional<Twist> found = pursuit_.compute(*driver_.ground_, pose, twist, period);
+  return end(kDriving);
+}
+
+std::int64_t MissionDriver::Drive::take(const Twist &chosen) {
+  command = chosen;
+  if (along_path_.may_be_lost(followed_.left(), twist(), driver_.period_)) return end(kLost);
+  if (watch_.is_blocked(command, twist(), driver_.period_)) return end(kBlocked);
+  return end(time() >= mission_.time_limit - 1e-9 ? kTimedOut : kDriving);
+}
+
+std::int64_t MissionDriver::Drive::decide() {
+  if (const std::int64_t ending = look(); ending != kDriving) return ending;
+  const std::optional<Twist> found = pursuit_.compute(*driver_.ground_, stands_at(real_), twist(), driver_.period_);
   if (pursuit_.is_beyond()) return end(kBeyond);
   if (!found) ++driven.standing;
-  command = found.value_or(Twist{0.0, 0.0});
-  if (along_path_.may_be_lost(followed_.left(), twist, period)) return end(kLost);
-  if (watch_.is_blocked(command, twist, period)) return end(kBlocked);
-  if (time >= mission_.time_limit - 1e-9) return end(kTimedOut);
-  return kDriving;
+  return take(found.value_or(Twist{0.0, 0.0}));
 }
 
 void MissionDriver::Drive::move(const Twist &sent) {
@@ -174,16 +179,36 @@ MissionRun::MissionRun(const MissionDriver &driver, const MissionDriver::Mission
         return mission_;
       }(), patience) {}
 
-nb::tuple MissionRun::decide() {
-  if (may_move_) throw nb::value_error("the robot has to move before the next decision");
+void MissionRun::begin_period() {
+  if (may_move_ || may_take_) throw nb::value_error("the robot has to move before the next decision");
   if (!drive_.driven.rows.empty() && drive_.driven.ending != MissionDriver::kDriving) {
     throw nb::value_error("the drive has ended");
   }
-  drive_.driven.ending = MissionDriver::kDriving;
+}
+
+nb::tuple MissionRun::decide() {
+  begin_period();
   const std::int64_t ending = drive_.decide();
   may_move_ = ending == MissionDriver::kDriving;
   const double *row = drive_.driven.rows.data() + drive_.driven.rows.size() - 7;
   return nb::make_tuple(ending, row[0], row[1], row[2], row[3], row[4], drive_.command.v, drive_.command.w);
+}
+
+nb::tuple MissionRun::look() {
+  begin_period();
+  const std::int64_t ending = drive_.look();
+  may_take_ = ending == MissionDriver::kDriving;
+  const double *row = drive_.driven.rows.data() + drive_.driven.rows.size() - 7;
+  return nb::make_tuple(ending, row[0], row[1], row[2], row[3], row[4]);
+}
+
+std::int64_t MissionRun::take(double v, double w) {
+  if (!may_take_) throw nb::value_error("there is nothing to decide on: look first");
+  if (!(std::abs(v) < 1e9 && std::abs(w) < 1e9)) throw nb::value_error("a command must be finite");
+  may_take_ = false;
+  const std::int64_t ending = drive_.take({v, w});
+  may_move_ = ending == MissionDriver::kDriving;
+  return ending;
 }
 
 void MissionRun::move(double v, double w) {

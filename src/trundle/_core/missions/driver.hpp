@@ -4,7 +4,7 @@
 // simulator, with their operations in their order. What they would do beyond following the path (recover, give up, touch
 // something) ends a drive as handed over: Python drives that mission from its start.
 //
-// `MissionRun` is one of these drives, whose commands somebody else may change on their way to the wheels.
+// `MissionRun` is one of these drives, whose commands somebody else may change on their way to the wheels, or decide on.
 #pragma once
 
 #include "missions/progress.hpp"
@@ -75,7 +75,11 @@ class MissionDriver {
   class Drive {
    public:
     Drive(const MissionDriver &driver, const Mission &mission, const Patience &patience);
-    // Log the state and decide on a command; `kDriving`, or how the drive ends instead.
+    // Log the state; `kDriving`, or how the drive ends instead of another command.
+    std::int64_t look();
+    // Take the command of this period; `kDriving`, or how the drive ends instead.
+    std::int64_t take(const missions::Twist &chosen);
+    // Both, with the command of pure pursuit in between.
     std::int64_t decide();
     void move(const missions::Twist &sent);
 
@@ -83,6 +87,10 @@ class MissionDriver {
     missions::Twist command{0.0, 0.0};
 
    private:
+    std::int64_t end(std::int64_t ending) { return driven.ending = ending; }
+    double time() const { return static_cast<double>(steps_) * driver_.timestep_; }
+    missions::Twist twist() const { return {wheels_.v, wheels_.w}; }
+
     const MissionDriver &driver_;
     const Mission &mission_;
     missions::PurePursuit pursuit_;
@@ -124,17 +132,24 @@ class MissionRun {
   // Decide on the command of the next control period: how the drive ends instead (`kDriving` where it goes on), the
   // state (x, y, yaw, v, w), and the command (v, w).
   nb::tuple decide();
+  // The same in two parts, where somebody else decides: how the drive ends instead of another command, and the state;
+  nb::tuple look();
+  // and how it ends instead of driving this command.
+  std::int64_t take(double v, double w);
   // Drive one control period with what is sent instead of the command.
   void move(double v, double w);
   // The rows so far, as of `MissionDriver::drive`, and the control periods without a valid command.
   nb::tuple result() const;
 
  private:
+  // Refuse calls out of turn.
+  void begin_period();
+
   std::vector<double> path_, check_, along_;
   std::unique_ptr<bool[]> backward_;
   MissionDriver::Mission mission_;
   MissionDriver::Drive drive_;
-  bool may_move_ = false;
+  bool may_move_ = false, may_take_ = false;
 };
 
 }  // namespace trundle

@@ -18,34 +18,98 @@ constexpr double kTurn = 6.283185307179586476925286766559;
 constexpr double kSure = 1e-9;   // share by which two squares differ, whatever their rounding
 constexpr double kSlack = 1e-9;  // [rad]: a ray through a corner must not slip between the two edges that meet there
 
-// `std::fmod` and `std::remainder` of a turn, which are exact, and so is the difference of numbers that are this close.
+// So many shapes at a time: what is known of them stays in the nearest memory, and compilers vectorise loops over them.
+constexpr std::size_t kTogether = 64;
+
+// Arcs of directions, [low, low + width], and the rays whose angle lies in them, modulo a full turn. The rays cover one
+// turn at most: those of the arc as it is, and of where it began before the first ray, are [from, end) in 0 and 1.
+struct Arcs {
+  double low[kTogether], width[kTogether];
+  std::int32_t from[2][kTogether], end[2][kTogether];
+};
+
+// `std::fmod` of a turn, which is exact, and so is the difference of numbers that are this close.
 double fmod_of_turn(double angle) {
   if (std::abs(angle) < kTurn) return angle;
   return std::abs(angle) <= 2.0 * kTurn ? angle - std::copysign(kTurn, angle) : std::fmod(angle, kTurn);
 }
 
-double remainder_of_turn(double angle) {
-  if (std::abs(angle) <= 0.5 * kTurn) return angle;
-  return std::abs(angle) <= kTurn ? angle - std::copysign(kTurn, angle) : std::remainder(angle, kTurn);
-}
-
-// Call `visit(from, end)` for the rays whose angle lies in [low, low + width], modulo a full turn.
-template <typename Visit>
-TRUNDLE_INLINE void rays_within(double first, double step, std::ptrdiff_t count, double low, double width, Visit visit) {
-  double offset = fmod_of_turn(low - kSlack - first);
-  if (offset < 0.0) offset += kTurn;
-  const double span = width + 2.0 * kSlack;
-  // The rays cover one turn at most: the interval as it is, and where it began before the first ray.
-  for (const double begin : {offset, offset - kTurn}) {
-    // Rays so near to each other that their numbers would not fit lie all before or all behind.
-    const auto whole = [count](double ray) {
-      return static_cast<std::ptrdiff_t>(std::clamp(ray, -1.0, static_cast<double>(count)));
-    };
-    const std::ptrdiff_t from = std::max<std::ptrdiff_t>(0, whole(std::ceil(begin / step)));
-    const std::ptrdiff_t to = std::min(count - 1, whole(std::floor((begin + span) / step)));
-    if (from <= to) visit(from, to + 1);
+TRUNDLE_INLINE void find_rays(Arcs &arcs, std::size_t arc_count, double first, double step, std::ptrdiff_t count) {
+  double begin[kTogether];
+  for (std::size_t i = 0; i < arc_count; ++i) {
+    const double offset = fmod_of_turn(arcs.low[i] - kSlack - first);
+    begin[i] = offset < 0.0 ? offset + kTurn : offset;
+  }
+  // Rays so near to each other that their numbers would not fit lie all before or all behind.
+  const double most = static_cast<double>(count);
+  for (int turn = 0; turn < 2; ++turn) {
+    const double earlier = turn == 0 ? 0.0 : kTurn;
+    for (std::size_t i = 0; i < arc_count; ++i) {
+      const double at = begin[i] - earlier, low = std::ceil(at / step);
+      const double high = std::floor((at + (arcs.width[i] + 2.0 * kSlack)) / step);
+      const double from = low < 0.0 ? 0.0 : low, to = high < -1.0 ? -1.0 : high;
+      arcs.from[turn][i] = static_cast<std::int32_t>(from > most ? most : from);
+      arcs.end[turn][i] = static_cast<std::int32_t>(to > most - 1.0 ? most : to + 1.0);
+    }
   }
 }
+
+// Call `visit(shape, from, end)` for the rays of each arc.
+template <typename Visit>
+TRUNDLE_INLINE void visit_rays(const Arcs &arcs, std::size_t arc_count, Visit visit) {
+  for (std::size_t i = 0; i < arc_count; ++i) {
+    for (int turn = 0; turn < 2; ++turn) {
+      if (arcs.from[turn][i] < arcs.end[turn][i]) visit(i, arcs.from[turn][i], arcs.end[turn][i]);
+    }
+  }
+}
+
+// Segments that rays may meet, from the origin of the rays.
+struct Edges {
+  double ax[kTogether], ay[kTogether], bx[kTogether], by[kTogether];
+  bool is_touched[kTogether];  // by the origin: no angles to go by
+  std::size_t count = 0;
+
+  // Take segments from the `k`-th on until there is no room; returns the first that is not taken.
+  TRUNDLE_INLINE std::size_t take(const double *segments, std::size_t k, std::size_t end, double x, double y, double reach) {
+    const double farthest = reach * reach;
+    for (count = 0; k < end && count < kTogether; ++k) {
+      const double *s = segments + 4 * k;
+      const double from_x = s[0] - x, from_y = s[1] - y, to_x = s[2] - x, to_y = s[3] - y;
+      const double ux = to_x - from_x, uy = to_y - from_y, square = ux * ux + uy * uy;
+      if (!(square > 0.0)) continue;
+      const double along = std::min(1.0, std::max(0.0, -(from_x * ux + from_y * uy) / square));
+      const double nx = from_x + along * ux, ny = from_y + along * uy;
+      const double near = nx * nx + ny * ny;
+      if (near > farthest * (1.0 + kSure)) continue;
+      if (!(near < farthest * (1.0 - kSure)) && !(std::hypot(nx, ny) <= reach)) continue;  // which is exact, and slow
+      ax[count] = from_x, ay[count] = from_y, bx[count] = to_x, by[count] = to_y;
+      is_touched[count++] = near < 1e-18;
+    }
+    return k;
+  }
+
+  // The arcs that they fill as seen from the origin.
+  TRUNDLE_INLINE void find_arcs(double first, Arcs &arcs) const {
+    double start[kTogether], last[kTogether];
+    bool usual = true;
+    for (std::size_t i = 0; i < count; ++i) usual &= is_usual(ay[i], ax[i]) && is_usual(by[i], bx[i]);
+    for (std::size_t i = 0; i < count; ++i) start[i] = bearing_of_usual(ay[i], ax[i]);
+    for (std::size_t i = 0; i < count; ++i) last[i] = bearing_of_usual(by[i], bx[i]);
+    for (std::size_t i = 0; i < count && !usual; ++i) {
+      start[i] = bearing_of(ay[i], ax[i]), last[i] = bearing_of(by[i], bx[i]);
+    }
+    for (std::size_t i = 0; i < count; ++i) {  // two bearings are a turn apart at most: the difference is exact
+      const double apart = last[i] - start[i];
+      const double width = std::abs(apart) <= 0.5 * kTurn ? apart : apart - std::copysign(kTurn, apart);
+      arcs.low[i] = width < 0.0 ? start[i] + width : start[i];
+      arcs.width[i] = std::abs(width);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      if (is_touched[i]) arcs.low[i] = first, arcs.width[i] = kTurn;
+    }
+  }
+};
 
 // The distances of some rays to a line (ux, uy) past (ax, ay), where those are nearer. Without a branch, as compilers
 // vectorise that; a ray along the line has no number, or an infinite one.
@@ -69,31 +133,33 @@ TRUNDLE_INLINE void cast_all(const In<double, 2> &segments, const In<double, 2> 
     cosines[i] = std::cos(angle);
     sines[i] = std::sin(angle);
   }
-  const double farthest = reach * reach;
-  for (std::size_t k = 0; k < segments.shape(0); ++k) {
-    const double ax = segments(k, 0) - x, ay = segments(k, 1) - y, bx = segments(k, 2) - x, by = segments(k, 3) - y;
-    const double ux = bx - ax, uy = by - ay, square = ux * ux + uy * uy;
-    if (!(square > 0.0)) continue;
-    const double along = std::min(1.0, std::max(0.0, -(ax * ux + ay * uy) / square));
-    const double nx = ax + along * ux, ny = ay + along * uy;
-    const double near = nx * nx + ny * ny;
-    if (near > farthest * (1.0 + kSure)) continue;
-    if (!(near < farthest * (1.0 - kSure)) && !(std::hypot(nx, ny) <= reach)) continue;  // which is exact, and slow
-    const double start = bearing_of(ay, ax);
-    double width = remainder_of_turn(bearing_of(by, bx) - start);
-    double low = width < 0.0 ? start + width : start;
-    width = std::abs(width);
-    if (near < 1e-18) low = first, width = kTurn;  // on the segment: no angles to go by
-    rays_within(first, step, count, low, width, TRUNDLE_LAMBDA(std::ptrdiff_t from, std::ptrdiff_t end) {
+  Arcs arcs;
+  Edges edges;
+  for (std::size_t k = 0; k < segments.shape(0);) {
+    k = edges.take(segments.data(), k, segments.shape(0), x, y, reach);
+    edges.find_arcs(first, arcs);
+    find_rays(arcs, edges.count, first, step, count);
+    visit_rays(arcs, edges.count, TRUNDLE_LAMBDA(std::size_t i, std::ptrdiff_t from, std::ptrdiff_t end) {
+      const double ax = edges.ax[i], ay = edges.ay[i], ux = edges.bx[i] - ax, uy = edges.by[i] - ay;
       meet_line(cosines.data(), sines.data(), out.data(), from, end, ux, uy, ax * uy - ay * ux);
     });
   }
-  for (std::size_t k = 0; k < discs.shape(0); ++k) {
-    const double cx = discs(k, 0) - x, cy = discs(k, 1) - y, radius = discs(k, 2), away = std::hypot(cx, cy);
-    if (!(away - radius <= reach)) continue;
-    const bool inside = away <= radius;
-    const double half = inside ? kTurn / 2.0 : std::asin(std::min(1.0, radius / away));
-    rays_within(first, step, count, std::atan2(cy, cx) - half, 2.0 * half, [&](std::ptrdiff_t from, std::ptrdiff_t end) {
+  struct Round {
+    double x, y, radius, away;
+  } rounds[kTogether];
+  for (std::size_t k = 0; k < discs.shape(0);) {
+    std::size_t taken = 0;
+    for (; k < discs.shape(0) && taken < kTogether; ++k) {
+      const double cx = discs(k, 0) - x, cy = discs(k, 1) - y, radius = discs(k, 2), away = std::hypot(cx, cy);
+      if (!(away - radius <= reach)) continue;
+      const double half = away <= radius ? kTurn / 2.0 : std::asin(std::min(1.0, radius / away));
+      arcs.low[taken] = std::atan2(cy, cx) - half, arcs.width[taken] = 2.0 * half;
+      rounds[taken++] = {cx, cy, radius, away};
+    }
+    find_rays(arcs, taken, first, step, count);
+    visit_rays(arcs, taken, [&](std::size_t k, std::ptrdiff_t from, std::ptrdiff_t end) {
+      const auto [cx, cy, radius, away] = rounds[k];
+      const bool inside = away <= radius;
       for (std::ptrdiff_t i = from; i < end; ++i) {
         const double along = cosines[i] * cx + sines[i] * cy;
         const double root = along * along - (away * away - radius * radius);

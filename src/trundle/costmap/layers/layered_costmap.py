@@ -337,26 +337,38 @@ class LayeredCostmap:
         part = self._extent.cells_under(windows)
         if part is None:
             return
+        changed = self._take_over(part)
+        if changed is None:
+            return
+        self._costmap = self.costmap.update(*changed, self._cells[changed])
+        self._changed = changed
+
+    def _take_over(self, part: _Slices) -> _Slices | None:
+        """Paint a part anew, and return which of its cells have changed."""
+        if self._obstacle is not None and len(self._layers) == 1:
+            pose = self._extent.origin @ self._corner_of(part)
+            return self._obstacle.repaint(self._cells, part, self._base, self._kept, pose, self._extent.resolution)
         painted = self._painted(part)
         changed = _differences(painted, self._cells[part])
         if changed is None:
-            return
+            return None
         rows, cols = (
             slice(whole.start + inner.start, whole.start + inner.stop)
             for whole, inner in zip(part, changed, strict=True)
         )
         self._cells[rows, cols] = painted[changed]
-        self._costmap = self.costmap.update(rows, cols, painted[changed])
-        self._changed = rows, cols
+        return rows, cols
+
+    def _corner_of(self, part: _Slices) -> Pose2D:
+        rows, cols = part
+        return Pose2D(cols.start * self._extent.resolution, rows.start * self._extent.resolution)
 
     def _painted(self, part: _Slices) -> npt.NDArray[np.int8]:
         """Return a part of the static map with the layers painted on it."""
         cells = np.array(self._base[part])
         if self._pose is None or not self._layers:
             return cells
-        rows, cols = part
-        corner = Pose2D(cols.start * self._extent.resolution, rows.start * self._extent.resolution)
-        pose = self._extent.origin @ corner
+        pose = self._extent.origin @ self._corner_of(part)
         kept = np.ascontiguousarray(self._kept[part])
         for layer in self._layers:
             layer.paint(MapPart(cells, kept, self._extent.resolution, pose))

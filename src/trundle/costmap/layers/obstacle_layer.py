@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Annotated, Self
 
 import numpy as np
+import numpy.typing as npt
 from pydantic import Field, model_validator
 
 from trundle import _core
@@ -138,7 +139,7 @@ class ObstacleLayer:
         self._grid = EvidenceGrid(edge, timed=timed, rolling=keep_within is not None)
         self._rule = self.settings.misses_to_clear, self.settings.hits_to_mark
         self._sensors: dict[tuple[Pose2D, float, float], tuple[FloatArray, FloatArray]] = {}
-        self._views: dict[str, FieldOfView] = {}
+        self._views: dict[str, tuple[Scan, FloatArray]] = {}
         self._last: Estimate | None = None
         self._looked_at = -math.inf
 
@@ -177,7 +178,7 @@ class ObstacleLayer:
         self._looked_at = time
         grid.begin_timing(time)
         row, col = grid.unseen(places + np.array([0.0, 0.0, _BESIDE_MOVER_M]), time - persistence)
-        views = [view for view in self._views.values() if view.time >= time - self.settings.source_timeout]
+        views = self._fields_of_view(time - self.settings.source_timeout)
         in_view = np.any([np.zeros(len(row), np.bool_), *(view.contains(*grid.centres(row, col)) for view in views)], 0)
         row, col = row[in_view], col[in_view]
         if len(row) == 0:
@@ -234,6 +235,36 @@ class ObstacleLayer:
             self.settings.clear_static,
         )
 
+    def repaint(
+        self,
+        cells: npt.NDArray[np.int8],
+        part: tuple[slice, slice],
+        base: npt.NDArray[np.int8],
+        kept: npt.NDArray[np.uint8],
+        pose: Pose2D,
+        resolution: float,
+    ) -> tuple[slice, slice] | None:
+        """Paint a part of a map anew, as `paint` does, where this is its only layer.
+
+        Args:
+            cells: The whole map as it was painted last, shape (rows, cols); its part is changed.
+            part: Rows and columns to paint.
+            base: The static map, of the same shape.
+            kept: Not 0 where nothing may be marked, of the same shape.
+            pose: Pose of the part's lower left corner in the map frame.
+            resolution: Edge of a cell [m].
+
+        Returns:
+            Rows and columns that hold all cells that changed, or None if none did.
+        """
+        grid, (rows, cols) = self._grid, part
+        row, row_end, col, col_end = _core.repaint_marks(
+            *(grid.cells, grid.points, grid.row, grid.col, grid.resolution, cells, base, kept),
+            (rows.start, rows.stop, cols.start, cols.stop),
+            *(*pose.as_tuple(), resolution, self.settings.clear_static),
+        )
+        return (slice(row, row_end), slice(col, col_end)) if row < row_end else None
+
     def obstacles(self) -> FloatArray:
         """Return where marked cells were hit [m], map frame, shape (N, 2)."""
         return self._grid.marks()
@@ -261,9 +292,8 @@ class ObstacleLayer:
     def _mark(self, scan: Scan, poses: FloatArray) -> tuple[int, int, int, int]:
         grid = self._grid
         outline, limits = self._sensor_of(scan)
-        view = FieldOfView.of_scan(scan, poses, (self.settings.obstacle_min_range, self.settings.obstacle_max_range))
-        if view is not None:
-            self._views[scan.lidar] = view
+        if len(scan.angles):
+            self._views[scan.lidar] = scan, poses
         return _core.mark_scan(
             grid.cells,
             grid.points,
@@ -280,6 +310,13 @@ class ObstacleLayer:
             *self._rule,
             scan.time,
         )
+
+    def _fields_of_view(self, oldest: float) -> list[FieldOfView]:
+        """Where the newest scan of each lidar looked, unless that is older [s]."""
+        reach = self.settings.obstacle_min_range, self.settings.obstacle_max_range
+        newest = [(scan, poses) for scan, poses in self._views.values() if scan.time >= oldest]
+        views = (FieldOfView.of_scan(scan, poses, reach) for scan, poses in newest)
+        return [view for view in views if view is not None]
 
     def _sensor_of(self, scan: Scan) -> tuple[FloatArray, FloatArray]:
         """Return the robot's outline in the frame of a scan's sensor, and the ranges that mark and clear."""

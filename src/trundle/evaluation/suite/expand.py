@@ -22,7 +22,7 @@ from trundle.evaluation.suite.vary import apply
 from trundle.files.choice import Choice
 from trundle.files.yaml_config import Config
 from trundle.mission import Scenario
-from trundle.mission.batch.needs import BATCH, CONTROLLER, needs_python
+from trundle.mission.batch.needs import BATCH, CONTROLLERS, needs_python
 from trundle.registry import is_model_file
 
 _MOST_CHECKED = 1000
@@ -216,8 +216,9 @@ class Expansion:
             check_unknown_cost(scenario)
             if scenario.backend.name == BATCH and (needs := needs_python(scenario)):
                 raise InputError(
-                    f"the backend {BATCH!r} drives missions that need nothing but to follow a path by {CONTROLLER}; "
-                    f"this suite has {', '.join(needs)}: take that out, or give --backends kinematic"
+                    f"the backend {BATCH!r} drives missions that need nothing but to follow a path by "
+                    f"{' or '.join(CONTROLLERS)}; this suite has {', '.join(needs)}: take that out, or give "
+                    "--backends kinematic"
                 )
 
     # Numbers --------------------------------------------------------------------------------------------------------

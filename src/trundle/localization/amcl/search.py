@@ -39,15 +39,23 @@ def search_near(field: MapField, beams: Beams, pose: Pose2D, metres: float, radi
 def _search(field: MapField, beams: Beams, window: FloatArray, *, apart_m: float) -> list[Pose2D]:
     table, free, resolution = field.search_tables
     settings = np.array((_YAW_STEP_RAD, _LEAST_SCORE, _SHARE, apart_m, _APART_RAD))
-    poses, _, _ = search_poses(table, free, resolution, _thinned(beams.points), window, settings, _MOST, _MOST_NODES)
+    poses, _, _ = search_poses(
+        table, free, resolution, thin_out(beams.points, _POINT_CELL_M, _POINTS), window, settings, _MOST, _MOST_NODES
+    )
     return [Pose2D(*pose) for pose in poses.tolist()]
 
 
-def _thinned(points: FloatArray) -> FloatArray:
-    """One point for each cell of a grid, so that what is near does not count for more, and not too many."""
-    cells = np.floor(points / _POINT_CELL_M).astype(np.int64)
+def thin_out(points: FloatArray, cell_m: float, most: int) -> FloatArray:
+    """Return one point for each cell of a grid, so that what is near does not count for more, and not too many.
+
+    Args:
+        points: (x, y) [m], shape (N, 2).
+        cell_m: Edge of a cell [m].
+        most: How many points are kept at most, evenly spread over those of the cells.
+    """
+    cells = np.floor(points / cell_m).astype(np.int64)
     _, first = np.unique(cells[:, 0] * 1_000_003 + cells[:, 1], return_index=True)
     first.sort()
-    if len(first) > _POINTS:
-        first = first[np.linspace(0, len(first) - 1, _POINTS).astype(np.intp)]
+    if len(first) > most:
+        first = first[np.linspace(0, len(first) - 1, most).astype(np.intp)]
     return np.ascontiguousarray(points[first])

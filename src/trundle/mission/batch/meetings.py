@@ -24,7 +24,7 @@ from trundle.worlds.movers.mover import Mover
 from trundle.worlds.movers.walk import PERIOD_S
 
 
-class _Drive(NamedTuple):
+class _KnownDrive(NamedTuple):
     """A drive to be repeated: its world, robot and seed, and where it led with which commands."""
 
     setting: Setting
@@ -42,11 +42,11 @@ def find_meetings(settings: Sequence[Setting], ends: Sequence[object], threads: 
     Returns:
         The numbers of those that have to be driven in Python, and why: "contact".
     """
-    groups: dict[tuple[int, int, float], dict[int, _Drive]] = {}
+    groups: dict[tuple[int, int, float], dict[int, _KnownDrive]] = {}
     for number, (setting, end) in enumerate(zip(settings, ends, strict=True)):
         if isinstance(end, Episode) and setting.world.movers:
             key = id(setting.world), id(setting.robot), setting.navigator.dt
-            groups.setdefault(key, {})[number] = _Drive(setting, end.trajectory)
+            groups.setdefault(key, {})[number] = _KnownDrive(setting, end.trajectory)
     reasons: dict[int, str] = {}
     for group in groups.values():
         found = zip(group, _repeat(list(group.values()), threads), strict=True)
@@ -54,7 +54,7 @@ def find_meetings(settings: Sequence[Setting], ends: Sequence[object], threads: 
     return reasons
 
 
-def _repeat(group: Sequence[_Drive], threads: int) -> list[str]:
+def _repeat(group: Sequence[_KnownDrive], threads: int) -> list[str]:
     """Repeat drives in one world with one robot."""
     setting = group[0].setting
     lengths = np.array([len(drive.trajectory) for drive in group])

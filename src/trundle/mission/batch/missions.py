@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import math
 import time as clock
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
 from trundle._core import MissionDriver, chebyshev_field
+from trundle.control.mppi import MppiController
 from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
 from trundle.costmap import LETHAL
-from trundle.errors import InputError, PlanningError
-from trundle.geometry import FloatArray, Goal, Pose2D, Twist2D
+from trundle.errors import PlanningError
+from trundle.geometry import FloatArray, Pose2D, Twist2D
+from trundle.mission.batch.drives import ARRIVED, Planned, drive_by_controller, drive_checked, drive_together
 from trundle.mission.batch.meetings import find_meetings
 from trundle.mission.batch.model import numbers_of
-from trundle.mission.batch.needs import world_needs_python
-from trundle.mission.batch.sensing import Drive, SensedDrive, Sensing, monitors
+from trundle.mission.batch.needs import CONTROLLERS, world_needs_python
+from trundle.mission.batch.sensing import BatchDrive, Sensing, monitors
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.metrics import Measure
-from trundle.mission.observers import RunInfo
 from trundle.mission.running import endings
 from trundle.mission.running.endings import Ending
 from trundle.mission.running.episode_maker import make_episode
@@ -30,14 +29,8 @@ from trundle.mission.running.run_log import AgentTotals, RunLog
 from trundle.mission.scenario import Setting
 from trundle.mission.trajectory import Trajectory
 from trundle.navigation import Navigator
-from trundle.navigation.obstacle_watch import STANDING_WITHIN
-from trundle.path import Path
-from trundle.planning import PathCheck
-from trundle.sim.kinematic import TIMESTEP
-from trundle.sim.ramp import count_steps
 from trundle.worlds import World
 
-_ARRIVED, _DRIVING = 0, 8
 _HANDED_OVER = {
     2: "contact",
     3: "blocked",
@@ -77,34 +70,15 @@ class HandedOver:
     reason: str
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Planned:
-    """A mission with its plan."""
-
-    mission: BatchMission
-    navigator: Navigator
-    info: RunInfo
-    began_s: float
-
-    @property
-    def course(self) -> tuple[Path, PathCheck]:
-        """The path, and its check.
-
-        Raises:
-            InputError: If there is none.
-        """
-        path, check = self.navigator.path, self.navigator.path_check
-        if path is None or check is None:
-            raise InputError("the mission has no path")
-        return path, check
-
-
 class MissionBatch:
     """Drives missions from the start to the end: one call of a kernel for all that share a costmap and a robot.
 
     Each is driven as `trundle.run` drives it in a `KinematicSimulator`, with the same commands. Where a mission needs
     more than to follow its path (a step of recovery, a contact, giving up), it is handed over; and so it is where what
-    its lidars see might make the robot drive otherwise: see `Sensing`.
+    its lidars see might make the robot drive otherwise: see `Sensing`. Those of `mppi` are driven period by period,
+    with their own samples, costmap and tracks.
+
+    What is raised in one mission costs no other: that one is handed over, and fails there as it would alone.
 
     Args:
         threads: How many of them are driven at a time.
@@ -121,46 +95,57 @@ class MissionBatch:
 
         Returns:
             For each its episode; that it is handed over; or why the robot cannot stand at one of its ends.
-
-        Raises:
-            InputError: If the control period is no multiple of the simulator's substep.
         """
         ends = [self._plan(mission) for mission in missions]
         groups: dict[int, tuple[MissionDriver, list[int]]] = {}
         for number, planned in enumerate(ends):
-            if isinstance(planned, _Planned):
-                kernel = self._kernel_for(planned.navigator)
+            if isinstance(planned, Planned):
+                try:
+                    kernel = self._kernel_for(planned.navigator)
+                except Exception as error:  # noqa: BLE001 - it is raised again where that is driven
+                    ends[number] = _failed(error)
+                    continue
                 groups.setdefault(id(kernel), (kernel, []))[1].append(number)
         for kernel, numbers in groups.values():
-            group = [planned for number in numbers if isinstance(planned := ends[number], _Planned)]
+            group = [planned for number in numbers if isinstance(planned := ends[number], Planned)]
             for number, end in zip(numbers, self._drive(kernel, group), strict=True):
                 ends[number] = end
-        done = [end for end in ends if not isinstance(end, _Planned)]
+        done = [end for end in ends if not isinstance(end, Planned)]
         for number, reason in find_meetings([each.setting for each in missions], done, self._threads).items():
             done[number] = HandedOver(reason)
         return done
 
-    def _plan(self, mission: BatchMission) -> Episode | HandedOver | PlanningError | _Planned:
-        """Plan a mission; what a plug-in raises costs no other one, and is raised again where that is driven."""
+    def _plan(self, mission: BatchMission) -> Episode | HandedOver | PlanningError | Planned:
+        """Plan a mission."""
         try:
             return _plan(mission, self._needs_of(mission.setting.world))
-        except InputError:
-            raise
         except Exception as error:  # noqa: BLE001 - whatever a plug-in raises
             return HandedOver(f"{type(error).__name__} while it plans")
 
-    def _drive(self, kernel: MissionDriver, group: Sequence[_Planned]) -> list[Episode | HandedOver]:
-        """Drive missions by a kernel: at once, but for those whose commands pass a collision monitor."""
-        monitored = [monitors(planned.mission.setting) for planned in group]
-        alone = [planned for planned, is_checked in zip(group, monitored, strict=True) if not is_checked]
-        together = iter(_drive_together(kernel, alone, self._threads))
+    def _drive(self, kernel: MissionDriver, group: Sequence[Planned]) -> list[Episode | HandedOver]:
+        """Drive missions by a kernel: at once, but for those whose commands come from or pass something else."""
+        alone = [planned for planned in group if _is_alone(planned)]
+        try:
+            together = dict(zip(map(id, alone), drive_together(kernel, alone, self._threads), strict=True))
+        except Exception:  # noqa: BLE001 - one of them is at fault: each is driven on its own
+            together = {}
         ends: list[Episode | HandedOver] = []
-        for planned, is_checked in zip(group, monitored, strict=True):
-            sensed = self._sensing.begin(planned.mission.setting)
-            driven = _drive_checked(kernel, planned, sensed) if is_checked else next(together)
-            reason = _HANDED_OVER.get(driven.ending) or sensed.find_difference(driven.drive)
-            ends.append(HandedOver(reason) if reason else _conclude(planned, driven, sensed.log.monitor_stops))
+        for planned in group:
+            try:
+                ends.append(self._finish(kernel, planned, together.get(id(planned))))
+            except Exception as error:  # noqa: BLE001 - whatever a plug-in raises
+                ends.append(_failed(error))
         return ends
+
+    def _finish(self, kernel: MissionDriver, planned: Planned, drive: BatchDrive | None) -> Episode | HandedOver:
+        """Drive a mission, unless that is done, and judge whether its lidars would have made a difference."""
+        sensed = self._sensing.begin(planned.setting)
+        if _samples(planned):
+            drive = drive_by_controller(kernel, planned, sensed)
+        elif drive is None:
+            drive = drive_checked(kernel, planned, sensed)
+        reason = drive.needs or _HANDED_OVER.get(drive.ending) or sensed.find_difference(drive)
+        return HandedOver(reason) if reason else _conclude(planned, drive, sensed.log.monitor_stops)
 
     def _needs_of(self, world: World) -> str:
         """What of a world has to be simulated in Python; it is kept for the next missions there."""
@@ -187,7 +172,21 @@ class MissionBatch:
         return kernel
 
 
-def _plan(mission: BatchMission, needs: str) -> _Planned | Episode | HandedOver | PlanningError:
+def _is_alone(planned: Planned) -> bool:
+    """Whether nothing but the kernel decides on a drive."""
+    return not _samples(planned) and not monitors(planned.setting)
+
+
+def _samples(planned: Planned) -> bool:
+    """Whether a mission is driven by samples."""
+    return isinstance(planned.navigator.controller, MppiController)
+
+
+def _failed(error: Exception) -> HandedOver:
+    return HandedOver(f"{type(error).__name__} while it drives")
+
+
+def _plan(mission: BatchMission, needs: str) -> Planned | Episode | HandedOver | PlanningError:
     """Plan a mission, as a session does before its first step."""
     began_s = clock.perf_counter()
     setting = mission.setting
@@ -197,8 +196,8 @@ def _plan(mission: BatchMission, needs: str) -> _Planned | Episode | HandedOver 
     if setting.world.movers and scenario.lidar:
         return HandedOver("movers that lidars see")
     navigator = setting.navigator
-    if type(navigator.controller) is not RegulatedPurePursuit or len(goals) != 1:
-        return HandedOver("it does not drive to one goal by regulated_pure_pursuit")
+    if type(navigator.controller) not in (RegulatedPurePursuit, MppiController) or len(goals) != 1:
+        return HandedOver(f"it does not drive to one goal by {' or '.join(CONTROLLERS)}")
     navigator.reset(seed=scenario.seed)
     try:
         paths, unreachable = prepare(navigator, start, goals, through=None)
@@ -219,11 +218,13 @@ def _plan(mission: BatchMission, needs: str) -> _Planned | Episode | HandedOver 
         scenario.seed,
         setting.world,
     )
-    planned = _Planned(mission, navigator, info, began_s)
+    planned = Planned(setting, mission.measure, navigator, info, began_s)
     if unreachable is not None:
         is_touching = bool(navigator.costmap.footprint_collides(start.as_tuple())[0])
         return (
-            HandedOver("contact") if is_touching else _give_up(_Planned(mission, navigator, info, began_s), unreachable)
+            HandedOver("contact")
+            if is_touching
+            else _give_up(Planned(setting, mission.measure, navigator, info, began_s), unreachable)
         )
     if navigator.path is None:
         return HandedOver("a plan that takes long")
@@ -232,84 +233,20 @@ def _plan(mission: BatchMission, needs: str) -> _Planned | Episode | HandedOver 
     return planned
 
 
-class _Driven(NamedTuple):
-    """A drive, how it ended by the kernel's number, and its control periods without a valid command."""
-
-    drive: Drive
-    ending: int
-    standing: int
-
-
-def _drive_together(kernel: MissionDriver, group: Sequence[_Planned], threads: int) -> Iterator[_Driven]:
-    """Drive missions in one call of a kernel."""
-    if not group:
-        return
-    courses = [planned.course for planned in group]
-    rows, ends, results = kernel.drive(
-        np.array([planned.info.start.as_tuple() for planned in group]),
-        np.array([_goal_numbers(planned.info.goals[0]) for planned in group]),
-        np.array([planned.info.time_limit_s for planned in group]),
-        np.concatenate([path.poses for path, _ in courses]),
-        np.concatenate([np.append(path.backward, False) for path, _ in courses]),
-        np.cumsum([len(path.poses) for path, _ in courses]),
-        np.concatenate([check.poses for _, check in courses]),
-        np.concatenate([check.along for _, check in courses]),
-        np.cumsum([len(check.poses) for _, check in courses]),
-        threads,
-    )
-    first = 0
-    for planned, end, (ending, standing) in zip(group, ends.tolist(), results.tolist(), strict=True):
-        yield _Driven(_as_drive(planned, rows[first:end]), ending, standing)
-        first = end
-
-
-def _drive_checked(kernel: MissionDriver, planned: _Planned, sensed: SensedDrive) -> _Driven:
-    """Drive a mission whose commands pass a collision monitor."""
-    (path, check), info = planned.course, planned.info
-    patience_s = planned.navigator.settings.patience_s
-    run = kernel.begin(
-        np.array(info.start.as_tuple()),
-        np.array(_goal_numbers(info.goals[0])),
-        info.time_limit_s,
-        path.poses,
-        np.append(path.backward, False),
-        check.poses,
-        check.along,
-        np.array([*STANDING_WITHIN, patience_s]),
-    )
-    steps, period = count_steps(info.dt, TIMESTEP), 0
-    while True:
-        ending, x, y, yaw, v, w, wished_v, wished_w = run.decide()
-        if ending != _DRIVING:
-            break
-        time = period * steps * TIMESTEP
-        sent = sensed.check(Twist2D(wished_v, wished_w), Twist2D(v, w), time, Pose2D(x, y, yaw))
-        run.move(sent.v, sent.w)
-        period += 1
-    rows, standing = run.result()
-    return _Driven(_as_drive(planned, rows), ending, standing)
-
-
-def _as_drive(planned: _Planned, rows: FloatArray) -> Drive:
-    steps = count_steps(planned.info.dt, TIMESTEP)
-    return Drive(np.arange(0.0, len(rows) * steps, steps) * TIMESTEP, rows, planned.course[1])
-
-
-def _conclude(planned: _Planned, driven: _Driven, monitor_stops: int | None) -> Episode:
+def _conclude(planned: Planned, drive: BatchDrive, monitor_stops: int | None) -> Episode:
     """The episode of a drive."""
-    info, rows, time = planned.info, driven.drive.rows, driven.drive.time
-    log = RunLog.of(_trajectory(time, rows), (planned.course[0],))
+    info, rows, time = planned.info, drive.rows, drive.time
+    log = RunLog.of(_trajectory(time, rows), (planned.route[0],))
     log.monitor_stops = monitor_stops
     totals = AgentTotals()
-    if driven.standing:
-        totals.standing_reasons["no valid control"] += driven.standing
+    totals.standing_reasons.update(drive.reasons)
     state = replace(standing_at(Pose2D(*rows[-1, :3].tolist()))[0], time=float(time[-1]))
-    is_there = driven.ending == _ARRIVED
+    is_there = drive.ending == ARRIVED
     ending = endings.at_goal(state, None) if is_there else endings.timed_out(info.goals, info.time_limit_s)
     return _make_episode(planned, log, totals, ending)
 
 
-def _give_up(planned: _Planned, error: PlanningError) -> Episode:
+def _give_up(planned: Planned, error: PlanningError) -> Episode:
     """The episode of a mission without a path."""
     state, estimate = standing_at(planned.info.start)
     log = RunLog()
@@ -318,7 +255,7 @@ def _give_up(planned: _Planned, error: PlanningError) -> Episode:
 
 
 def _make_episode(
-    planned: _Planned, log: RunLog, totals: AgentTotals, ending: Ending, *, complete: bool | None = None
+    planned: Planned, log: RunLog, totals: AgentTotals, ending: Ending, *, complete: bool | None = None
 ) -> Episode:
     totals.add(planned.navigator.report())
     outcome, message = ending
@@ -334,7 +271,7 @@ def _make_episode(
         world=planned.info.world,
         boxes=(),
         wall_s=clock.perf_counter() - planned.began_s,
-        measure=planned.mission.measure,
+        measure=planned.measure,
         complete=complete,
     )
 
@@ -343,7 +280,3 @@ def _trajectory(time: FloatArray, rows: FloatArray) -> Trajectory:
     x, y, yaw, v, w, commanded_v, commanded_w = rows.T
     none = np.zeros(len(time), dtype=np.int64)
     return Trajectory(time, x, y, yaw, v, w, commanded_v, commanded_w, x, y, yaw, goal=none, path=none)
-
-
-def _goal_numbers(goal: Goal) -> tuple[float, float, float]:
-    return goal.pose.x, goal.pose.y, math.nan if goal.yaw_free else goal.pose.yaw

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from trundle.control.pursuit_settings import PursuitSettings
 from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
-from trundle.errors import InputError
 from trundle.geometry import FloatArray
 from trundle.navigation import Navigator
 from trundle.sim.kinematic import TIMESTEP
@@ -21,9 +21,9 @@ def numbers_of(navigator: Navigator) -> tuple[FloatArray, ...]:
         InputError: If the control period is no multiple of the simulator's substep.
     """
     costmap, robot, controller = navigator.costmap, navigator.robot, navigator.controller
-    if not isinstance(controller, RegulatedPurePursuit):
-        raise InputError("only regulated_pure_pursuit is driven in batches")
-    limits, drive, settings = robot.limits, robot.drive, controller.settings
+    # Others decide on their own; the kernel then moves and judges alone.
+    settings = controller.settings if isinstance(controller, RegulatedPurePursuit) else PursuitSettings()
+    limits, drive = robot.limits, robot.drive
     goal, progress = navigator.goal_checker, navigator.progress_checker
     return (
         np.array([costmap.inscribed_radius, costmap.cost_scaling_factor, costmap.inflation_radius]),

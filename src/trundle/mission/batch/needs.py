@@ -12,10 +12,13 @@ from trundle.worlds.movers.crowd import Crowd
 BATCH = "batch"
 """The backend of a suite whose missions are driven by the kernel."""
 
-CONTROLLER = "regulated_pure_pursuit"
+NAVIGATOR = "navigator"
+"""The agent that drives where none is chosen."""
+
+CONTROLLERS = ("regulated_pure_pursuit", "mppi")
+"""Those that drive there."""
 
 _NOT_SET = (
-    "agent",
     "localizer",
     "speed_mask",
     "assumed",
@@ -36,7 +39,10 @@ _NOT_SET = (
 def needs_python(scenario: ScenarioFields) -> tuple[str, ...]:
     """Return what of a scenario has to be driven step by step in Python, by field; nothing where all of it need not."""
     needs = [name for name in _NOT_SET if getattr(scenario, name)]
-    if scenario.controller.is_python or scenario.controller.name != CONTROLLER:
+    agent = scenario.agent
+    if agent is not None and (agent.is_python or agent.name != NAVIGATOR or agent.options):
+        needs.insert(0, f"agent {agent.short_name}")
+    if scenario.controller.is_python or scenario.controller.name not in CONTROLLERS:
         needs.insert(0, f"controller {scenario.controller.short_name}")
     if scenario.backend.options:
         needs.append("options of the backend")

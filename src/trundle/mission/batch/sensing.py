@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -12,6 +13,7 @@ import numpy.typing as npt
 
 from trundle._core import chebyshev_field
 from trundle.control import CollisionMonitor
+from trundle.control.intent import Intent
 from trundle.control.pursuit_settings import PursuitSettings
 from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
 from trundle.costmap import LETHAL, Costmap
@@ -21,6 +23,7 @@ from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.geometry.solids import Solid
 from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
+from trundle.mission.batch.surroundings import Surroundings
 from trundle.mission.obstacles import KIND
 from trundle.mission.running.run_log import RunLog
 from trundle.mission.scenario import Setting
@@ -41,18 +44,24 @@ _FARTHEST_CELLS = 254.0  # that a field of Chebyshev distances has
 
 
 @dataclass(frozen=True, eq=False)
-class Drive:
-    """A drive along a path on the map alone.
+class BatchDrive:
+    """What was driven along a path on the map.
 
     Attributes:
         time: At the beginning of each control period, and at the end [s], shape (N,).
         rows: (x, y, yaw, v, w) then, and the command (v, w) of the period before, shape (N, 7).
         check: Of the path.
+        ending: How it ended, by the kernel's number.
+        reasons: In how many control periods the controller made no progress, by its reason.
+        needs: What it needs that a batch has not; empty where it needs nothing.
     """
 
     time: FloatArray
     rows: FloatArray
     check: PathCheck
+    ending: int
+    reasons: Counter[str] = field(default_factory=Counter[str])
+    needs: str = ""
 
     @cached_property
     def places(self) -> FloatArray:
@@ -74,17 +83,16 @@ class Sensing:
         self._doubts: tuple[Costmap, float | None, _Doubts] | None = None
         self._beams: tuple[World, SceneBeams] | None = None
 
-    def begin(self, setting: Setting) -> SensedDrive:
+    def begin(self, setting: Setting) -> MissionSensing:
         """Begin a drive.
 
         Raises:
             UnknownNameError: If the robot has no lidar of a chosen name.
         """
-        layers, doubts = setting.scenario.layers, None
-        obstacle = (LayersSettings() if layers is None else layers).obstacle
+        doubts, obstacle = None, layers_of(setting).obstacle
         if setting.scenario.lidar and obstacle is not None:
             doubts = self._doubts_of(setting.navigator, obstacle)
-        return SensedDrive(setting, self._beams_in(setting.world), doubts)
+        return MissionSensing(setting, self._beams_in(setting.world), doubts)
 
     def _beams_in(self, world: World) -> SceneBeams:
         if self._beams is None or self._beams[0] is not world:
@@ -99,7 +107,7 @@ class Sensing:
         return kept[2]
 
 
-class SensedDrive:
+class MissionSensing:
     """What the robot of one mission senses.
 
     Args:
@@ -120,50 +128,81 @@ class SensedDrive:
         self._since = -1.0
         self._scatters = not all(_reads_exactly(robot.lidars[name], robot) for name in _lidars_of(setting))
         self._unexpected: list[FloatArray] = []
+        self._surroundings: Surroundings | None = None
+        self._boxes = (
+            [solid for solid in setting.world.solids if solid.kind == KIND] if setting.scenario.unmapped else []
+        )
+        costmap = setting.navigator.costmap
+        self._far = (
+            max(_stopping_reach(setting.navigator), costmap.inflation_radius) + _SPARE_CELLS * costmap.resolution
+        )
         self._monitor = _make_monitor(setting)
         self.log = RunLog()
 
-    def check(self, command: Twist2D, twist: Twist2D, time: float, pose: Pose2D) -> Twist2D:
-        """Take the scans of now [s], and say what the collision monitor sends instead of a command."""
-        scans = self._look(time, pose)
+    def check(
+        self,
+        command: Twist2D,
+        twist: Twist2D,
+        scans: Sequence[Scan],
+        time: float,
+        pose: Pose2D,
+        intent: Intent | None = None,
+    ) -> Twist2D:
+        """Say what the collision monitor sends instead of a command, by the scans up to now [s]."""
         if self._monitor is None:
             return command
+        self._monitor.set_intent(intent)
         report = self._monitor.check(command, twist, scans, time, pose)
         self.log.add_report(report)
         return report.command
 
-    def find_difference(self, drive: Drive) -> str:
+    def surroundings(self) -> Surroundings:
+        """What the robot's software makes of its scans, for a controller that looks all around.
+
+        Where no cell of the map may change, and all that the lidars see is on it, the layers are left out.
+        """
+        doubts, setting = self._doubts, self._setting
+        is_as_mapped = doubts is None or (
+            not (self._scatters or self._boxes or doubts.is_somewhere)
+            and doubts.expect_all(setting.world, self._lidars.heights)
+        )
+        goal = setting.goals[0] if setting.goals else None
+        self._surroundings = Surroundings(setting.navigator, None if is_as_mapped else layers_of(setting), goal)
+        return self._surroundings
+
+    def comes_near_box(self, places: FloatArray) -> bool:
+        """Whether an unmapped box may matter to a robot at some places [m], shape (N, 2) or more columns."""
+        costmap = self._setting.navigator.costmap
+        return any(_is_near(places, box, self._far + costmap.resolution) for box in self._boxes)
+
+    def find_difference(self, drive: BatchDrive) -> str:
         """What was sensed that might have made a difference to a drive, in a few words; empty where nothing was."""
         setting, costmap = self._setting, self._setting.navigator.costmap
-        reach = _stopping_reach(setting.navigator)
-        far = max(reach, costmap.inflation_radius) + _SPARE_CELLS * costmap.resolution
-        boxes = [solid for solid in setting.world.solids if solid.kind == KIND] if setting.scenario.unmapped else []
-        if any(_is_near(drive, box, far + costmap.resolution) for box in boxes):
+        if self.comes_near_box(drive.places):
             return "an unmapped box near the path"
-        if self._doubts is None:
+        if self._doubts is None or self._surroundings is not None:
             return ""
         if not self._doubts.expect_all(setting.world, self._lidars.heights):
             return "lidars see what is not on the map"
         if drive.check.first_hit(costmap) is not None:
             return "a path that is blocked on the map"
-        if self._doubts.matter_to(drive, reach):
+        if self._doubts.matter_to(drive, _stopping_reach(setting.navigator)):
             return "unknown cells near the path"
         if self._scatters:
             seen = 0 if self._monitor is None else len(drive.rows) - 1
             for time, pose in zip(drive.time[seen:].tolist(), drive.rows[seen:, :3].tolist(), strict=True):
-                self._look(time, Pose2D(*pose))
+                self.look(time, Pose2D(*pose))
             places = np.concatenate([np.zeros((0, 2)), *self._unexpected]).tolist()
-            if any(_distance(drive, x, y) <= far for x, y in places):
+            if any(_distance(drive.places, x, y) <= self._far for x, y in places):
                 return "noise of a lidar near the path"
         return ""
 
-    def _look(self, time: float, pose: Pose2D) -> tuple[Scan, ...]:
+    def look(self, time: float, pose: Pose2D) -> tuple[Scan, ...]:
         """Take the scans that are due after the last look and up to now [s]."""
         scans = self._lidars.scan(pose, self._since, time)
         self._since = time
-        if self._scatters and self._doubts is not None:
-            layers = self._setting.scenario.layers
-            obstacle = (LayersSettings() if layers is None else layers).obstacle or ObstacleLayerSettings()
+        if self._scatters and self._doubts is not None and self._surroundings is None:
+            obstacle = layers_of(self._setting).obstacle or ObstacleLayerSettings()
             limits = obstacle.obstacle_min_range, obstacle.obstacle_max_range
             self._unexpected += [self._doubts.unexpected(scan, pose, *limits) for scan in scans]
         return scans
@@ -179,6 +218,11 @@ def _points_on(outline: WorldOutline, step: float) -> FloatArray:
         turns = np.linspace(0.0, math.tau, math.ceil(math.tau * radius / step) + 1)
         points.append(np.column_stack([x + radius * np.cos(turns), y + radius * np.sin(turns)]))
     return np.concatenate(points)
+
+
+def layers_of(setting: Setting) -> LayersSettings:
+    """How the scans of a mission are put into its costmap."""
+    return LayersSettings() if setting.scenario.layers is None else setting.scenario.layers
 
 
 def monitors(setting: Setting) -> bool:
@@ -213,6 +257,7 @@ class _Doubts:
         near: Chebyshev distance [cells] of each cell from the nearest one that is free or beside a free one, and may
             become blocked or no longer be, uint8, shape (rows, cols).
         expected: Cells in which hits change nothing else, bool, shape (rows, cols).
+        is_somewhere: Whether there is any cell that they may change.
         known: Heights [m] of lidars that see only what is expected, or not.
     """
 
@@ -220,6 +265,7 @@ class _Doubts:
     costs: npt.NDArray[np.bool_]
     near: npt.NDArray[np.uint8]
     expected: npt.NDArray[np.bool_]
+    is_somewhere: bool
     known: dict[float, bool] = field(default_factory=dict)
 
     @classmethod
@@ -251,9 +297,15 @@ class _Doubts:
             blocked |= (found == LETHAL) != (given == LETHAL)
         # What lies deeper in a blocked area is not touched before its edge is.
         blocked &= chebyshev_field((given < LETHAL).view(np.uint8)) <= 1
-        return cls(costmap, costs, chebyshev_field(blocked.view(np.uint8)), solid | kept | beside)
+        return cls(
+            costmap,
+            costs,
+            chebyshev_field(blocked.view(np.uint8)),
+            solid | kept | beside,
+            bool((unknown | beside).any()),
+        )
 
-    def matter_to(self, drive: Drive, reach: float) -> bool:
+    def matter_to(self, drive: BatchDrive, reach: float) -> bool:
         """Whether one of these cells is looked up on a drive; blocked ones are within a reach [m]."""
         cells = reach / self.costmap.resolution + _SPARE_CELLS
         if cells > _FARTHEST_CELLS:
@@ -315,13 +367,13 @@ def _reads_exactly(lidar: Lidar, robot: Robot) -> bool:
     return lidar.noise == 0.0 and bool(inwards.min() >= lidar.range_min)
 
 
-def _is_near(drive: Drive, box: Solid, reach: float) -> bool:
-    """Whether a box comes within a reach [m] of where a robot was or of its path."""
+def _is_near(places: FloatArray, box: Solid, reach: float) -> bool:
+    """Whether a box comes within a reach [m] of one of some places."""
     low, high = box.bounds()
     half = 0.5 * math.hypot(float(high[0] - low[0]), float(high[1] - low[1]))
     x, y, _ = box.pose.position
-    return _distance(drive, x, y) <= reach + half
+    return _distance(places, x, y) <= reach + half
 
 
-def _distance(drive: Drive, x: float, y: float) -> float:
-    return float(np.hypot(drive.places[:, 0] - x, drive.places[:, 1] - y).min())
+def _distance(places: FloatArray, x: float, y: float) -> float:
+    return float(np.hypot(places[:, 0] - x, places[:, 1] - y).min())

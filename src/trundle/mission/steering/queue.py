@@ -106,7 +106,7 @@ class Steering:
 
     Sessions that are steered by it one after another are numbered from 1, and each takes only the orders of its own
     number. What is put before the first one is for that. What is put after the end of a run, or after a `Restart`, and
-    before the next run begins, is refused: it was meant for a run that is over.
+    before the next run begins, is refused, unless it waits: it was meant for a run that is over.
 
     Attributes:
         run: Number of the run in progress, or of the last one where none is; 1 before the first.
@@ -139,6 +139,7 @@ class Steering:
         watcher: TaskWatcher | None = None,
         applied: Applied | None = None,
         run: int | None = None,
+        waits: bool = False,
     ) -> None:
         """Give a directive, from any thread.
 
@@ -151,6 +152,7 @@ class Steering:
                 the run, or, where that has ended, by the one that refuses it.
             applied: Called once it was applied, by the thread that drives the run.
             run: Number of the run that it is for; None means `run` as it is now. The next one takes it as it begins.
+            waits: Whether a run that is about to start again leaves it to the next one, instead of refusing it.
 
         Raises:
             InputError: If it is no directive, or the number is not 1 or more.
@@ -160,7 +162,8 @@ class Steering:
             raise InputError(f"who gives a directive is a text, got {by!r}")
         number = None if run is None else check_count("the number of a run", run, 1, _MOST_RUNS)
         with self._changed:
-            number = self.run if number is None else number
+            if number is None:
+                number = self.run + (waits and self.is_restarting)
             order = Order(directive, by, refused, time.monotonic(), watcher, applied, number)
             why = self._why_refused(number)
             if not why:

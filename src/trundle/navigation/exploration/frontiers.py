@@ -70,7 +70,7 @@ def find_frontiers(costmap: Costmap, pose: Pose2D, settings: ExplorerSettings | 
     roomy = np.where(costmap.data <= _cost_of_turning(costmap), reached, np.float32(np.inf))
     blocked = (costmap.data == LETHAL).view(np.uint8)
     # Walls have gaps where beams graze them. Where the robot does not fit through, there is nothing for it to see.
-    blocked |= mark_gaps(blocked, 2.0 * costmap.inscribed_radius / edge)
+    blocked |= mark_gaps(blocked, costmap.planar.least_width / edge)
     solid = blocked.view(np.bool_)
     border = ~unseen & ~solid & _beside(unseen & ~solid)
     labels, table = label_components(border.view(np.uint8), True)

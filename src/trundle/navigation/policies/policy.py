@@ -10,10 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.control import GoalChecker
-from trundle.errors import InputError
+from trundle.errors import InputError, PlanningError
 from trundle.geometry import Goal, Pose2D, Twist2D, wrap_angle
 from trundle.navigation.agent import CONTROL_PERIOD_S, Agent, AgentInfo, AgentReport
 from trundle.navigation.policies.policy_file import PolicyFile
+from trundle.navigation.progress import FollowedPath
 from trundle.navigation.status import FINAL, NavigationStatus
 from trundle.observation import Estimate, Observation, Scan
 from trundle.robots import Lidar, Robot
@@ -23,31 +24,41 @@ Floats = npt.NDArray[np.float32]
 FARTHEST_GOAL_M = 200.0
 """Goals farther away are observed at this distance [m], as in `trundle.gym`."""
 
+PATH_SPACING_M = 0.5
+"""Length of path from one observed point to the next [m], as in `trundle.gym`."""
+
+_REPLAN_S = 1.0  # Nav2's period; the robot leaves the path to go around what the map lacks
+
 _BLIND_S = 2.0
 """Without a scan for this long at the start [s], there will be none."""
+
+_NO_MAP = "follows a path, and there is no map to plan it on"
 
 _TURNING_GAIN = 2.0  # [1/s]: a goal's yaw is reached without overshoot at control periods of up to 0.5 s
 
 
 class Policy(Agent):
-    """Drives as a network says that observes what `trundle.gym` does: ranges, goal and velocity.
+    """Drives as a network says that observes what `trundle.gym` does: ranges, goal, velocity and path.
 
     The network computes an action once in its own period, which is held in between. Near the goal its speed is limited
     to what lets the robot stop there. In the tolerance of the goal the robot stops, and turns to the goal's yaw where
     it has one.
 
+    The path is that of the navigator's planner, on its map without what scans see, planned again each second.
+
     Args:
         robot: The robot.
         file: The ONNX file; its metadata say what the policy observes, see `PolicyFile`.
-        navigator: Whose goal checker, map and costmap it has, in a scenario.
+        navigator: Whose goal checker, map, costmap and planner it has, in a scenario.
 
     Attributes:
         file: The file's content.
         goal_checker: Says whether the goal is reached.
-        status: DRIVING until it has ARRIVED; STUCK where it needs scans and gets none.
+        status: DRIVING until it has ARRIVED; STUCK where it needs scans and gets none, or a path and has
+            no map; NO_PATH where the planner finds none.
 
     Raises:
-        InputError: If the file is no policy for this robot.
+        InputError: If the file is no policy for this robot, or needs a path and there is no map to plan on.
         MissingExtraError: If onnxruntime is not installed.
     """
 
@@ -58,7 +69,12 @@ class Policy(Agent):
         own = AgentInfo("policy") if navigator is None else navigator.info()
         self.goal_checker = GoalChecker() if own.goal_checker is None else own.goal_checker
         name = self.file.path.name
-        self._info = replace(own, controller=name, planner="none", goal_checker=self.goal_checker, plugins=())
+        self._needs_path = "path" in self.file.observations
+        self._planner = navigator if self._needs_path else None
+        if self._planner is not None and own.grid is None:
+            raise InputError(f"{self.file.path}: the policy {_NO_MAP}: use it in a scenario whose map is known")
+        planner = "none" if self._planner is None else own.planner
+        self._info = replace(own, controller=name, planner=planner, goal_checker=self.goal_checker, plugins=())
         self.dt = min(CONTROL_PERIOD_S, self.file.period)
         self.reset()
 
@@ -71,7 +87,8 @@ class Policy(Agent):
 
     def report(self, *, rollouts: bool = False) -> AgentReport:
         """Say what it is doing, and why it is stuck."""
-        return AgentReport(self.status, message=self._message)
+        path = None if self._followed is None else self._followed.rest
+        return AgentReport(self.status, self._message, self._error, path, None if path is None else path.length)
 
     def reset(self, *, seed: int = 0) -> None:
         """Forget the goal and the scans, and set the recurrent state to zeros."""
@@ -83,12 +100,16 @@ class Policy(Agent):
         self._began_s: float | None = None
         self._due_s = -math.inf
         self._action = Twist2D()
+        self._followed: FollowedPath | None = None
+        self._plan_due_s = -math.inf
+        self._error: PlanningError | None = None
 
     def set_goal(self, goal: Goal | Pose2D, /) -> None:
         """Drive to this goal; the recurrent state stays."""
         self._goal = Goal.of(goal)
         self.status = NavigationStatus.DRIVING
-        self._due_s = -math.inf
+        self._due_s = self._plan_due_s = -math.inf
+        self._followed, self._error, self._message = None, None, ""
 
     def update(self, observation: Observation, estimate: Estimate, /) -> Twist2D:
         """Return the command for the next control period.
@@ -109,6 +130,8 @@ class Policy(Agent):
                 return Twist2D()
             return self._turn_to_yaw(pose, observation.twist, goal)
         if observation.time >= self._due_s - 1e-6:
+            if self._needs_path and not self._find_path(observation.time, pose, goal):
+                return Twist2D()
             late = observation.time - self._due_s
             # Periods follow one another without drift; after a pause they begin again.
             self._due_s = (self._due_s if late < self.file.period else observation.time) + self.file.period
@@ -142,6 +165,42 @@ class Policy(Agent):
         share = min(1.0, most / max(abs(action.v), 1e-9))
         return Twist2D(action.v * share, action.w * share)
 
+    def _find_path(self, time: float, pose: Pose2D, goal: Goal) -> bool:
+        """Find its place on the path, which is planned when due; return False where none is known."""
+        if self._planner is None:
+            self.status = NavigationStatus.STUCK
+            self._message = f"the policy {self.file.path.name} {_NO_MAP}: give it a navigator with a map"
+            return False
+        if time >= self._plan_due_s - 1e-6:
+            self._plan_due_s = time + _REPLAN_S
+            try:
+                planned = self._planner.plan_between(pose, goal)
+            except PlanningError as error:
+                # Beside a box that the map lacks, the robot may stand where the map has no room; it drives on.
+                if self._followed is None:
+                    self.status, self._error, self._message = NavigationStatus.NO_PATH, error, str(error)
+                    return False
+                planned = None
+            if planned is not None:
+                self._followed = FollowedPath(planned, planned)
+        if self._followed is None:
+            return False
+        self._followed.advance(pose)
+        return True
+
+    def _path_ahead(self, pose: Pose2D) -> Floats:
+        """Points of the path ahead, base_link [m], shape (points, 2)."""
+        points = np.zeros((self.file.path_points, 2), dtype=np.float32)
+        if self._followed is None:
+            return points
+        check = self._followed.check
+        begin = float(check.along[self._followed.index])
+        for number in range(len(points)):
+            at = int(check.along.searchsorted(begin + PATH_SPACING_M * (number + 1)))
+            points[number] = check.poses[min(at, len(check.poses) - 1), :2]
+        points[:] = pose.inverse().transform_points(points)
+        return points
+
     def _ask(self, twist: Twist2D, pose: Pose2D, goal: Goal) -> Twist2D:
         values: dict[str, Floats] = {}
         if "ranges" in self.file.observations:
@@ -152,6 +211,7 @@ class Policy(Agent):
             [min(distance, FARTHEST_GOAL_M), math.cos(direction), math.sin(direction)], dtype=np.float32
         )
         values["velocity"] = np.array([twist.v, twist.w], dtype=np.float32)
+        values["path"] = self._path_ahead(pose)
         action, self._states = self.file.act(values, self._states)
         if not np.isfinite(action).all():
             raise InputError(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import json
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,8 +20,8 @@ from trundle.files.opening import read_limited
 Floats = npt.NDArray[np.float32]
 _Read = TypeVar("_Read")
 
-OBSERVATIONS = ("ranges", "goal", "velocity")
-"""What a policy may observe; `ranges` are as many as its beams, the sizes of the others are these:"""
+OBSERVATIONS = ("ranges", "goal", "velocity", "path")
+"""What a policy may observe; `ranges` has as many as its beams, `path` its points, and the others these sizes:"""
 _SIZES = {"goal": 3, "velocity": 2}
 
 _PREFIX = "trundle."
@@ -38,6 +39,7 @@ class PolicyFile:
     | `observations` | `ranges,goal,velocity` | the inputs that are observations, float32, shape (1, size) |
     | `beams` | `180` | beams of each lidar |
     | `reach` | `12.0` | ranges are cut off here, and are this without a return [m] |
+    | `path_points` | `8` | points of `path`, of the shape (1, points, 2), 0.5 m apart |
     | `lidars` | `front` | which lidars, in this order; without it the robot's first |
     | `period` | `0.2` | time from one action to the next [s] |
     | `scale` | `0.8,0.7` | v [m/s] and w [rad/s] of an action of 1; actions are cut off at −1 and 1 |
@@ -53,6 +55,7 @@ class PolicyFile:
         observations: What it observes, of `OBSERVATIONS`.
         beams: Beams of each lidar; 0 where it observes none.
         reach: Longest range [m].
+        path_points: Points of the path that it observes; 0 where it observes none.
         lidars: Names of the lidars; empty for the robot's first.
         period: Time from one action to the next [s].
         scale: v [m/s] and w [rad/s] of an action of 1, shape (2,).
@@ -65,6 +68,7 @@ class PolicyFile:
     observations: tuple[str, ...]
     beams: int
     reach: float
+    path_points: int
     lidars: tuple[str, ...]
     period: float
     scale: npt.NDArray[np.float64]
@@ -104,6 +108,7 @@ class PolicyFile:
             observations=observations,
             beams=read.get("beams", _count) if sees else 0,
             reach=read.get("reach", _positive) if sees else 0.0,
+            path_points=read.get("path_points", _count) if "path" in observations else 0,
             lidars=read.get("lidars", _names, ()),
             period=read.get("period", _positive),
             scale=read.get("scale", _pair),
@@ -146,13 +151,17 @@ class PolicyFile:
         Raises:
             InputError: If it has other shapes.
         """
-        sizes = {**_SIZES, "ranges": self.beams * lidars}
+        wanted = {name: (size,) for name, size in _SIZES.items()}
+        wanted |= {"ranges": (self.beams * lidars,), "path": (self.path_points, 2)}
+        sizes = {name: math.prod(shape) for name, shape in wanted.items()}
         for name in self.observations:
-            shape = self._shapes[name]
-            if shape != (1, sizes[name]):
+            shape, due = self._shapes[name], (1, *wanted[name])
+            if shape != due:
+                key = "path_points" if name == "path" else "beams"
+                has = self.path_points if name == "path" else self.beams
                 raise InputError(
-                    f"{self.path}: the input {name!r} has the shape {shape}, and the observation {(1, sizes[name])}: "
-                    f"correct the metadata (trundle.beams is {self.beams}), or export the policy again"
+                    f"{self.path}: the input {name!r} has the shape {shape}, and the observation {due}: "
+                    f"correct the metadata (trundle.{key} is {has}), or export the policy again"
                 )
         for name, (mean, scale) in self.normalisation.items():
             for values in (mean, scale):
@@ -161,7 +170,7 @@ class PolicyFile:
                         f"{self.path}: trundle.normalisation has {values.size} numbers for {name!r}; observations are "
                         f"{', '.join(self.observations)}, and each needs one number or as many as it has values"
                     )
-        blank = {name: np.ones(sizes[name], dtype=np.float32) for name in self.observations}
+        blank = {name: np.ones(wanted[name], dtype=np.float32) for name in self.observations}
         try:
             action, states = self.act(blank, self.zero_states())
         except Exception as error:
@@ -181,7 +190,7 @@ class PolicyFile:
         if name not in self.normalisation:
             return values
         mean, scale = self.normalisation[name]
-        return (values - mean) / scale
+        return ((values.reshape(-1) - mean) / scale).reshape(values.shape)
 
     def _check_inputs(self) -> None:
         inputs = {each.name: each for each in self._session.get_inputs()}
@@ -311,6 +320,7 @@ def metadata_for(
     beams: int,
     reach: float,
     lidars: Sequence[str],
+    path_points: int = 0,
     period: float,
     scale: Sequence[float],
     offset: Sequence[float],
@@ -323,6 +333,7 @@ def metadata_for(
         "beams": str(beams),
         "reach": repr(float(reach)),
         "lidars": ",".join(lidars),
+        "path_points": str(path_points) if path_points else "",
         "period": repr(float(period)),
         "scale": ",".join(repr(float(each)) for each in scale),
         "offset": ",".join(repr(float(each)) for each in offset),

@@ -1,15 +1,15 @@
-"""`PoseInputs`: the topics /goal_pose and /initialpose."""
+"""`PoseInputs`: the topics /goal_pose and /initialpose; a run that begins again takes what comes meanwhile."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
-from trundle.errors import InputError
+from trundle.errors import InputError, TrundleError
 from trundle.localization.localizer import check_covariance
 from trundle.messages import readers
 from trundle.messages.qos import Qos
-from trundle.mission import SetGoal, SetPose
+from trundle.mission import SetGoal, SetPose, TaskEnd
 from trundle.ros2.bad_input import STAMP_S, BadInputError, check_frame, check_pose
 from trundle.ros2.navigator_role.context import FrameError, Kit
 
@@ -30,6 +30,7 @@ class PoseInputs:
 
     def __init__(self, kit: Kit, told: Callable[[], None]) -> None:
         self._kit, self._told = kit, told
+        self._newest: _Goal | None = None
 
     def open(self) -> None:
         """Listen to both topics."""
@@ -49,7 +50,17 @@ class PoseInputs:
             return
         self._look_at_stamp(_GOAL, message)
         kit.tasks.drive.preempt("a goal came on /goal_pose")
-        kit.context.driver.steering.put(SetGoal(pose), by=_GOAL, refused=self._refused(_GOAL))
+        self._newest = goal = _Goal(SetGoal(pose), self._give, self._refused(_GOAL))
+        self._give(goal)
+
+    def carry(self) -> None:
+        """Let a drive to a goal of the topic go on in the next run, unless a newer goal comes."""
+        if self._newest is not None:
+            self._newest.is_carried = True
+
+    def _give(self, goal: _Goal) -> None:
+        if goal is self._newest:
+            self._kit.context.driver.steering.put(goal.directive, by=_GOAL, watcher=goal, waits=True)
 
     def _pose(self, message: Any, source: str) -> None:
         if not self._kit.is_own_pose(message, source):
@@ -79,7 +90,7 @@ class PoseInputs:
             self._told()
             return
         self._look_at_stamp(where, message)
-        kit.context.driver.steering.put(given, by=where, refused=self._refused(where))
+        kit.context.driver.steering.put(given, by=where, refused=self._refused(where), waits=True)
         self._told()
 
     def _drop(self, topic: str, error: BadInputError | FrameError) -> None:
@@ -101,6 +112,37 @@ class PoseInputs:
                 f"a message of {topic} is stamped {time:.3f} s, in the {where} of the simulated time {now:.3f} s; it "
                 "is taken all the same: set use_sim_time of the node that sends it",
             )
+
+
+class _Goal:
+    """A goal of the topic; it watches what becomes of it.
+
+    Args:
+        directive: What the run is given.
+        give: Gives it to the run.
+        refused: Reports why it is not taken.
+
+    Attributes:
+        directive: The same.
+        is_carried: Whether the next run goes on with it, where the present one ends before it is reached.
+    """
+
+    def __init__(self, directive: SetGoal, give: Callable[[_Goal], None], refused: Callable[[str], None]) -> None:
+        self.directive, self._give, self._refused = directive, give, refused
+        self.is_carried = False
+
+    def begin(self, time: float) -> None:
+        """Do nothing: nobody waits for that."""
+
+    def refuse(self, error: TrundleError) -> None:
+        """Report why it is not driven to."""
+        self._refused(str(error))
+
+    def end(self, end: TaskEnd) -> None:
+        """Give it to the next run, where this one has stopped for that."""
+        carried, self.is_carried = self.is_carried, False
+        if carried and end.result == "stopped":
+            self._give(self)
 
 
 def _covariance_of(pose: Any) -> list[list[float]] | None:

@@ -98,7 +98,7 @@ class NavigatorRole:
             PlanOutput(kit),
             self._markers,
         ]
-        poses = PoseInputs(kit, self._pose_output.answer)
+        self._poses = poses = PoseInputs(kit, self._pose_output.answer)
         poses.open()
         self._open_actions()
         self.lifecycle.open(self._serve)
@@ -138,6 +138,7 @@ class NavigatorRole:
         """
         loaded = self._prepare(path)
         self._kit.tasks.carry(f"another map was loaded: {path}")
+        self._poses.carry()
         self._restart(loaded)
         wire, until = self._context.wire, clock.monotonic() + _TAKES_S
         while not (loaded.begun.wait(_LOOK_S) or wire.is_closing):

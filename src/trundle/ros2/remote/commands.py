@@ -97,7 +97,8 @@ class CommandOutput:
         self._topic = wire.names.resolve(topic)
         self._outlets: dict[str, Outlet] = {kind: wire.outlet(topic, kind, COMMANDS) for kind in (_TWIST, _STAMPED)}
         for kind in self._outlets:
-            wire.listen(topic, kind, COMMANDS, self._hear)
+            # Our own commands come back, twenty a second; the other type has those of others alone.
+            wire.listen(topic, kind, COMMANDS, self._hear, wakes=kind != make.command_type)
         self._lock = threading.RLock()
         self._kind = make.command_type
         self._looked = -LOOKS_S

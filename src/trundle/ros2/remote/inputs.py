@@ -109,13 +109,14 @@ class RobotInputs:
         """Listen."""
         wire, topics = self._wire, self._profile.topics
         if topics.clock is not None:
-            wire.listen(topics.clock, "rosgraph_msgs/msg/Clock", AS_IT_COMES, self._take_clock, newest=True)
+            clock = "rosgraph_msgs/msg/Clock"
+            wire.listen(topics.clock, clock, AS_IT_COMES, self._take_clock, newest=True, wakes=False)
         transforms = "tf2_msgs/msg/TFMessage"
-        wire.listen(topics.tf, transforms, Qos(100, "best_effort"), self._take_moving)
+        wire.listen(topics.tf, transforms, Qos(100, "best_effort"), self._take_moving, wakes=False)
         if topics.tf_static is not None:
             wire.listen(topics.tf_static, transforms, replace(LATCHED, depth=100), self._take_static)
         if topics.odom is not None:
-            wire.listen(topics.odom, "nav_msgs/msg/Odometry", AS_IT_COMES, self._take_odometry)
+            wire.listen(topics.odom, "nav_msgs/msg/Odometry", AS_IT_COMES, self._take_odometry, wakes=False)
         for name, sensor in self.sensors.items():
             self._laser.listen(name, sensor)
         wire.every_round(self._laser.look)

@@ -130,8 +130,11 @@ class RemoteLocalizer(Localizer):
         return self._shown
 
     def begin(self) -> None:
-        """Take the next `reset` as that of a run that begins, which says nothing new."""
+        """Take the next `reset` as that of a run that begins, which says nothing new: the robot is where it was."""
         self._begins = True
+        if self.is_told:  # the times of a run begin at 0
+            self._pending, self.is_told, self.is_located = (self._shown, None), False, False
+            self._scans, self._before = {}, {}
 
     def reset(self, pose: Pose2D | None, *, covariance: FloatArray | None = None, seed: int = 0) -> None:
         """Start over with the robot at `pose`, once its odometry is there."""

@@ -243,8 +243,8 @@ class Transport(Protocol):
         """
         ...
 
-    def subscription(self, topic: str, type_name: str, qos: Qos) -> Subscription:
-        """Subscribe to a topic.
+    def subscription(self, topic: str, type_name: str, qos: Qos, *, wakes: bool = True) -> Subscription:
+        """Subscribe to a topic; whether a message `wakes` says whether it ends `wait`.
 
         Raises:
             UnknownNameError: If the type is not known.

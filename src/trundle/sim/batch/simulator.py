@@ -219,8 +219,8 @@ class BatchSimulator:
         if not finite.all():
             first = int(np.argmin(finite.all(axis=1)))
             raise InputError(
-                f"the command of robot {first} is ({given[first, 0]:g}, {given[first, 1]:g}); commands must be finite. "
-                "No robot has moved"
+                f"the command of robot {first} is ({given[first, 0]:g}, {given[first, 1]:g}); commands must be "
+                "finite, and below 1e9 m/s and rad/s. No robot has moved"
             )
         self._engine.drive(given, self._mask(robots), substeps)
 
@@ -289,7 +289,11 @@ class BatchSimulator:
             return np.zeros(0, dtype=np.int64)
         if chosen.ndim != 1 or chosen.dtype.kind not in "iu":
             raise InputError("robots must be indices, a bool for each robot, or None for all")
-        if chosen.min() < 0 or chosen.max() >= self._count or len(np.unique(chosen)) != len(chosen):
+        if (
+            chosen.min() < 0
+            or chosen.max() >= self._count
+            or (len(chosen) > 1 and len(np.unique(chosen)) != len(chosen))
+        ):
             raise InputError(f"robots must be different indices from 0 to {self._count - 1}")
         return chosen.astype(np.int64)
 
@@ -315,6 +319,8 @@ def _first(chosen: npt.NDArray[np.int64] | None, bad: npt.ArrayLike) -> int:
 
 
 def _spread(array: npt.NDArray[np.generic], shape: tuple[int, ...], what: str) -> npt.NDArray:
+    if array.shape == shape:  # np.broadcast_to takes ten times as long as a step of one robot's arithmetic
+        return np.ascontiguousarray(array)
     try:
         return np.ascontiguousarray(np.broadcast_to(array, shape))
     except ValueError:

@@ -93,7 +93,7 @@ class DdsTransport:
         self._discovery.add("publisher", writer.guid.bytes)
         return publisher
 
-    def subscription(self, topic: str, type_name: str, qos: Qos) -> DdsSubscription:
+    def subscription(self, topic: str, type_name: str, qos: Qos, *, wakes: bool = True) -> DdsSubscription:
         """Subscribe to a topic; see `Transport`."""
         from cyclonedds.core import ReadCondition
         from cyclonedds.sub import DataReader
@@ -104,7 +104,8 @@ class DdsTransport:
             reader = DataReader(self._participant, made, policies)
             subscription = DdsSubscription(reader, topic, type_name, qos)
             self._subscriptions.append(subscription)
-            self._waiting.attach(ReadCondition(reader, every_sample()))
+            if wakes:
+                self._waiting.attach(ReadCondition(reader, every_sample()))
         self._discovery.add("subscription", reader.guid.bytes)
         return subscription
 

@@ -49,8 +49,10 @@ MAX_GOALS = 32
 PATIENCE_S = 0.05
 LEAVING_S = 1.2
 CANCELING_S = 2.0
-COUNTS_EVERY_S = 0.1
-LOOKS_NS = 100_000_000
+COUNTS_EVERY_S = 0.2
+LOOKS_NS, QUIET_NS = 100_000_000, 20_000_000
+"""Topics are looked at this often at least; the second where some have messages that wake nobody."""
+
 MOST_AT_ONCE = 50
 """So many messages of a topic are taken before it is the turn of the next."""
 
@@ -127,6 +129,21 @@ class Outbox:
             stream.size += len(frame)
             self._frames.append(stream)
             self._changed.notify_all()
+
+    def put_messages(self, messages):
+        """Send messages of topics, each with its stream: at once, where nothing waits."""
+        with self._changed:
+            if not self._frames and not self._is_sending and not self._is_closed:
+                frames = [
+                    HEADER.pack(len(payload), stream.kind, stream.number) + payload
+                    for stream, payload in messages
+                    if len(payload) <= LIMIT
+                ]
+                if len(frames) == len(messages):
+                    self._send_now(b"".join(frames))
+                    return
+        for stream, payload in messages:
+            self.put_message(stream, payload)
 
     def flush(self, timeout_s):
         """Wait until all is sent, but no longer than this."""
@@ -303,10 +320,11 @@ class Topics:
 
     Args:
         context: The context of the node.
+        outbox: Where the messages go.
         report: Called with what goes wrong.
     """
 
-    def __init__(self, context, report):
+    def __init__(self, context, outbox, report):
         from rclpy.callback_groups import ReentrantCallbackGroup
         from rclpy.guard_condition import GuardCondition
 
@@ -317,15 +335,15 @@ class Topics:
                 return False
 
         self.group = OfNoExecutor()
-        self._context, self._report = context, report
+        self._context, self._outbox, self._report = context, outbox, report
         self._taken = ()
         self._changed = GuardCondition(None, None, context=context)
         self._is_leaving = False
         self._thread = threading.Thread(target=self._run, name="topics", daemon=True)
 
-    def add(self, subscription, callback):
-        """Call back with the message and the info of each message from now on."""
-        self._taken = (*self._taken, (subscription, callback))
+    def add(self, subscription, stream, wakes):
+        """Pass on the messages of a topic: at once where they wake somebody, otherwise with others."""
+        self._taken = (*self._taken, (subscription, stream, wakes))
         self._changed.trigger()
         if not self._thread.is_alive() and not self._is_leaving:
             self._thread.start()
@@ -343,22 +361,24 @@ class Topics:
         """Take what arrives on these topics, until there are others."""
         from rclpy.impl.implementation_singleton import rclpy_implementation
 
-        waiting = rclpy_implementation.WaitSet(len(taken), 1, 0, 0, 0, 0, self._context.handle)
+        waking = {one.handle.pointer: one.handle for one, _, wakes in taken if wakes}
+        looks_ns = QUIET_NS if 0 < len(waking) < len(taken) else LOOKS_NS
+        waking = waking or {one.handle.pointer: one.handle for one, _, _ in taken}
+        waiting = rclpy_implementation.WaitSet(len(waking), 1, 0, 0, 0, 0, self._context.handle)
         while taken is self._taken and not self._is_leaving:
             waiting.clear_entities()
-            for subscription, _ in taken:
-                waiting.add_subscription(subscription.handle)
+            for handle in waking.values():
+                waiting.add_subscription(handle)
             waiting.add_guard_condition(self._changed.handle)
-            waiting.wait(LOOKS_NS)
-            ready = waiting.get_ready_entities("subscription")
-            for subscription, callback in taken if ready else ():
+            waiting.wait(looks_ns)
+            idle = waking.keys() - waiting.get_ready_entities("subscription")
+            found = []
+            for subscription, stream, _ in taken:
                 handle = subscription.handle
-                if handle.pointer in ready:
-                    for _ in range(MOST_AT_ONCE):
-                        found = handle.take_message(subscription.msg_type, True)
-                        if found is None:
-                            break
-                        callback(*found)
+                if handle.pointer not in idle:
+                    found += _take_from(handle, subscription.msg_type, stream)
+            if found:
+                self._outbox.put_messages(found)
 
     def leave(self):
         """Take nothing more."""
@@ -368,6 +388,17 @@ class Topics:
             self._thread.join(0.3)
 
 
+def _take_from(handle, kind, stream):
+    """Yield the messages that wait in a subscription, with their stream."""
+    for _ in range(MOST_AT_ONCE):
+        taken = handle.take_message(kind, True)
+        if taken is None:
+            return
+        data, info = taken
+        source = _source(info)
+        yield stream, bytes([len(source)]) + source + data
+
+
 class Node:
     """A node, its participant and the threads that take what arrives for it.
 
@@ -375,9 +406,10 @@ class Node:
         name: Name of the node.
         namespace: Namespace of the node.
         threads: How many callbacks may run at a time.
+        outbox: Where the messages of topics go.
     """
 
-    def __init__(self, name, namespace, threads):
+    def __init__(self, name, namespace, threads, outbox):
         import rclpy
         from rclpy.context import Context
         from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
@@ -398,7 +430,7 @@ class Node:
         else:
             self._executor = SingleThreadedExecutor(context=self.context)
         self._executor.add_node(self.node)
-        self.topics = Topics(self.context, lambda text: self._report(text))
+        self.topics = Topics(self.context, outbox, lambda text: self._report(text))
         self._is_leaving = False
         self._thread = threading.Thread(target=self._spin, name="spin", daemon=True)
 
@@ -437,7 +469,7 @@ class Relay:
         self.outbox = Outbox(sock)
         self._name, self._namespace = name, namespace
         self._service_group = MutuallyExclusiveCallbackGroup()  # trundle answers one after the other
-        self._home = Node(name, namespace, MAX_GOALS + 8)
+        self._home = Node(name, namespace, MAX_GOALS + 8, self.outbox)
         self._more_homes = []
         self._types_of_topics = {}  # topic → [(type, Node)]
         self._publishers, self._subscriptions = {}, {}
@@ -528,7 +560,7 @@ class Relay:
         taken = [home for _, home in homes]
         home = next((home for home in [self._home, *self._more_homes] if home not in taken), None)
         if home is None:
-            home = Node(f"{self._name}_{len(self._more_homes) + 2}", self._namespace, 1)
+            home = Node(f"{self._name}_{len(self._more_homes) + 2}", self._namespace, 1, self.outbox)
             home.start(self._note)
             self._more_homes.append(home)
         homes.append((type_name, home))
@@ -541,14 +573,9 @@ class Relay:
             kind, topic, _profile(qos), event_callbacks=_no_events("PublisherEventCallbacks")
         )
 
-    def _do_subscription(self, number, topic, type, qos):
+    def _do_subscription(self, number, topic, type, qos, wakes):
         kind = load_kind(type)
         stream = Stream(SAMPLE, number, qos["depth"])
-
-        def pass_on(data, info):
-            source = _source(info)
-            self.outbox.put_message(stream, bytes([len(source)]) + source + data)
-
         home = self._home_of(topic, type)
         subscription = home.node.create_subscription(
             kind,
@@ -559,7 +586,7 @@ class Relay:
             raw=True,
             event_callbacks=_no_events("SubscriptionEventCallbacks"),
         )
-        home.topics.add(subscription, pass_on)
+        home.topics.add(subscription, stream, wakes)
         self._subscriptions[number], self._streams[number] = subscription, stream
 
     def _do_service(self, number, name, type):

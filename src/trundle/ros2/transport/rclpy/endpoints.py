@@ -68,13 +68,16 @@ class RelayedSubscription:
 
     Args:
         qos: Its quality of service.
+        wakes: Whether a message ends `wait`.
 
     Attributes:
+        wakes: The same.
         matched: How many publishers it gets messages from; -1 on Humble, which does not say.
         dropped_by_child: How many messages waited too long in the child.
     """
 
-    def __init__(self, qos: Qos) -> None:
+    def __init__(self, qos: Qos, *, wakes: bool = True) -> None:
+        self.wakes = wakes
         self.matched = 0
         self.dropped_by_child = 0
         self._depth = max(qos.depth, _LEAST_DEPTH)

@@ -135,11 +135,11 @@ class RclpyTransport:
         self._make("publisher", number, topic=topic, type=type_name, qos=asdict(qos))
         return publisher
 
-    def subscription(self, topic: str, type_name: str, qos: Qos) -> RelayedSubscription:
+    def subscription(self, topic: str, type_name: str, qos: Qos, *, wakes: bool = True) -> RelayedSubscription:
         """Subscribe to a topic; see `Transport`."""
         number = next(self._numbers)
-        self._subscriptions[number] = subscription = RelayedSubscription(qos)
-        self._make("subscription", number, topic=topic, type=type_name, qos=asdict(qos))
+        self._subscriptions[number] = subscription = RelayedSubscription(qos, wakes=wakes)
+        self._make("subscription", number, topic=topic, type=type_name, qos=asdict(qos), wakes=wakes)
         return subscription
 
     def service(self, name: str, type_name: str, handler: Handler) -> None:
@@ -271,8 +271,10 @@ class RclpyTransport:
 
     def _receive(self, kind: int, number: int, payload: bytes) -> None:
         if kind == child.SAMPLE:
-            self._subscriptions[number].add(payload)
-            self._arrived.set()
+            subscription = self._subscriptions[number]
+            subscription.add(payload)
+            if subscription.wakes:
+                self._arrived.set()
         elif kind == child.COUNTS:
             self._count(json.loads(payload))
         elif kind == child.NOTE:

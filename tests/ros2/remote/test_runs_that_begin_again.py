@@ -1,0 +1,107 @@
+"""What comes on topics while a run is about to begin again: the next one takes it, as Nav2 would."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ros2.navigator_role.conftest import COVARIANT, Client, wait_for
+from ros2.remote.conftest import Remote
+from ros2.remote.test_load_map import LOAD, changed_room
+from trundle.geometry import Pose2D
+from trundle.mission import Restart
+
+Navigate = Callable[..., Remote]
+
+
+@pytest.fixture
+def client(network: Any) -> Client:
+    return Client(network, "jazzy")
+
+
+def hold(remote: Remote) -> threading.Event:
+    """Let the run not begin again before this is set."""
+    role: Any = remote.bridge._role
+    may_begin, take = threading.Event(), role._take_map
+
+    def take_later() -> Any:
+        assert may_begin.wait(10.0)
+        return take()
+
+    role._take_map = take_later
+    return may_begin
+
+
+def load_later(client: Client, remote: Remote, path: str) -> Any:
+    """Ask for a map, and return once the run is about to begin again."""
+    request = client.types.make(f"{LOAD}_Request", map_url=path)
+    call = client.network.call("/map_server/load_map", client.types.encode(request))
+    wait_for(lambda: remote.bridge.context.driver.steering.is_restarting, "for the restart")
+    return call
+
+
+def place(client: Client, x: float, y: float) -> Any:
+    told = client.types.make(COVARIANT)
+    told.header.frame_id, told.pose.pose.position.x, told.pose.pose.position.y = "map", x, y
+    return told
+
+
+def test_the_newest_goal_that_comes_while_a_map_is_loaded_is_driven_to(
+    navigate: Navigate, client: Client, tmp_path: Path
+) -> None:
+    remote = navigate(goal=None, has_services=True)
+    wait_for(lambda: not remote.reasons, "for the robot")
+    may_begin = hold(remote)
+    call = load_later(client, remote, changed_room(tmp_path, "table"))
+    client.publish("/goal_pose", client.pose(6.0, 5.0))
+    client.publish("/goal_pose", client.pose(2.8, 2.1))
+    time.sleep(0.3)
+    may_begin.set()
+    wait_for(lambda: call.response, "for the answer")
+    wait_for(lambda: remote.robot.pose.distance_to(Pose2D(2.8, 2.1)) < 0.3 and not remote.robot.twist.v, "for it")
+    assert not any("refused" in text for text in remote.said), remote.said
+
+
+def test_a_pose_that_comes_while_a_map_is_loaded_is_the_next_run_s(
+    navigate: Navigate, client: Client, tmp_path: Path
+) -> None:
+    remote = navigate(goal=None, has_services=True)
+    wait_for(lambda: not remote.reasons, "for the robot")
+    may_begin = hold(remote)
+    call = load_later(client, remote, changed_room(tmp_path, "table"))
+    client.publish("/initialpose", place(client, 6.0, 3.0))
+    time.sleep(0.3)
+    may_begin.set()
+    wait_for(lambda: call.response, "for the answer")
+    wait_for(lambda: remote.bridge.localizer.shown.distance_to(Pose2D(6.0, 3.0)) < 0.05, f"for it: {remote.said}")
+    assert not any("refused" in text for text in remote.said), remote.said
+
+
+def test_a_goal_of_the_topic_goes_on_on_another_map(navigate: Navigate, client: Client, tmp_path: Path) -> None:
+    remote = navigate(goal=None, has_services=True)
+    wait_for(lambda: not remote.reasons, "for the robot")
+    client.publish("/goal_pose", client.pose(4.0, 2.3))
+    remote.wait_until_moving()
+    request = client.types.make(f"{LOAD}_Request", map_url=changed_room(tmp_path, "table"))
+    call = client.network.call("/map_server/load_map", client.types.encode(request))
+    wait_for(lambda: call.response, "for the answer")
+    wait_for(lambda: remote.robot.pose.distance_to(Pose2D(4.0, 2.3)) < 0.3 and not remote.robot.twist.v, "for it")
+
+
+@pytest.mark.parametrize("localizer", ["odometry", "amcl", "tf"])
+def test_a_run_that_begins_again_drives(navigate: Navigate, client: Client, localizer: str) -> None:
+    habits = {"map_odom": Pose2D(2.0, 2.0)} if localizer == "tf" else {}
+    remote = navigate(goal=None, localizer=localizer, habits=habits, has_services=True)
+    wait_for(lambda: not remote.reasons, "for the robot")
+    time.sleep(0.5)
+    remote.put(Restart())
+    wait_for(lambda: remote.bridge.context.driver.steering.run == 2, "for the next run")
+    wait_for(lambda: not remote.reasons, f"for the robot again: {remote.said}")
+    client.publish("/goal_pose", client.pose(2.8, 2.1))
+    wait_for(lambda: remote.robot.pose.distance_to(Pose2D(2.8, 2.1)) < 0.3 and not remote.robot.twist.v, "for it")
+    assert remote.episode is None
