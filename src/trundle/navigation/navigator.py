@@ -30,6 +30,7 @@ from trundle.navigation.progress import PathProgress, Retries
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.relocalization import CORRECTED_M, Relocalization
 from trundle.navigation.replanner import Replanner
+from trundle.navigation.retreat import Retreat
 from trundle.navigation.route_planner import RoutePlanner
 from trundle.navigation.sensing import SensedMap, SensedTracks
 from trundle.navigation.state import Decision, Snapshot
@@ -154,6 +155,7 @@ class Navigator(NavigatorRequests):
             [create_behavior(step) for step in steps],
             Retries(self.dt, settings.recovery_retries),
             PathProgress(self.dt),
+            Retreat(self._sensed, self._replanner, self._routes),
         )
         self._relocalization = Relocalization(self.robot)
         self._goal_queue = GoalQueue(self._runner, self._replanner, self._recovery, through)
@@ -222,6 +224,8 @@ class Navigator(NavigatorRequests):
         if command is None:
             command = self._arrive(now, soon)
         if command is None:
+            command = self._apply(self._recovery.make_room(soon, self._state))
+        if command is None and not self._recovery.makes_room:
             command = self._plan_or_replan(soon)
         if command is None and self._runner.is_recovering:
             command = self._apply(self._recovery.continue_step(soon, self._state))

@@ -46,7 +46,8 @@ class NavigatorSettings(Config):
         patience_s: How long the robot waits [s] before it gives up, where an obstacle that is not on the map leaves no
             path, or occupies the goal.
         mover_patience_s: The same [s] for an obstacle that was seen to move, and so may leave; the longer of the two
-            applies.
+            applies. After 10 s, where `back_up` is a step of recovery, the robot drives to where others can pass, waits
+            there and plans again; that starts the time over, up to six times on the way to a goal.
         recovery: The steps that a robot takes, in this order, when it makes no progress: `replan`, `back_up`,
             `drive_clear`, `spin`, `wait`, `drive_on_heading`, `clear_costmap`, `replan_with` or one of a plug-in; with
             a value (`back_up=0.5`) or options (`{back_up: {distance: 0.5}}`). Each time that the robot is blocked, the

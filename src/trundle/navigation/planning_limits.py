@@ -37,7 +37,7 @@ class PlanningBudget:
 
     def reset(self) -> None:
         """Start over: there is another goal, or the robot has reached one."""
-        self._plans = self._expansions = 0
+        self._plans = self._expansions = self._extra = 0
         self._began: float | None = None
         self._paid_at = -math.inf
         self._error: PlanningStoppedError | None = None
@@ -60,6 +60,12 @@ class PlanningBudget:
         if self._per_s is not None:
             self._paid_at = max(self._paid_at, time - _AT_ONCE_S) + expansions / self._per_s
 
+    def allow_more(self) -> None:
+        """Let the drive take a third more: the robot has made room for others, so that there may be a path now."""
+        if self._per_drive is not None:
+            self._extra += self._per_drive // 3
+            self._error = None
+
     def must_wait(self, time: float) -> bool:
         """Whether earlier plans are not paid for by now [s]."""
         return time < self._paid_at - 1e-9
@@ -68,7 +74,8 @@ class PlanningBudget:
         """Whether the expansions of the drive are used up by now [s]."""
         if self._per_drive is None or self._began is None:
             return False
-        return self._expansions >= self._per_drive * max(1.0, (time - self._began) / _FULL_DRIVE_S)
+        allowed = self._per_drive * max(1.0, (time - self._began) / _FULL_DRIVE_S)
+        return self._expansions >= allowed + self._extra
 
     def refuse(self, last: PlanningError | None) -> PlanningStoppedError:
         """The error for a plan that is not made, after this last one that found no path; the same until one is made."""

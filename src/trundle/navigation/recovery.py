@@ -10,6 +10,7 @@ from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import BackUp, Behavior, Replan, ReplanWith
 from trundle.navigation.progress import PathProgress, Retries
 from trundle.navigation.replanner import Replanner
+from trundle.navigation.retreat import Retreat
 from trundle.navigation.sensing import SensedMap
 from trundle.navigation.state import NOTHING, Decision, DriveState, Snapshot
 from trundle.navigation.status import NavigationStatus
@@ -34,6 +35,7 @@ class Recovery:
         steps: The steps, in order; without any, a blocked robot gives up.
         retries: How often a robot that makes no progress tries again.
         progress: Whether what it drives brings it further along its path.
+        retreat: Makes room for those who wait for the robot, where backing up is a step.
     """
 
     def __init__(
@@ -44,10 +46,11 @@ class Recovery:
         steps: Sequence[Behavior],
         retries: Retries,
         progress: PathProgress,
+        retreat: Retreat,
     ) -> None:
         self._sensed, self._replanner, self._runner = sensed, replanner, runner
         self.steps = tuple(steps)
-        self._retries, self._progress = retries, progress
+        self._retries, self._progress, self._retreat = retries, progress, retreat
         self._others = tuple(step for step in self.steps if isinstance(step, ReplanWith) or not _replans(step))
         self.reset()
 
@@ -55,9 +58,21 @@ class Recovery:
         """Start over."""
         self._retries.reset()
         self._progress.reset()
+        self._retreat.reset()
         self._next = self._next_other = 0
         self._untried: list[Behavior] = []
         self._reason = ""
+
+    @property
+    def makes_room(self) -> bool:
+        """Whether the robot drives to where others can pass, or waits there."""
+        return self._retreat.is_active
+
+    def make_room(self, now: Snapshot, state: DriveState) -> Decision:
+        """Let others pass who wait for the robot; without a command where the controller is to drive."""
+        if self._runner.is_recovering or not any(isinstance(step, BackUp) for step in self.steps):
+            return NOTHING
+        return self._retreat.decide(now, state)
 
     # Blocked --------------------------------------------------------------------------------------------------------
 
@@ -70,6 +85,8 @@ class Recovery:
             state: What the drive has come to.
             reason: Why the controller makes no progress, if it says so.
         """
+        if self._retreat.is_active:
+            return Decision(command, status=NavigationStatus.DRIVING if command != _STAND else None)
         followed = self._replanner.followed
         left_m = 0.0 if followed is None else followed.left_m
         strays = followed is not None and self._progress.is_lost(followed, now.pose, now.twist)

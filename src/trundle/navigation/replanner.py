@@ -116,8 +116,6 @@ class Replanner:
         """Whether the robot needs a plan before it drives on."""
         return self.followed is None or self.tries.pending
 
-    # Planning -------------------------------------------------------------------------------------------------------
-
     def plan(
         self, now: Snapshot, state: DriveState, planner: Planner | None = None, *, needed: bool = True
     ) -> Decision:
@@ -183,12 +181,18 @@ class Replanner:
 
         That one also plans where the last plans are not paid for, or all expansions are used up.
         """
-        if self._quick is None or not self.obstacle.is_blocked:
+        if self._quick is None or (not self.obstacle.is_blocked and not self._goes_on(now)):
             return self.planner
         if self.budget.must_wait(now.time) or self.budget.is_spent(now.time):
             return self._quick
         stands = not moves(now.twist)
         return self.planner if self.obstacle.is_thorough(now.time, stands=stands) else self._quick
+
+    def _goes_on(self, now: Snapshot) -> bool:
+        """Whether it goes on by short searches, with all expansions used up: what was seen to move is near."""
+        if self._quick is None or not self.budget.is_spent(now.time):
+            return False
+        return self.movers.was_near(now.pose.x, now.pose.y, self._robot.circumscribed_radius + _AROUND_M)
 
     def _must_wait(self, now: Snapshot) -> bool:
         """Whether no plan may be made now: the last ones are not paid for, and there is none that searches less."""
@@ -204,8 +208,6 @@ class Replanner:
         is_same = planner is failed.planner or (planner is self._quick and failed.planner is self.planner)
         holds = is_same and failed.holds(now.pose, state.ahead, now.costmap, noisy=self._sensed.is_active)
         return failed.error if holds else None
-
-    # The plan that the robot waits for ------------------------------------------------------------------------------
 
     def plan_first(self, now: Snapshot, state: DriveState) -> Decision:
         """Make the plan that the robot waits for; the command is to stand where it may not drive on yet."""
@@ -240,8 +242,6 @@ class Replanner:
         if error is None:
             return "waiting to plan" if self.tries.pending else ""
         return "goal occupied" if is_of_goal(error, state.ahead) else "no path"
-
-    # What blocks the path -------------------------------------------------------------------------------------------
 
     def follow(self, now: Snapshot) -> None:
         """Take where the robot is: it is more patient where something was seen to move beside it."""
@@ -289,8 +289,6 @@ class Replanner:
         if room_m == math.inf:
             return math.inf
         return math.sqrt(2.0 * BRAKING_SHARE * self._robot.limits.linear_acceleration * max(0.0, room_m))
-
-    # Planning again -------------------------------------------------------------------------------------------------
 
     def reconsider(self, followed: FollowedPath, now: Snapshot, state: DriveState) -> Decision:
         """Plan again where a changed map blocks the path, or it is time to look for a better one."""
@@ -373,7 +371,7 @@ class Replanner:
         if self._must_wait(now):
             self.tries.pending = True
             return Decision(status=NavigationStatus.BLOCKED, replans=int(again), restarts_progress=True)
-        is_last = self.budget.is_spent(now.time) and not self.obstacle.is_blocked
+        is_last = self.budget.is_spent(now.time) and not (self.obstacle.is_blocked or self._goes_on(now))
         planner = self._choose_planner(now) if planner is None else planner
         made = self._plan_again(now, state, planner, again=again)
         if made.error is None:

@@ -63,7 +63,7 @@ class AmclSettings(Config):
     recovery: bool = True
     lost_below: Share = 0.5
     match_noise: Annotated[float, Field(ge=0.002, le=10.0)] = 0.1
-    map_error: Annotated[float, Field(ge=0.0, le=10.0)] = 0.014
+    map_error: Annotated[float, Field(ge=0.0, le=10.0)] = 0.012
 
     @model_validator(mode="after")
     def _check(self) -> Self:
