@@ -20,15 +20,15 @@ from tf2_msgs.msg import TFMessage
 KEPT_S = 10.0
 
 
-class LookupException(Exception):
+class LookupException(Exception):  # noqa: N818 - its name in tf2
     """A frame is not known."""
 
 
-class ConnectivityException(Exception):
+class ConnectivityException(Exception):  # noqa: N818 - its name in tf2
     """Two frames are in no common tree."""
 
 
-class ExtrapolationException(Exception):
+class ExtrapolationException(Exception):  # noqa: N818 - its name in tf2
     """There is no transform at this time."""
 
 
