@@ -27,7 +27,7 @@ NAVIGATE = ("ros2", "navigate", "warehouse", *NETWORK)
         (("--start", "0,0,0", "--goal", "900,0"), "the goal (900, 0) lies outside of the map"),
         (("--backend", "kinematic"), "--backend is for simulated robots"),
         (("--odometry", "scale=0.1"), "--odometry is for simulated robots"),
-        (("--localizer", "amlc"), "amcl"),
+        (("--localizer", "amlc"), "There are: amcl, odometry, slam, tf"),
         (("--robot", "nova"), "nova_carter"),
         (("--localizer", "slam"), "leave warehouse out"),
         (("--start", "0,0,0", "--save-map", "made.yaml"), "--save-map is for a map that is made"),

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from trundle.control import CollisionMonitor, MonitorSettings
+from trundle.errors import UnknownNameError
 from trundle.mission import Observer, Scenario
 from trundle.mission.scenario import Setting
 from trundle.ros2.inlet import Record
@@ -135,7 +136,11 @@ class RemoteBridge(NetworkRuns):
         inputs = self.inputs
         if options.localizer == TF:
             return TfLocalizer(lambda: inputs.map_odom, options.start)
-        return make_localizer(setting, options, lambda: inputs.odometry is not None, has_scans=bool(inputs.sensors))
+        has_scans = bool(inputs.sensors)
+        try:
+            return make_localizer(setting, options, lambda: inputs.odometry is not None, has_scans=has_scans)
+        except UnknownNameError as error:
+            raise UnknownNameError(error.kind, error.name, (*error.choices, TF)) from None
 
     # Rules of the guard ---------------------------------------------------------------------------------------------
 
