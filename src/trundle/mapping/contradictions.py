@@ -18,7 +18,8 @@ from trundle.mapping.submaps import Submaps
 _TOLERANCE_M, _TOLERANCE_SHARE = 0.3, 0.03  # so far behind a point a beam has to end
 _ASIDE_RAD = math.radians(1.5)  # between a point and the beams beside it
 _LIDARS_APART_M = 0.2
-_EVERY_POINT, _EVERY_FRAME, _FEWEST = 4, 3, 100
+_POINTS, _FRAMES = 360, 4  # of a key frame, and of a submap: at least so many are compared, where there are as many
+_FEWEST = 100  # of what is compared, so many points are where the other place's beams reach
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,11 +46,11 @@ def seen_through(nodes: Nodes, submaps: Submaps, a: int, b: int, transform: Pose
     """
     submap, seen = submaps.all[submaps.of_node[a]], nodes.key_surface(b)
     reached = through = 0
-    for node in range(submap.first, submap.last + 1, _EVERY_FRAME):
+    for node in range(submap.first, submap.last + 1, max(1, (submap.last + 1 - submap.first) // _FRAMES)):
         known = nodes.key_surface(node)
         T_node_b = submaps.seen_from_middle(submap, node).inverse() @ transform
         for viewer, other, pose in ((known, seen, T_node_b), (seen, known, T_node_b.inverse())):
-            points = pose.transform_points(other.points[::_EVERY_POINT])
+            points = pose.transform_points(other.points[:: max(1, len(other.points) // _POINTS)])
             for beams in _lidars(viewer):
                 counts = _count(beams, points)
                 reached, through = reached + counts[0], through + counts[1]

@@ -36,6 +36,7 @@ _SHARE, _APART_M, _APART_RAD, _MOST, _MOST_NODES = 0.93, 0.6, 0.2, 3, 300_000
 _AGREE = 3  # matches of different key frames
 _RIVAL = 0.04  # how much better than elsewhere the right place fits at least
 _MOST_THROUGH = 0.1  # of what parts saw that are joined, so much may contradict
+_LEAST_PART = 2  # key frames: what is seen from one place alone, such as a corner of a room, fits too many others
 _KEPT, _MOST_PENDING = 150, 100  # key frames, and matches
 _FARTHEST_M = 60.0  # between matches that are compared: over more the odometry proves nothing
 _FLOOR = np.diag((0.02**2, 0.02**2, math.radians(0.25) ** 2))
@@ -184,8 +185,11 @@ class LoopFinder:
     def _is_possible(self, clique: list[Loop]) -> bool:
         """Whether two parts can be joined like that: of buildings with many rooms, some fit others all too well."""
         nodes = self._nodes
-        if nodes.parts[clique[0].a] == nodes.parts[clique[0].b]:
+        parts = [nodes.parts[node] for node in (clique[0].a, clique[0].b)]
+        if parts[0] == parts[1]:
             return True
+        if min(nodes.parts.count(part) for part in parts) < _LEAST_PART:
+            return False
         through = [seen_through(nodes, self._submaps, one.a, one.b, one.transform) for one in clique]
         return sum(through) / len(through) <= _MOST_THROUGH
 
