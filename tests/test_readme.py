@@ -20,7 +20,7 @@ README = (ROOT / "README.md").read_text()
 KOREAN = (ROOT / "README.ko.md").read_text()
 PAGE = (ROOT / "docs" / "commands.md").read_text()
 SNIPPETS = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
-STEP = re.compile(r"^\| (\d)\. [^|]+ \| `(trundle [^`]+)` \|$", flags=re.MULTILINE)
+STEP = re.compile(r"^\| (\d)\. [^|]+ \| `(trundle [^`]+)`[^|]*\|$", flags=re.MULTILINE)
 VERB = re.compile(r"^\| `(trundle [^`]+)` \|", flags=re.MULTILINE)
 
 
