@@ -67,7 +67,7 @@ def drive(world: World, robot: Robot, seed: int, seconds: float, backend: str) -
 
 
 def in_another_process(made: Iterator[_Item]) -> Iterator[_Item]:
-    """Yield what an iterator yields in a process of its own, whose memory and time do not count here."""
+    """Yield what an iterator yields in another process, whose memory and time do not count here."""
     context = multiprocessing.get_context("fork")
     ours, theirs = context.Pipe(duplex=False)
 

@@ -133,7 +133,7 @@ def check_painting(generator: random.Random, grid: oracle.Grid) -> None:
 def check_repainting(
     generator: random.Random, evidence: tuple, painted: np.ndarray, kept: np.ndarray, place: tuple
 ) -> None:
-    """A window of a larger map is painted as a map of its own, and the rectangle holds what has changed there."""
+    """A window of a larger map is painted as a separate map, and the rectangle holds what has changed there."""
     base = rng_of(generator).choice(np.array([-1, 0, 100], np.int8), painted.shape)
     alone = base.copy()
     paint_marks(*evidence, alone, kept, *place)

@@ -199,7 +199,7 @@ def test_a_policy_observes_the_planners_path_every_half_metre_and_from_where_the
     assert steps.max() < 0.5 + 0.03
     assert seen[-1] == pytest.approx((3.0, 0.0), abs=0.02)
     assert seen[:, 1].max() > 2.2  # around the wall
-    # Half a second later nothing is planned anew; the points begin where the robot is.
+    # Half a second later nothing is planned again; the points begin where the robot is.
     along = agent._followed.check
     at = int(along.along.searchsorted(1.0))
     there = Pose2D(*along.poses[at])

@@ -930,7 +930,7 @@ def repaint_marks(
     cell_size: float,
     clear_occupied: bool,
 ) -> tuple[int, int, int, int]:
-    """Put the evidence into a window (row, row end, col, col end) of a map anew, from what it is without, `base`.
+    """Put the evidence into a window (row, row end, col, col end) of a map again, from what it is without, `base`.
 
     Returns the rectangle in which `cells` changed. (x, y, yaw) is the pose of the window's lower left corner.
     """

@@ -1,4 +1,4 @@
-"""Where a robot is on its path, `FollowedPath`, and whether it gets on.
+"""Where a robot is on its path, `FollowedPath`, and whether it advances.
 
 `BlockWatch` and `PathProgress` say whether it makes progress, `Retries` how often it tries again where it makes none.
 """

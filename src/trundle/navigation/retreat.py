@@ -129,7 +129,7 @@ class Retreat:
         return self._say()._replace(command=_STAND, status=NavigationStatus.BLOCKED)
 
     def _end(self, now: Snapshot) -> Decision:
-        """Plan to the goal again; what blocks the path is still taken for something that may leave."""
+        """Plan to the goal again; what blocks the path still counts as something that may leave."""
         self._path = self._replanner.followed = None
         self._again_s = now.time + _AFTER_S
         self._replanner.budget.allow_more()

@@ -1,4 +1,4 @@
-"""A task with a controller of its own, a callback, a log of data, and a stage that is saved and cleared."""
+"""A task with its own controller, a callback, a log of data, and a stage that is saved and cleared."""
 
 import sys
 

@@ -37,12 +37,15 @@ def hold(remote: Remote) -> threading.Event:
     return may_begin
 
 
-def load_later(client: Client, remote: Remote, path: str) -> Any:
-    """Ask for a map, and return once the run is about to begin again."""
-    request = client.types.make(f"{LOAD}_Request", map_url=path)
+def begin_to_load(navigate: Navigate, client: Client, folder: Path) -> tuple[Remote, threading.Event, Any]:
+    """A robot whose run is about to begin again, but not before the event is set, and the call that asks for it."""
+    remote = navigate(goal=None, has_services=True)
+    wait_for(lambda: not remote.reasons, "for the robot")
+    may_begin = hold(remote)
+    request = client.types.make(f"{LOAD}_Request", map_url=changed_room(folder, "table"))
     call = client.network.call("/map_server/load_map", client.types.encode(request))
     wait_for(lambda: remote.bridge.context.driver.steering.is_restarting, "for the restart")
-    return call
+    return remote, may_begin, call
 
 
 def place(client: Client, x: float, y: float) -> Any:
@@ -54,10 +57,7 @@ def place(client: Client, x: float, y: float) -> Any:
 def test_the_newest_goal_that_comes_while_a_map_is_loaded_is_driven_to(
     navigate: Navigate, client: Client, tmp_path: Path
 ) -> None:
-    remote = navigate(goal=None, has_services=True)
-    wait_for(lambda: not remote.reasons, "for the robot")
-    may_begin = hold(remote)
-    call = load_later(client, remote, changed_room(tmp_path, "table"))
+    remote, may_begin, call = begin_to_load(navigate, client, tmp_path)
     client.publish("/goal_pose", client.pose(6.0, 5.0))
     client.publish("/goal_pose", client.pose(2.8, 2.1))
     time.sleep(0.3)
@@ -70,10 +70,7 @@ def test_the_newest_goal_that_comes_while_a_map_is_loaded_is_driven_to(
 def test_a_pose_that_comes_while_a_map_is_loaded_is_the_next_run_s(
     navigate: Navigate, client: Client, tmp_path: Path
 ) -> None:
-    remote = navigate(goal=None, has_services=True)
-    wait_for(lambda: not remote.reasons, "for the robot")
-    may_begin = hold(remote)
-    call = load_later(client, remote, changed_room(tmp_path, "table"))
+    remote, may_begin, call = begin_to_load(navigate, client, tmp_path)
     client.publish("/initialpose", place(client, 6.0, 3.0))
     time.sleep(0.3)
     may_begin.set()

@@ -39,7 +39,7 @@ Rectangle unmark_within(Evidence evidence, HitPoints points, std::int64_t row, s
 void paint_marks(Evidence evidence, HitPoints points, std::int64_t row, std::int64_t col, double resolution, Cells cells,
                  In<std::uint8_t, 2> kept, double x, double y, double yaw, double cell_size, bool clear_occupied);
 
-// The same in a window of a map (rows and columns, as of a `Rectangle`), anew from what the map is without the evidence,
+// The same in a window of a map (rows and columns, as of a `Rectangle`), again from what the map is without the evidence,
 // `base`. Returns the rectangle of `cells` that changed. (x, y, yaw) is the pose of the window's lower left corner.
 Rectangle repaint_marks(Evidence evidence, HitPoints points, std::int64_t row, std::int64_t col, double resolution,
                         Cells cells, In<std::int8_t, 2> base, In<std::uint8_t, 2> kept, const Rectangle &window, double x,

@@ -344,7 +344,7 @@ class LayeredCostmap:
         self._changed = changed
 
     def _take_over(self, part: _Slices) -> _Slices | None:
-        """Paint a part anew, and return which of its cells have changed."""
+        """Paint a part again, and return which of its cells have changed."""
         if self._obstacle is not None and len(self._layers) == 1:
             pose = self._extent.origin @ self._corner_of(part)
             return self._obstacle.repaint(self._cells, part, self._base, self._kept, pose, self._extent.resolution)

@@ -244,7 +244,7 @@ class ObstacleLayer:
         pose: Pose2D,
         resolution: float,
     ) -> tuple[slice, slice] | None:
-        """Paint a part of a map anew, as `paint` does, where this is its only layer.
+        """Paint a part of a map again, as `paint` does, where this is its only layer.
 
         Args:
             cells: The whole map as it was painted last, shape (rows, cols); its part is changed.
