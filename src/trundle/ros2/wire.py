@@ -172,7 +172,7 @@ class Wire:
                 come back.
             newest: Whether only the newest message counts, however many come.
             wakes: Whether a message is handled at once. Otherwise it is handled before the next one of a topic that
-                wakes, and within `QUIET_S`.
+                wakes, and within `QUIET_S`, twice that through rclpy.
         """
         full = self.names.resolve(topic)
         subscription = self.transport.subscription(full, type_name, qos, wakes=wakes)
@@ -235,7 +235,7 @@ class Wire:
         return False
 
     def every_round(self, call: Callable[[], None]) -> None:
-        """Call this in the listening thread after everything that arrived, and ten times a second."""
+        """Call this in the listening thread after everything that arrived, and at least ten times a second."""
         self._rounds.append(call)
 
     def on_lost(self, call: Callable[[str], None]) -> None:
@@ -281,6 +281,13 @@ class Wire:
         """
         floods = [inlet.take(self) for inlet in tuple(self.inlets)]
         return any(floods)
+
+    def do_round(self) -> None:
+        """Handle what arrived but requests, and do what is due; for handlers that wait in the wire's thread, too."""
+        self.take_topics()
+        self._look_for_loss()
+        for call in tuple(self._rounds):
+            call()
 
     def look_around(self) -> Graph:
         """Return who is on the network, as of a second ago at most; for the listening thread.

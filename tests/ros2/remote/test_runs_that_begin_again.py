@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from ros2.navigator_role.conftest import COVARIANT, Client, wait_for
-from ros2.remote.conftest import Remote
+from ros2.remote.conftest import STAND, Remote
 from ros2.remote.test_load_map import LOAD, changed_room
 from trundle.geometry import Pose2D
 from trundle.mission import Restart
@@ -37,10 +37,15 @@ def hold(remote: Remote) -> threading.Event:
     return may_begin
 
 
-def begin_to_load(navigate: Navigate, client: Client, folder: Path) -> tuple[Remote, threading.Event, Any]:
+def begin_to_load(
+    navigate: Navigate, client: Client, folder: Path, goal: tuple[float, float] | None = None
+) -> tuple[Remote, threading.Event, Any]:
     """A robot whose run is about to begin again, but not before the event is set, and the call that asks for it."""
     remote = navigate(goal=None, has_services=True)
     wait_for(lambda: not remote.reasons, "for the robot")
+    if goal is not None:
+        client.publish("/goal_pose", client.pose(*goal))
+        remote.wait_until_moving()
     may_begin = hold(remote)
     request = client.types.make(f"{LOAD}_Request", map_url=changed_room(folder, "table"))
     call = client.network.call("/map_server/load_map", client.types.encode(request))
@@ -80,14 +85,22 @@ def test_a_pose_that_comes_while_a_map_is_loaded_is_the_next_run_s(
 
 
 def test_a_goal_of_the_topic_goes_on_on_another_map(navigate: Navigate, client: Client, tmp_path: Path) -> None:
-    remote = navigate(goal=None, has_services=True)
-    wait_for(lambda: not remote.reasons, "for the robot")
-    client.publish("/goal_pose", client.pose(4.0, 2.3))
-    remote.wait_until_moving()
-    request = client.types.make(f"{LOAD}_Request", map_url=changed_room(tmp_path, "table"))
-    call = client.network.call("/map_server/load_map", client.types.encode(request))
+    remote, may_begin, call = begin_to_load(navigate, client, tmp_path, (4.0, 2.3))
+    may_begin.set()
     wait_for(lambda: call.response, "for the answer")
     wait_for(lambda: remote.robot.pose.distance_to(Pose2D(4.0, 2.3)) < 0.3 and not remote.robot.twist.v, "for it")
+
+
+def test_a_robot_that_drives_is_stopped_while_a_map_is_loaded(
+    navigate: Navigate, client: Client, tmp_path: Path
+) -> None:
+    remote, may_begin, call = begin_to_load(navigate, client, tmp_path, (7.0, 2.3))
+    asked = time.monotonic()
+    wait_for(lambda: remote.robot.commands[-1][1] == STAND, "for a command to stand")
+    assert remote.robot.commands[-1][0] - asked < 1.0
+    assert not call.response
+    may_begin.set()
+    wait_for(lambda: call.response, "for the answer")
 
 
 @pytest.mark.parametrize("localizer", ["odometry", "amcl", "tf"])

@@ -123,7 +123,11 @@ class NavigatorRole:
         self._kit.tasks.drive.resume()
         if loaded is not None:
             loaded.begun.set()
-        self._restart()
+        with self._lock:
+            waits = self._loaded is not None
+        if waits:
+            self._carry("another map was loaded")
+            self._restart()
         return session
 
     # Another map -----------------------------------------------------------------------------------------------------
@@ -131,21 +135,26 @@ class NavigatorRole:
     def use_map(self, path: Path) -> None:
         """Let the robot drive on another map: a run on it begins where the robot stands, with the goals that are left.
 
-        It returns once that run takes goals and poses, and handles the topics' messages while it waits.
+        It returns once that run takes goals and poses, and does the rounds of the listening thread while it waits.
 
         Raises:
             InputError: If the map cannot be used, or the run on it does not begin in time.
         """
         loaded = self._prepare(path)
-        self._kit.tasks.carry(f"another map was loaded: {path}")
-        self._poses.carry()
+        self._carry(f"another map was loaded: {path}")
         self._restart(loaded)
         wire, until = self._context.wire, clock.monotonic() + _TAKES_S
         while not (loaded.begun.wait(_LOOK_S) or wire.is_closing):
-            wire.take_topics()
+            wire.do_round()
             if clock.monotonic() > until:
                 raise InputError(f"the run has not begun again within {_TAKES_S:g} s: it takes the map once it does")
+        if not loaded.begun.is_set():
+            raise InputError("trundle is ending")
         wire.warnings.note(f"the robot drives on another map: {path}")
+
+    def _carry(self, why: str) -> None:
+        self._kit.tasks.carry(why)
+        self._poses.carry()
 
     def _restart(self, loaded: LoadedMap | None = None) -> None:
         """Let the run begin again on a map, or on one whose restart was refused as this run was about to begin."""

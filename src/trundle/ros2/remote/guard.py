@@ -60,11 +60,14 @@ class Guard:
 
     def look(self, now: float) -> Reasons:
         """Return the reasons at a real time [s]; those that are new are counted, and reported."""
+        ruled: Reasons = {}
+        for rule in self._rules:
+            ruled |= rule(now)
         with self._lock:
             self._holds = {kind: hold for kind, hold in self._holds.items() if hold.until > now}
-            found = {kind: hold.text for kind, hold in self._holds.items()}  # first: what rules find may come of them
-        for rule in self._rules:
-            found |= rule(now)
+            found = {
+                kind: hold.text for kind, hold in self._holds.items()
+            } | ruled  # first: what rules find may come of them
         before, self.reasons = self.reasons, found
         for kind in found.keys() - before.keys():
             self.counts[kind] += 1

@@ -129,7 +129,8 @@ class RemoteRobot(Simulator):
         self._world = world
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
-        """Begin a run where the robot is: it is not moved."""
+        """Begin a run where the robot is: it is not moved, and stands until it gets its first command."""
+        self._commands.send(_STAND)
         self._time.begin()
         self._stepped = self._real()
         return self._observe()

@@ -373,12 +373,14 @@ class Topics:
             waiting.wait(looks_ns)
             idle = waking.keys() - waiting.get_ready_entities("subscription")
             found = []
-            for subscription, stream, _ in taken:
-                handle = subscription.handle
-                if handle.pointer not in idle:
-                    found += _take_from(handle, subscription.msg_type, stream)
-            if found:
-                self._outbox.put_messages(found)
+            try:
+                for subscription, stream, _ in taken:
+                    handle = subscription.handle
+                    if handle.pointer not in idle:
+                        found += _take_from(handle, subscription.msg_type, stream)
+            finally:  # what was taken is passed on, whatever the next topic raises
+                if found:
+                    self._outbox.put_messages(found)
 
     def leave(self):
         """Take nothing more."""
