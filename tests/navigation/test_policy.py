@@ -193,7 +193,8 @@ def test_a_policy_observes_the_planners_path_every_half_metre_and_from_where_the
     agent.set_goal(goal)
     drive(agent, 0.0, pose=start)
     planned = navigator.plan_between(start, goal)
-    assert agent.report().path.length == pytest.approx(planned.length)
+    planned_path = agent.report().path
+    assert planned_path.length == pytest.approx(planned.length)
     seen = start.transform_points(agent._path_ahead(start).astype(float))
     steps = np.hypot(*np.diff(np.vstack([(start.x, start.y), seen]), axis=0).T)
     assert steps.max() < 0.5 + 0.03
@@ -204,7 +205,9 @@ def test_a_policy_observes_the_planners_path_every_half_metre_and_from_where_the
     at = int(along.along.searchsorted(1.0))
     there = Pose2D(*along.poses[at])
     drive(agent, 0.6, pose=there)
-    assert agent.report().path.length == pytest.approx(planned.length - 1.0, abs=0.05)
+    report = agent.report()
+    assert report.path is planned_path
+    assert report.distance_remaining == pytest.approx(planned.length - 1.0, abs=0.05)
     assert math.hypot(*agent._path_ahead(there)[0]) == pytest.approx(0.5, abs=0.03)
 
 

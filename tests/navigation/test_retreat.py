@@ -10,6 +10,8 @@ from trundle.geometry import Goal, Pose2D
 from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
 from trundle.navigation.planning_limits import PlanningBudget
 from trundle.navigation.retreat import find_room
+from trundle.observation import Estimate
+from trundle.sim import simulate
 from trundle.worlds import World
 from trundle.worlds.movers import Mover, Waypoints, person_body
 
@@ -69,6 +71,25 @@ def test_it_makes_room_for_a_person_who_waits_in_a_gap_and_drives_on_after_that(
     away = [np.hypot(pose.x - 6.2, pose.y - 3.0) for pose, time in run.timed if time < 40.0]
     nearest = int(np.argmin(away))
     assert max(away[nearest:]) > away[nearest] + 1.0
+
+
+def test_a_localizer_that_doubts_for_a_moment_leaves_no_path_to_the_place():
+    navigator = Navigator(grid_of(room(*GAP, width=12.4)), ROBOT)
+    world = World("gap", room(*GAP, width=12.4).solids, movers=(visitor(),))
+    lost_at = None
+    goal = Goal(11.0, 3.0)
+    navigator.set_goal(goal)
+    with simulate(world, ROBOT, backend="kinematic", lidar=True) as sim:
+        state = sim.reset(Pose2D(1.5, 3.0))
+        while state.time < 40.0 and (lost_at is None or state.time < lost_at + 2.0):
+            if lost_at is None and navigator.message.startswith("blocked: driving to"):
+                lost_at = state.time
+            doubts = lost_at is not None and state.time < lost_at + 1.0
+            estimate = Estimate(state.time, state.pose, state="ambiguous" if doubts else "localized")
+            state = sim.step(navigator.update(state.observation, estimate), navigator.dt)
+            if lost_at is not None and not doubts and navigator.path is not None:
+                assert navigator.path.goal.distance_to(goal.pose) < 0.3
+    assert lost_at is not None
 
 
 def test_without_backing_up_among_the_steps_of_recovery_it_stays():

@@ -66,7 +66,7 @@ class NavigatorAttributes(Agent):
 
     @planner.setter
     def planner(self, planner: PlannerLike) -> None:
-        self._replanner.planner = create_planner(planner, self.robot, self.grid)
+        self._replanner.use(create_planner(planner, self.robot, self.grid))
 
     @property
     def controller(self) -> Controller:

@@ -51,6 +51,7 @@ class Recovery:
         self._sensed, self._replanner, self._runner = sensed, replanner, runner
         self.steps = tuple(steps)
         self._retries, self._progress, self._retreat = retries, progress, retreat
+        self._may_make_room = any(isinstance(step, BackUp) for step in self.steps)
         self._others = tuple(step for step in self.steps if isinstance(step, ReplanWith) or not _replans(step))
         self.reset()
 
@@ -70,7 +71,7 @@ class Recovery:
 
     def make_room(self, now: Snapshot, state: DriveState) -> Decision:
         """Let others pass who wait for the robot; without a command where the controller is to drive."""
-        if self._runner.is_recovering or not any(isinstance(step, BackUp) for step in self.steps):
+        if self._runner.is_recovering or not self._may_make_room:
             return NOTHING
         return self._retreat.decide(now, state)
 
@@ -125,8 +126,8 @@ class Recovery:
         """Stand in front of what was sensed on the path, run a step now and then, and give up after a while."""
         obstacle = self._replanner.obstacle
         if self._replanner.gives_up(now, state):
-            last = self._replanner.replan(now, state) if self._replanner.searches_less else NOTHING
-            if self._replanner.searches_less and not self._replanner.finds_none(last):
+            last = self._replanner.replan(now, state) if self._replanner.quick is not None else NOTHING
+            if self._replanner.quick is not None and not self._replanner.finds_none(last):
                 obstacle.clear()
                 return last.then(Decision(_STAND))
             return last.then(_give_up(state.after(last)))

@@ -63,7 +63,8 @@ class Replanner:
         planner: Planner,
     ) -> None:
         self._settings, self._robot, self._sensed = settings, robot, sensed
-        self._routes, self.planner, self._quick = routes, planner, planner.make_quick()
+        self._routes = routes
+        self.use(planner)
         self.tries = PlanningTries(settings.planning_deadline_s)
         self.budget = PlanningBudget(settings.replan_rate, settings.replan_expansions)
         self.obstacle = ObstacleWatch(settings.wait_s, settings.patience_s, settings.mover_patience_s)
@@ -101,10 +102,9 @@ class Replanner:
         self.obstacle.clear()
         self.movers.clear()
 
-    @property
-    def searches_less(self) -> bool:
-        """Whether plans round what was sensed search less than the planner does."""
-        return self._quick is not None
+    def use(self, planner: Planner) -> None:
+        """Plan with this from now on, and round what was sensed with what it makes for that, if it does."""
+        self.planner, self.quick = planner, planner.make_quick()
 
     @property
     def lost_given(self) -> bool:
@@ -144,7 +144,7 @@ class Replanner:
         finally:
             seconds = clock.perf_counter() - began
             self.budget.spend(self._routes.expansions, now.time, needed=needed)
-            if planner is not self._quick:
+            if planner is not self.quick:
                 self._searched_at = now.time
         found = found._replace(planning_time_s=seconds, planning_expansions=self._routes.expansions)
         if found.path is not None:
@@ -159,7 +159,7 @@ class Replanner:
         static = self._sensed.static
         if self._sensed.awaits_scan(now.time):
             self.tries.pending, self._failed = True, None
-        if static is None or planner is self._quick or timed_out(error) or not self._sensed.may_doubt:
+        if static is None or planner is self.quick or timed_out(error) or not self._sensed.may_doubt:
             return False
         is_closed = self._routes.is_closed(static, now.pose, state.ahead, planner, self.tries.deadline_s(now.twist))
         self.budget.spend(self._routes.expansions, now.time, needed=True)
@@ -169,7 +169,7 @@ class Replanner:
         """Remember that a plan found no path; return the error that says most about it."""
         if timed_out(error):
             self.tries.time_out(now.twist, now.time)
-        elif planner is not self._quick:
+        elif planner is not self.quick:
             self._failed = FailedPlan(error, planner, now.pose, state.ahead, now.costmap)
         elif isinstance(error, PlanningStoppedError):  # others say more than that a short search found no path either
             error = error if self._failed is None else self._failed.error.with_traceback(None)
@@ -181,31 +181,31 @@ class Replanner:
 
         That one also plans where the last plans are not paid for, or all expansions are used up.
         """
-        if self._quick is None or (not self.obstacle.is_blocked and not self._goes_on(now)):
+        if self.quick is None or (not self.obstacle.is_blocked and not self._goes_on(now)):
             return self.planner
         if self.budget.must_wait(now.time) or self.budget.is_spent(now.time):
-            return self._quick
+            return self.quick
         stands = not moves(now.twist)
-        return self.planner if self.obstacle.is_thorough(now.time, stands=stands) else self._quick
+        return self.planner if self.obstacle.is_thorough(now.time, stands=stands) else self.quick
 
     def _goes_on(self, now: Snapshot) -> bool:
         """Whether it goes on by short searches, with all expansions used up: what was seen to move is near."""
-        if self._quick is None or not self.budget.is_spent(now.time):
+        if self.quick is None or not self.budget.is_spent(now.time):
             return False
         return self.movers.was_near(now.pose.x, now.pose.y, self._robot.circumscribed_radius + _AROUND_M)
 
     def _must_wait(self, now: Snapshot) -> bool:
         """Whether no plan may be made now: the last ones are not paid for, and there is none that searches less."""
-        return self.budget.must_wait(now.time) and (self._quick is None or not self.obstacle.is_blocked)
+        return self.budget.must_wait(now.time) and (self.quick is None or not self.obstacle.is_blocked)
 
     def _refusal(self, now: Snapshot, state: DriveState, planner: Planner) -> PlanningError | None:
         """Why a plan by this planner is not made: there were too many, or it would fail as the last one did."""
         failed = self._failed
-        if planner is not self._quick and self.budget.is_spent(now.time):
+        if planner is not self.quick and self.budget.is_spent(now.time):
             return self.budget.refuse(state.error)
         if failed is None:
             return None
-        is_same = planner is failed.planner or (planner is self._quick and failed.planner is self.planner)
+        is_same = planner is failed.planner or (planner is self.quick and failed.planner is self.planner)
         holds = is_same and failed.holds(now.pose, state.ahead, now.costmap, noisy=self._sensed.is_active)
         return failed.error if holds else None
 

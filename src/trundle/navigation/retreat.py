@@ -15,7 +15,6 @@ from trundle.navigation.obstacle_watch import PAST_MOVERS_EVERY_S
 from trundle.navigation.progress import FollowedPath
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.route_planner import RoutePlanner, is_of_goal
-from trundle.navigation.sensing import SensedMap
 from trundle.navigation.state import NOTHING, Decision, DriveState, Snapshot
 from trundle.navigation.status import NavigationStatus
 from trundle.planning import cost_field
@@ -52,19 +51,21 @@ class Retreat:
     where the robot is still in their way.
 
     Args:
-        sensed: The costmap with what its scans saw.
         replanner: Plans again afterwards.
         routes: Plans the path to the place.
     """
 
-    def __init__(self, sensed: SensedMap, replanner: Replanner, routes: RoutePlanner) -> None:
-        self._sensed, self._replanner, self._routes = sensed, replanner, routes
+    def __init__(self, replanner: Replanner, routes: RoutePlanner) -> None:
+        self._replanner, self._routes = replanner, routes
+        self._path: FollowedPath | None = None
         self.reset()
 
     def reset(self) -> None:
         """Forget how often it made room: there is another goal, or the robot is somewhere else."""
+        if self._path is not None and self._replanner.followed is self._path:
+            self._replanner.followed = None  # it does not lead to the goal
+        self._path = None
         self._places: list[Goal] = []
-        self._path: FollowedPath | None = None
         self._until_s, self._again_s = 0.0, -math.inf
         self._waits = False
 
@@ -77,7 +78,7 @@ class Retreat:
         """Begin, go on or end; a decision without a command leaves it to the controller, on the path in it."""
         if self._path is None:
             return self._begin(now) if self._is_needed(now, state) else NOTHING
-        if self._replanner.followed is not self._path:  # the pose has jumped
+        if self._replanner.followed is not self._path:  # a program has planned another one
             self._path = None
             return NOTHING
         self._path.advance(now.pose)
@@ -92,11 +93,11 @@ class Retreat:
 
     def _is_needed(self, now: Snapshot, state: DriveState) -> bool:
         obstacle = self._replanner.obstacle
+        if not (obstacle.is_blocked and obstacle.by_mover):
+            return False
         made_room = any(place.distance_to(now.pose) < _OTHER_M for place in self._places)
         return (
-            obstacle.is_blocked
-            and obstacle.by_mover
-            and obstacle.standing_s >= (2.0 * _AFTER_S if made_room else _AFTER_S)
+            obstacle.standing_s >= (2.0 * _AFTER_S if made_room else _AFTER_S)
             and now.time >= self._again_s
             and state.error is not None
             and not is_of_goal(state.error, state.ahead)
@@ -109,13 +110,16 @@ class Retreat:
         place = find_room(now.costmap, now.pose, self._replanner.movers.recent, self._places)
         if place is None:
             return NOTHING
-        planner = self._replanner.planner
+        replanner = self._replanner
+        planner, deadline_s = replanner.quick or replanner.planner, replanner.tries.deadline_s(now.twist)
         try:
-            path = self._routes.plan(now.costmap, now.pose, (place,), 1, planner.make_quick() or planner, None)
+            path = self._routes.plan_aside(now.costmap, now.pose, (place,), planner, deadline_s)
         except PlanningError:
             return NOTHING
+        finally:
+            replanner.budget.spend(self._routes.expansions, now.time, needed=True)
         self._places.append(place)
-        self._replanner.obstacle.clear()  # it is behind the robot then, and does not slow it down
+        replanner.obstacle.clear()  # it is behind the robot then, and does not slow it down
         drive_s = float(path.check.along[-1]) / _SLOWEST_MPS + _SET_OFF_S
         self._path, self._waits, self._until_s = path, False, now.time + drive_s
         return self._say()._replace(path=path, status=NavigationStatus.BLOCKED)
@@ -132,10 +136,12 @@ class Retreat:
         """Plan to the goal again; what blocks the path still counts as something that may leave."""
         self._path = self._replanner.followed = None
         self._again_s = now.time + _AFTER_S
-        self._replanner.budget.allow_more()
         obstacle = self._replanner.obstacle
-        obstacle.clear()
-        obstacle.see(now.time - PAST_MOVERS_EVERY_S)  # so that the next plan may search for long
+        if self._waits:  # others have had the time to pass: the next plan may search for long
+            self._replanner.budget.allow_more()
+            obstacle.see(now.time - PAST_MOVERS_EVERY_S)
+        else:
+            obstacle.see(now.time)
         obstacle.by_mover = True
         return Decision(restarts_progress=True)
 
@@ -162,8 +168,15 @@ def find_room(costmap: Costmap, pose: Pose2D, movers: FloatArray, others: Sequen
     at_row, at_col = np.indices(data.shape)
     x, y = costmap.cell_to_world(at_row + rows.start, at_col + cols.start)
     walls = data >= INSCRIBED
-    for mover_x, mover_y, radius in movers:
-        walls |= np.hypot(x - mover_x, y - mover_y) <= radius + costmap.inscribed_radius + _BESIDE_M
+    for mover_x, mover_y, radius in movers.tolist():
+        keep_m = radius + costmap.inscribed_radius + _BESIDE_M
+        near = math.ceil(keep_m / costmap.resolution) + 1
+        at = [int(index) for index in costmap.world_to_cell(mover_x, mover_y)]
+        part = tuple(
+            slice(max(0, middle - first - near), max(0, middle - first + near + 1))
+            for middle, first in zip(at, (rows.start, cols.start), strict=True)
+        )
+        walls[part] |= np.hypot(x[part] - mover_x, y[part] - mover_y) <= keep_m
     walls &= np.hypot(x - pose.x, y - pose.y) > _OWN_M
     costs = np.where(walls, 255, 1).astype(np.uint8)
     driven = costmap.resolution * cost_field(costs, (row - rows.start, col - cols.start), threads=1)

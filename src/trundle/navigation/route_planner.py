@@ -100,6 +100,16 @@ class RoutePlanner:
         raw = path if self.smoother is None else join_legs(planned, costmap, 0.0)[0]
         return FollowedPath(raw, path, joints)
 
+    def plan_aside(
+        self, costmap: Costmap, start: Pose2D, goals: Sequence[Goal], planner: Planner, deadline_s: float | None
+    ) -> FollowedPath:
+        """Plan a path that is not the one to the goal; see `plan`. `expansions` is of this search alone then."""
+        ends_short, self.expansions = self.ends_short, 0
+        try:
+            return self.plan(costmap, start, goals, 1, planner, deadline_s)
+        finally:
+            self.ends_short = ends_short
+
     def is_closed(
         self, costmap: Costmap, start: Pose2D, goals: Sequence[Goal], planner: Planner, deadline_s: float | None
     ) -> bool:
@@ -107,13 +117,10 @@ class RoutePlanner:
 
         `expansions` is of this search alone then.
         """
-        ends_short, self.expansions = self.ends_short, 0
         try:
-            self.plan(costmap, start, goals, 1, planner, deadline_s)
+            self.plan_aside(costmap, start, goals, planner, deadline_s)
         except PlanningError as error:
             return not (timed_out(error) or is_of_goal(error, goals))
-        finally:
-            self.ends_short = ends_short
         return False
 
     def _plan_leg(

@@ -87,8 +87,9 @@ class Policy(Agent):
 
     def report(self, *, rollouts: bool = False) -> AgentReport:
         """Say what it is doing, and why it is stuck."""
-        path = None if self._followed is None else self._followed.rest
-        return AgentReport(self.status, self._message, self._error, path, None if path is None else path.length)
+        followed = self._followed
+        path, left_m = (None, None) if followed is None else (followed.path, followed.left_m)
+        return AgentReport(self.status, self._message, self._error, path, left_m)
 
     def reset(self, *, seed: int = 0) -> None:
         """Forget the goal and the scans, and set the recurrent state to zeros."""
@@ -182,8 +183,9 @@ class Policy(Agent):
                     return False
                 planned = None
             if planned is not None:
-                self._followed = FollowedPath(planned, planned)
+                self._followed, self._message = FollowedPath(planned, planned), ""
         if self._followed is None:
+            self._message = "waiting for a path: planning took too long"
             return False
         self._followed.advance(pose)
         return True
