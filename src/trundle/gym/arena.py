@@ -171,7 +171,7 @@ def make_arena(settings: NavigationSettings, robot: Robot) -> Arena:
         missions.append(found)
         fields += of_goals
         recordings.append(_record(settings, robot, world))
-    return Arena(robot, grids, names, missions, fields, recordings, known)
+    return Arena(robot, grids, names, missions, fields, recordings, known if settings.unmapped_boxes else None)
 
 
 def _add_boxes(

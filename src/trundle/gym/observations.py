@@ -77,6 +77,7 @@ class Observer:
             "goal": self._direction(goals[:, 0] - x, goals[:, 1] - y, cos, sin),
             "velocity": arrays.cast(sim.twists, "float32"),
         }
+        path = None
         if self._points:
             far = (self._points + 1) * POINT_SPACING * 2.0
             path = [(to_x - x, to_y - y) for to_x, to_y in episodes.lookup.path(poses, self._points, known=True)]
@@ -84,8 +85,9 @@ class Observer:
             local = arrays.columns(*parts).reshape(len(poses), self._points, 2)
             found["path"] = arrays.cast(arrays.clip(local, -far, far), "float32")
         if self._critic:
-            to_x, to_y = episodes.lookup.path(poses, 1, known=False)[0]
-            ahead = self._direction(to_x - x, to_y - y, cos, sin)
+            if path is None or episodes.arena.known is not episodes.arena.grids:
+                path = [(to_x - x, to_y - y) for to_x, to_y in episodes.lookup.path(poses, 1, known=False)]
+            ahead = self._direction(*path[0], cos, sin)
             ahead[:, 0] = arrays.clip(episodes.distances, 0.0, FARTHEST)
             found["critic"] = ahead
         if self._cells:

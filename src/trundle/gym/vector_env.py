@@ -74,7 +74,6 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self.single_action_space = action_space(self.episodes)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._ended = self.episodes.arrays.full(num_envs, 0, "bool")
-        self._everyone = self.episodes.arrays.full(num_envs, 1, "bool")
         self._ready = np.zeros(num_envs, dtype=bool)
 
     def reset(
@@ -125,7 +124,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         outcome = self.episodes.step(given, active)
         self._observer.scan()
         ended = outcome.terminated | outcome.truncated
-        info = self._masked(outcome.info, self._everyone)
+        info = self._masked(outcome.info, True)
         observations = self._observer.observe()
         if self._mode is AutoresetMode.SAME_STEP:
             robots = arrays.indices(ended)

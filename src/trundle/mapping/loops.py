@@ -185,10 +185,10 @@ class LoopFinder:
     def _is_possible(self, clique: list[Loop]) -> bool:
         """Whether two parts can be joined like that: of buildings with many rooms, some fit others all too well."""
         nodes = self._nodes
-        parts = [nodes.parts[node] for node in (clique[0].a, clique[0].b)]
-        if parts[0] == parts[1]:
+        old = nodes.parts[clique[0].a]
+        if old == nodes.parts[clique[0].b]:
             return True
-        if min(nodes.parts.count(part) for part in parts) < _LEAST_PART:
+        if nodes.parts.count(old) < _LEAST_PART:
             return False
         through = [seen_through(nodes, self._submaps, one.a, one.b, one.transform) for one in clique]
         return sum(through) / len(through) <= _MOST_THROUGH

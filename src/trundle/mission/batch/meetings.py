@@ -40,7 +40,7 @@ def find_meetings(settings: Sequence[Setting], ends: Sequence[object], threads: 
         threads: How many threads drive.
 
     Returns:
-        The numbers of those that have to be driven in Python, and why: "contact".
+        The numbers of those that have to be driven in Python, and why: such as "contact".
     """
     groups: dict[tuple[int, int, float], dict[int, _KnownDrive]] = {}
     for number, (setting, end) in enumerate(zip(settings, ends, strict=True)):
@@ -49,8 +49,11 @@ def find_meetings(settings: Sequence[Setting], ends: Sequence[object], threads: 
             groups.setdefault(key, {})[number] = _KnownDrive(setting, end.trajectory)
     reasons: dict[int, str] = {}
     for group in groups.values():
-        found = zip(group, _repeat(list(group.values()), threads), strict=True)
-        reasons |= {number: reason for number, reason in found if reason}
+        try:
+            found = _repeat(list(group.values()), threads)
+        except Exception as error:  # noqa: BLE001 - whatever a plug-in's mover raises; it is raised again when driven
+            found = [f"{type(error).__name__} among movers"] * len(group)
+        reasons |= {number: reason for number, reason in zip(group, found, strict=True) if reason}
     return reasons
 
 

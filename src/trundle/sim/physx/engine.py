@@ -228,16 +228,15 @@ class Messages(logging.Handler):
 
 
 @contextmanager
-def collected_messages() -> Iterator[Messages]:
+def collected_messages(messages: Messages) -> Iterator[None]:
     """Collect what the engine logs in the block, until its end, and leave out its advice on Warp's builds."""
-    messages = Messages()
     before = _log.propagate
     _log.addHandler(messages)
     _log.propagate = False
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)
-            yield messages
+            yield
     finally:
         with suppress(RuntimeError, TimeoutError):
             library("ovphysx").flush_log(_LOG_TIMEOUT_NS)  # messages come from another thread

@@ -12,7 +12,7 @@ from trundle.errors import SimulationError, WorldError, WorldWarning
 from trundle.geometry.solids import Solid
 from trundle.guard.child import uncounted_growth
 from trundle.sim.physx.attachment import Attachment
-from trundle.sim.physx.engine import collected_messages, library, start_engine
+from trundle.sim.physx.engine import Messages, collected_messages, library, start_engine
 from trundle.sim.physx.scene import ROBOT, Scene, report_contacts
 from trundle.usd.stage import bind_friction, friction_material
 from trundle.usd.world import FRICTION, add_solid
@@ -63,17 +63,18 @@ class RunningStage:
             raise
 
     def _open(self) -> None:
-        with collected_messages() as refused:
-            try:
+        refused = Messages()
+        try:
+            with collected_messages(refused):
                 self._stage = self._ovstage.Stage("trundle")
                 domains = self._ovstage.PopulationDomain.PHYSICS
                 self._population.open_usd(self._stage, str(self._scene.file), ordinal=1, domains=domains)
                 self._stage.advance_write_floor(ordinal=1).wait()
                 self._attach()
                 self.centre_of_mass = self.attachment.centre_of_mass(self._scene.root)
-            except (RuntimeError, ValueError, self._ovstage.OvstageError) as error:
-                reason = "; ".join(refused.errors) or str(error)
-                raise WorldError(f"{self._scene.source}: PhysX cannot simulate it: {reason}") from error
+        except (RuntimeError, ValueError, self._ovstage.OvstageError) as error:
+            reason = "; ".join(refused.errors) or str(error)
+            raise WorldError(f"{self._scene.source}: PhysX cannot simulate it: {reason}") from error
         if refused.errors:
             more = f" (and {len(refused.errors) - 1} more)" if len(refused.errors) > 1 else ""
             warnings.warn(
@@ -111,7 +112,7 @@ class RunningStage:
             self._handles.clear()
             self.added.clear()
             self._seal()
-        with collected_messages():  # what is refused was told at the start
+        with collected_messages(Messages()):  # what is refused was told at the start
             self._attach()
         return self.attachment
 
@@ -122,7 +123,8 @@ class RunningStage:
             WorldError: If PhysX refuses it.
         """
         path = f"/trundle_added_{self._ordinal}"
-        with collected_messages() as refused:
+        refused = Messages()
+        with collected_messages(refused):
             self._handles.append(self._population.add_usd_reference_from_string(self._stage, _as_usd(solid), path))
             self._seal()
             self._engine.wait_task(self._engine.update_from_ovstage(self._ordinal, self._ordinal))
