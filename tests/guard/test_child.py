@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.processes import are_gone
 
 from trundle.errors import InputError, PlanningError, UnknownNameError, WorldError, WorldWarning
 from trundle.guard import Child, ReadCall, ReadLimits, read_guarded, read_limits
@@ -140,25 +141,13 @@ def start(folder: Path) -> tuple[subprocess.Popen[bytes], int]:
     raise AssertionError(process.communicate()[1])
 
 
-def is_gone(pid: int) -> bool:
-    for _ in range(300):
-        try:
-            if Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z":
-                return True
-        except (FileNotFoundError, ProcessLookupError):
-            return True
-        time.sleep(0.1)
-    os.kill(pid, signal.SIGKILL)
-    return False
-
-
 @linux
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
 def test_it_ends_with_its_parent(tmp_path, number):
     process, child = start(tmp_path)
     process.send_signal(number)
     _, said = process.communicate(timeout=60)
-    assert is_gone(child)
+    assert are_gone([child], 30.0)
     assert b"KeyboardInterrupt" in said or number == signal.SIGKILL
 
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import time
-from pathlib import Path
-
 from support.pool_tasks import Ask
 from trundle.evaluation.pool import Done, Pool
 
@@ -22,16 +19,3 @@ def value_of(pool, *job):
     outcome = ask(pool, *job)
     assert isinstance(outcome, Done), outcome
     return outcome.value
-
-
-def has_ended(pid):
-    """Whether a process has ended or ends soon."""
-    for _ in range(500):
-        try:
-            state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-        except FileNotFoundError:
-            return True
-        if state == "Z":
-            return True
-        time.sleep(0.01)
-    return False

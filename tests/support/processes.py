@@ -1,18 +1,33 @@
-"""The processes that a process has started, read from /proc."""
+"""The processes that run, and those that a process has started, read from /proc."""
 
 import time
+from collections.abc import Iterable
 from pathlib import Path
+
+
+def _fields(stat: Path) -> list[str]:
+    """The fields of a process from its state on; none if it has ended, also while they are read."""
+    try:
+        return stat.read_text().rpartition(")")[2].split()
+    except OSError:
+        return []
+
+
+def parent_of(pid: int) -> int:
+    return int(_fields(Path(f"/proc/{pid}/stat"))[1])
+
+
+def is_alive(pid: int) -> bool:
+    """Whether a process runs; one that ended and that nobody has collected does not."""
+    return _fields(Path(f"/proc/{pid}/stat"))[:1] not in ([], ["Z"])
 
 
 def running() -> dict[int, int]:
     """The parent of each process that runs."""
     found: dict[int, int] = {}
     for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            fields = stat.read_text().rpartition(")")[2].split()
-        except OSError:
-            continue
-        if fields[0] != "Z":
+        fields = _fields(stat)
+        if fields[:1] not in ([], ["Z"]):
             found[int(stat.parent.name)] = int(fields[1])
     return found
 
@@ -25,9 +40,9 @@ def started_by(pid: int) -> set[int]:
     return found - {pid}
 
 
-def are_gone(pids: set[int], within_s: float) -> bool:
+def are_gone(pids: Iterable[int], within_s: float) -> bool:
     """Whether processes have ended, or do within a time."""
     until = time.monotonic() + within_s
-    while (left := pids & set(running())) and time.monotonic() < until:
+    while (left := [pid for pid in pids if is_alive(pid)]) and time.monotonic() < until:
         time.sleep(0.02)
     return not left

@@ -5,9 +5,9 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
+from support.processes import are_gone, is_alive, parent_of
 
 DRIVER = """
 import sys
@@ -38,20 +38,6 @@ def start_driver(folder, mode):
     return driver, [int(word) for file in files for word in file.read_text().split()]
 
 
-def are_gone(pids, seconds=10.0):
-    until = time.monotonic() + seconds
-    while (left := [pid for pid in pids if _runs(pid)]) and time.monotonic() < until:
-        time.sleep(0.02)
-    return not left
-
-
-def _runs(pid):
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
-        return False
-
-
 @pytest.mark.parametrize("mode", ["fork", "spawn"])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_nothing_is_left_of_a_driver_that_is_ended(tmp_path, number, mode):
@@ -61,18 +47,18 @@ def test_nothing_is_left_of_a_driver_that_is_ended(tmp_path, number, mode):
     _, errors = driver.communicate(timeout=20)
     assert driver.returncode == -number, errors
     assert len(pids) == 6
-    assert are_gone(pids)
+    assert are_gone(pids, 10.0)
 
 
 def test_workers_end_with_their_server(tmp_path):
     driver, pids = start_driver(tmp_path, "fork")
     workers = [pids[k] for k in (0, 2, 4)]
-    [server] = {int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1]) for pid in workers}
+    [server] = {parent_of(pid) for pid in workers}
     os.kill(driver.pid, signal.SIGSTOP)  # so that it starts no others
     os.kill(server, signal.SIGKILL)
-    assert are_gone(workers)
+    assert are_gone(workers, 10.0)
     driver.kill()
     driver.communicate()
     for pid in pids:
-        if _runs(pid):
+        if is_alive(pid):
             os.kill(pid, signal.SIGKILL)

@@ -4,7 +4,8 @@ import signal
 import pytest
 
 from support.pool_tasks import Echo, FailingSetup, Planted
-from support.pools import has_ended, make_pool, value_of
+from support.pools import make_pool, value_of
+from support.processes import are_gone
 from trundle.errors import InputError
 from trundle.evaluation.pool import Done, Failed
 
@@ -51,7 +52,7 @@ def test_a_closed_pool_starts_again():
     with make_pool() as pool:
         first = value_of(pool, "pid")
         pool.close()
-        assert has_ended(first)
+        assert are_gone([first], 5.0)
         assert value_of(pool, "pid") != first
 
 
@@ -96,7 +97,7 @@ def test_closing_the_iterator_kills_the_workers():
         running = pool.run([("pid",), ("sleep", 1000)])
         pid = next(running).value
         running.close()
-        assert has_ended(pid)
+        assert are_gone([pid], 5.0)
 
 
 def test_a_fault_of_the_jobs_passes_through_and_ends_the_workers():

@@ -1,6 +1,5 @@
 """The transport with a real ROS on the other side."""
 
-import contextlib
 import json
 import os
 import signal
@@ -15,6 +14,7 @@ import numpy as np
 import pytest
 
 from ros2.conftest import JAZZY, KILTED, Ros
+from support.processes import is_alive
 from trundle.errors import InputError
 from trundle.messages import Codec, Qos
 from trundle.ros2.transport.rclpy.relay import RclpyTransport
@@ -58,13 +58,6 @@ def read(peer: subprocess.Popen[str]) -> dict[str, Any]:
     line = peer.stdout.readline()
     assert line, peer.stderr.read()
     return json.loads(line)
-
-
-def is_alive(pid: int) -> bool:
-    """Whether a process runs; one that ended and that nobody has collected does not."""
-    with contextlib.suppress(OSError):
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    return False
 
 
 def test_topics_go_both_ways_to_the_bit(ros: Ros, transport: RclpyTransport, types: Types) -> None:
