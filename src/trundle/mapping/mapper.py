@@ -21,6 +21,7 @@ from trundle.mapping.carried_away import CarriedAway
 from trundle.mapping.live_map import LiveMap
 from trundle.mapping.loops import Loop, LoopFinder
 from trundle.mapping.motion import motion_spread, turned
+from trundle.mapping.moving_things import MovingThings
 from trundle.mapping.nodes import MOST_POINTS, Floating, Nodes, Surface, make_surface, step_length
 from trundle.mapping.optimizer import component_of, fits, optimize
 from trundle.mapping.pose_graph import FARTHEST_M, FOLLOWS, LOOP, PoseGraph
@@ -87,6 +88,7 @@ class Mapper:
         self._part += 1
         self._is_apart = len(self._nodes) > 0  # what joins it to the first part has not been seen yet
         self._window = ScanWindow()
+        self._moving = MovingThings(self.robot)
         self._recent = RecentSurfaces()
         self._carried = CarriedAway(min(self._max_range or FARTHEST_M, FARTHEST_M))
         self._floats: Floating | None = None  # the last node, where it stands for many
@@ -184,6 +186,7 @@ class Mapper:
         if beams is None:
             return
         surface = make_surface(beams.points, beams.sensors)
+        surface = self._moving.leave_out(surface, observation)
         odometry = observation.odometry
         if self._key is None or self._last is None:
             self._add_key(observation, surface, None)
