@@ -40,7 +40,7 @@ def listen(kind, topic, qos=10):
     subscriptions[topic] = node.create_subscription(kind, topic, got[topic].append, qos)
 
 
-def spin(done, timeout=20.0):
+def spin(done, timeout=60.0):
     until = time.monotonic() + timeout
     while not done():
         if time.monotonic() > until:
