@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from ros2.navigator_role.conftest import COVARIANT, Client, wait_for
+from ros2.navigator_role.conftest import COVARIANT, QUICK_S, Client, wait_for
 from ros2.remote.conftest import STAND, Remote
 from ros2.remote.test_load_map import LOAD, changed_room
 from trundle.geometry import Pose2D
@@ -30,7 +30,7 @@ def hold(remote: Remote) -> threading.Event:
     may_begin, take = threading.Event(), role._take_map
 
     def take_later() -> Any:
-        assert may_begin.wait(10.0)
+        assert may_begin.wait(QUICK_S)
         return take()
 
     role._take_map = take_later
@@ -95,9 +95,8 @@ def test_a_robot_that_drives_is_stopped_while_a_map_is_loaded(
     navigate: Navigate, client: Client, tmp_path: Path
 ) -> None:
     remote, may_begin, call = begin_to_load(navigate, client, tmp_path, (7.0, 2.3))
-    asked = time.monotonic()
-    wait_for(lambda: remote.robot.commands[-1][1] == STAND, "for a command to stand")
-    assert remote.robot.commands[-1][0] - asked < 1.0
+    assert remote.wait_until_standing() < 1.0
+    assert remote.robot.commands[-1][1] == STAND
     assert not call.response
     may_begin.set()
     wait_for(lambda: call.response, "for the answer")
