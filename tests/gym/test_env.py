@@ -237,3 +237,12 @@ def test_a_crowd_sees_the_robot_and_is_another_in_each_episode():
     assert len(places[0]) == 6
     assert np.array_equal(places[0], places[1])
     assert not np.array_equal(places[0], places[2])
+
+
+@pytest.mark.parametrize("seed", [2**64, -1, 1.5, True])
+def test_a_bad_seed_is_named_and_the_episode_goes_on(quick_options, seed):
+    env = NavigationEnv(**quick_options)
+    env.reset(seed=2**64 - 1)
+    with pytest.raises(InputError, match="seed must be an integer from 0 to 18446744073709551615"):
+        env.reset(seed=seed)
+    assert env.step(AHEAD)[-1]["time_s"] == pytest.approx(0.2)

@@ -21,6 +21,9 @@ from trundle.sim.batch import NOTHING, BatchSimulator
 _TRIES = 16
 """Starts that are drawn, until no mover stands on one and it leaves room for a crowd."""
 
+LARGEST_SEED = 2**64 - 1
+"""Random numbers are drawn of 64 bits."""
+
 _ROUNDING = 1e-5
 """Actions beyond their bounds by less than this are rounding of float32."""
 
@@ -53,6 +56,7 @@ class Episodes:
     Attributes:
         arrays: The arrays of `settings.device`: all that changes is kept and computed in them.
         command_scale, command_offset: Command (v, w) of a scaled action of 1, less that of 0, and of 0, shape (2,).
+        is_placed: Whether the last reset of each robot found a start with room for it, shape (N,).
     """
 
     def __init__(self, settings: NavigationSettings, arena: Arena, count: int) -> None:
@@ -104,14 +108,14 @@ class Episodes:
         self.elapsed = full(count, 0, "int64")
         self._factors, self._last_actions = full((count, 2), 1.0), full((count, 2), 0.0)
         self._everyone, self._nobody = full(count, 1, "bool"), full(count, 0, "bool")
-        self._is_placed = full(count, 0, "bool")  # by the reset that goes on
+        self.is_placed = full(count, 0, "bool")
         self._standing = full(count, 0.0)
         # Of an episode's map and recording, and of each try's mission and yaw.
         self._streams = put(stream_numbers(0, 1))
         self._tries = [put(stream_numbers(10 + attempt, 50 + attempt)) for attempt in range(_TRIES)]
 
     def seed(self, seeds: npt.ArrayLike, robots: Any) -> None:
-        """Give robots new seeds; their next episode is their first."""
+        """Give robots new seeds, from 0 to `LARGEST_SEED`; their next episode is their first."""
         self._seeds[robots] = self.arrays.put(np.asarray(seeds, dtype=np.uint64).view(np.int64))
         self._episodes[robots] = -1
 
@@ -122,7 +126,8 @@ class Episodes:
             robots: Their indices, an array of the device.
 
         Raises:
-            WorldError: If no start leaves room for the crowd of a robot: that one's episode stays as it is.
+            WorldError: If no start leaves room for the crowd of a robot: that one's episode stays as it is, and the
+                others' begin; see `is_placed`.
             InputError: If a GPU has found a bad action of an earlier step; nothing is reset then.
         """
         if len(robots) == 0:
@@ -138,16 +143,16 @@ class Episodes:
             picked = self._first_recording[maps] + arrays.cast(of_recording * counts, "int64")
             recordings = arrays.lib.where(counts > 0, picked, -1)
         factors, drawn = self._vary(robots, episodes)
-        self._is_placed[robots] = False
+        self.is_placed[robots] = False
         error = self._start(robots, keys, maps, recordings, drawn, 0)
         # Walls leave room around every start; only movers may stand there, and crowds need more.
         for attempt in range(1, _TRIES if self.arena.recordings else 1):
-            again = arrays.indices((self.sim.contacts[robots, 0] != NOTHING) | ~self._is_placed[robots])
+            again = arrays.indices((self.sim.contacts[robots, 0] != NOTHING) | ~self.is_placed[robots])
             if len(again) == 0:
                 break
             here = {name: values[again] for name, values in drawn.items()}
             error = self._start(robots[again], keys[again], maps[again], recordings[again], here, attempt)
-        placed: Any = slice(None) if error is None else self._is_placed[robots]
+        placed: Any = slice(None) if error is None else self.is_placed[robots]
         begun = robots[placed]
         self._episodes[begun] = episodes[placed]
         if self._varies:
@@ -157,7 +162,9 @@ class Episodes:
         self.distances[begun] = self.shortest[begun]
         if error is not None and len(begun) < len(robots):
             what = str(error).removesuffix(". Nothing was reset")
-            raise WorldError(f"{what}. None of {_TRIES} starts has room; the robot was not reset")
+            raise WorldError(
+                f"{what}. None of {_TRIES} starts has room; the robot was not reset: reset it with another seed"
+            )
 
     def _vary(self, robots: Any, episodes: Any) -> tuple[Any, dict[str, Any]]:
         """Draw what is varied for new episodes; return factors of commands, and what the lidars need of it."""
@@ -195,7 +202,7 @@ class Episodes:
             raise self._explain(error) from None
         self.lookup.settle(robots, maps, self._fields[picked])
         self.goals[robots], self.shortest[robots] = self._goals[picked], self._shortest[picked]
-        self._is_placed[robots] = True
+        self.is_placed[robots] = True
         return None
 
     def check_actions(self, actions: Any, active: Any = None) -> Any:
