@@ -298,6 +298,11 @@ def test_a_misspelt_option_of_reset_resets_nothing(quick_options):
     assert np.array_equal(env.unwrapped.episodes.sim.poses, poses)
 
 
+def test_options_of_reset_that_are_no_mapping_are_named(quick_options):
+    with pytest.raises(InputError, match="options of reset must be a mapping, got 3"):
+        make(quick_options).reset(options=3)
+
+
 def test_a_step_needs_a_reset_of_every_robot(quick_options):
     env = make(quick_options, count=2)
     with pytest.raises(InputError, match="robot 0 has no episode"):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -210,9 +210,11 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         return info | {f"_{name}": own for name, own in zip(info, masks, strict=True)}
 
     def _read_mask(self, options: dict[str, Any] | None) -> npt.NDArray[np.bool_]:
+        if options is not None and not isinstance(options, Mapping):
+            raise InputError(f"the options of reset must be a mapping, got {show_value(options)}")
         for name in options or ():
             if name != "reset_mask":  # with a misspelt one all episodes would be lost
-                raise UnknownNameError("option of reset", name, ["reset_mask"])
+                raise UnknownNameError("option of reset", str(name), ["reset_mask"])
         if not options:
             return np.ones(self.num_envs, dtype=bool)
         given = options["reset_mask"]
