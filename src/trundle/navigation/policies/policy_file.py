@@ -24,6 +24,9 @@ OBSERVATIONS = ("ranges", "goal", "velocity", "path")
 """What a policy may observe; `ranges` has as many as its beams, `path` its points, and the others these sizes:"""
 _SIZES = {"goal": 3, "velocity": 2}
 
+SHORTEST_PERIOD_S = 0.005
+"""The physics step of the simulators [s], of which control periods are multiples."""
+
 _PREFIX = "trundle."
 _LARGEST_FILE = 512 << 20
 _MOST_BEAMS = 100_000
@@ -41,7 +44,7 @@ class PolicyFile:
     | `reach` | `12.0` | ranges are cut off here, and are this without a return [m] |
     | `path_points` | `8` | points of `path`, of the shape (1, points, 2), 0.5 m apart |
     | `lidars` | `front` | which lidars, in this order; without it the robot's first |
-    | `period` | `0.2` | time from one action to the next [s] |
+    | `period` | `0.2` | time from one action to the next [s], at least 0.005 |
     | `scale` | `0.8,0.7` | v [m/s] and w [rad/s] of an action of 1; actions are cut off at −1 and 1 |
     | `offset` | `0.0,0.0` | v and w of an action of 0; without it zeros |
     | `normalisation` | `{"ranges": [0.0, 12.0]}` | (mean, scale) of observations, numbers or lists: the network gets
@@ -110,7 +113,7 @@ class PolicyFile:
             reach=read.get("reach", _positive) if sees else 0.0,
             path_points=read.get("path_points", _count) if "path" in observations else 0,
             lidars=read.get("lidars", _names, ()),
-            period=read.get("period", _positive),
+            period=read.get("period", _period),
             scale=read.get("scale", _pair),
             offset=read.get("offset", _pair, np.zeros(2)),
             normalisation=read.get("normalisation", _normalisation, {}),
@@ -287,6 +290,13 @@ def _positive(text: str) -> float:
     value = float(text)
     if not 1e-3 <= value <= 1e4:
         raise ValueError("it must be from 0.001 to 10,000")
+    return value
+
+
+def _period(text: str) -> float:
+    value = float(text)
+    if not SHORTEST_PERIOD_S <= value <= 1e4:
+        raise ValueError(f"it must be from {SHORTEST_PERIOD_S:g}, the physics step of the simulators, to 10,000 s")
     return value
 
 
