@@ -166,13 +166,10 @@ class PolicyFile:
                     f"{self.path}: the input {name!r} has the shape {shape}, and the observation {due}: "
                     f"correct the metadata (trundle.{key} is {has}), or export the policy again"
                 )
-        for name, (mean, scale) in self.normalisation.items():
-            for values in (mean, scale):
-                if name not in self.observations or values.size not in (1, sizes[name]):
-                    raise InputError(
-                        f"{self.path}: trundle.normalisation has {values.size} numbers for {name!r}; observations are "
-                        f"{', '.join(self.observations)}, and each needs one number or as many as it has values"
-                    )
+        try:
+            _check_normalisation(self.normalisation, {name: sizes[name] for name in self.observations})
+        except ValueError as error:
+            raise InputError(f"{self.path}: trundle.normalisation {error}") from None
         blank = {name: np.ones(wanted[name], dtype=np.float32) for name in self.observations}
         try:
             action, states = self.act(blank, self.zero_states())
@@ -315,13 +312,28 @@ def _pairs(text: str) -> dict[str, str]:
 
 
 def _normalisation(text: str) -> dict[str, tuple[Floats, Floats]]:
+    return _read_normalisation(json.loads(text))
+
+
+def _read_normalisation(given: Mapping[str, tuple[object, object]]) -> dict[str, tuple[Floats, Floats]]:
     found: dict[str, tuple[Floats, Floats]] = {}
-    for name, (mean, scale) in json.loads(text).items():
+    for name, (mean, scale) in given.items():
         values = tuple(np.atleast_1d(np.array(part, dtype=np.float32)) for part in (mean, scale))
         if any(each.ndim != 1 or not np.isfinite(each).all() for each in values) or not (values[1] >= 1e-6).all():
             raise ValueError(f"mean and scale of {name} must be finite, and scale above 0, at least 1e-6")
         found[str(name)] = values[0], values[1]
     return found
+
+
+def _check_normalisation(given: Mapping[str, tuple[Floats, Floats]], sizes: Mapping[str, int]) -> None:
+    """Check that a normalisation is of observations, and has one number or as many as each has values."""
+    for name, parts in given.items():
+        for values in parts:
+            if name not in sizes or values.size not in (1, sizes[name]):
+                raise ValueError(
+                    f"has {values.size} numbers for {name!r}; observations are {', '.join(sizes)}, and each needs one "
+                    "number or as many as it has values"
+                )
 
 
 def metadata_for(
@@ -337,7 +349,12 @@ def metadata_for(
     normalisation: Mapping[str, tuple[object, object]],
     states: Mapping[str, str],
 ) -> dict[str, str]:
-    """Return the metadata of a policy as texts by key, for `metadata_props`; see `PolicyFile`."""
+    """Return the metadata of a policy as texts by key, for `metadata_props`; see `PolicyFile`.
+
+    Raises:
+        InputError: If `PolicyFile` would refuse the observations, states or normalisation.
+    """
+    sizes = {**_SIZES, "ranges": beams * len(lidars), "path": 2 * path_points}
     texts = {
         "observations": ",".join(observations),
         "beams": str(beams),
@@ -347,14 +364,24 @@ def metadata_for(
         "period": repr(float(period)),
         "scale": ",".join(repr(float(each)) for each in scale),
         "offset": ",".join(repr(float(each)) for each in offset),
-        "normalisation": json.dumps({name: [_plain(part) for part in parts] for name, parts in normalisation.items()}),
+        "normalisation": _normalisation_text(normalisation, {name: sizes[name] for name in observations}),
         "states": ",".join(f"{name}={after}" for name, after in states.items()),
     }
+    for key, read in {"observations": _names, "states": _pairs}.items():
+        try:
+            read(texts[key])
+        except ValueError as error:
+            raise InputError(f"{key} are {texts[key]!r:.80}: {error}") from None
     return {_PREFIX + key: text for key, text in texts.items() if text}
 
 
-def _plain(values: object) -> object:
-    numbers = np.asarray(values, dtype=np.float64)
-    if not np.isfinite(numbers).all():
-        raise InputError(f"a normalisation must be of finite numbers, got {values!r:.60}")
-    return numbers.tolist()
+def _normalisation_text(given: Mapping[str, tuple[object, object]], sizes: Mapping[str, int]) -> str:
+    try:
+        read = _read_normalisation(given)
+    except (ValueError, TypeError, AttributeError) as error:
+        raise InputError(f"normalisation is {given!r:.80}: {error}") from None
+    try:
+        _check_normalisation(read, sizes)
+    except ValueError as error:
+        raise InputError(f"normalisation {error}") from None
+    return json.dumps({name: [np.asarray(part, dtype=np.float64).tolist() for part in given[name]] for name in given})
