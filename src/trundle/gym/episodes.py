@@ -12,7 +12,7 @@ import numpy.typing as npt
 from trundle.errors import InputError, WorldError
 from trundle.gym.arena import Arena
 from trundle.gym.arrays import HOST
-from trundle.gym.draws import episode_keys, stream_numbers, uniform
+from trundle.gym.draws import episode_keys, seed_keys, stream_numbers, uniform
 from trundle.gym.lookup import Lookup
 from trundle.gym.navigation_settings import SPLITS, NavigationSettings
 from trundle.gym.variation import Variation
@@ -104,6 +104,7 @@ class Episodes:
         self._mission_counts, self._first_mission = put(arena.mission_counts), put(arena.first_mission)
         self._recording_counts, self._first_recording = put(arena.recording_counts), put(arena.first_recording)
         self._seeds, self._episodes = full(count, 0, "int64"), full(count, -1, "int64")
+        self._seed_keys = seed_keys(self._seeds)
         self.goals, self.shortest, self.distances = full((count, 2), 0.0), full(count, 1.0), full(count, 0.0)
         self.elapsed = full(count, 0, "int64")
         self._factors, self._last_actions = full((count, 2), 1.0), full((count, 2), 0.0)
@@ -116,7 +117,8 @@ class Episodes:
 
     def seed(self, seeds: npt.ArrayLike, robots: Any) -> None:
         """Give robots new seeds, from 0 to `LARGEST_SEED`; their next episode is their first."""
-        self._seeds[robots] = self.arrays.put(np.asarray(seeds, dtype=np.uint64).view(np.int64))
+        given = self.arrays.put(np.asarray(seeds, dtype=np.uint64).view(np.int64))
+        self._seeds[robots], self._seed_keys[robots] = given, seed_keys(given)
         self._episodes[robots] = -1
 
     def reset(self, robots: Any) -> None:
@@ -134,7 +136,7 @@ class Episodes:
             return
         arrays, number = self.arrays, len(self.arena.grids)
         episodes = self._episodes[robots] + 1
-        keys = episode_keys(self._seeds[robots], episodes, self._split)
+        keys = episode_keys(self._seed_keys[robots], episodes, self._split)
         of_map, of_recording = uniform(arrays, keys, self._streams)
         maps = arrays.clip(arrays.cast(of_map * number, "int64"), 0, number - 1)
         recordings: Any = -1
@@ -264,8 +266,7 @@ class Episodes:
             raise self._explain(error) from None
         self.elapsed += 1 if active is None else active
         cell, inside = self.lookup.locate(poses)
-        away = self.lookup.distance(cell, inside)
-        away = lib.where(lib.isfinite(away), away, self.distances)  # too close to a wall for the field
+        away = self.lookup.distance(cell, inside, self.distances)  # as before, too close to a wall for the field
         straight = lib.hypot(goals[:, 0] - poses[:, 0], goals[:, 1] - poses[:, 1])
         off_map, contact = ~inside, sim.contacts[:, 0] != NOTHING
         arrived = (straight <= settings.goal_tolerance) & ~contact

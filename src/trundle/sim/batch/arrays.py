@@ -173,7 +173,7 @@ def spread(values: object, kind: type[_Item], shape: tuple[int, ...], what: str)
     if array.shape != shape[1:]:
         row = f"shape {shape[1:]}" if shape[1:] else "one number"
         raise InputError(f"{what} need shape {shape}, or {row} for all, got {array.shape}")
-    return np.ascontiguousarray(np.broadcast_to(array, shape))
+    return np.full(shape, array, dtype=kind)  # np.broadcast_to takes twice as long
 
 
 def _as_integers(values: object, kind: type[_Item], what: str) -> npt.NDArray[_Item]:

@@ -88,6 +88,7 @@ class BatchSimulator:
         check_kind(robot, Robot, "robot", "Robot.load(name) loads one")
         self._count = check_count("count", count, 1, _MOST_ROBOTS)
         self._timestep = check_number("timestep", timestep, 1e-6, 1.0, "s")
+        self._period = 0.0, 0  # of the last step [s], and its substeps
         if unknown not in ("solid", "free"):
             raise InputError(f"unknown must be solid or free, got {unknown!r}")
         if not isinstance(maps, OccupancyGrid | Sequence):
@@ -212,7 +213,9 @@ class BatchSimulator:
             InputError: If a command is not finite or has another shape, or `dt` is no such multiple; no robot has
                 moved then.
         """
-        substeps = count_steps(dt, self._timestep)
+        if not (isinstance(dt, float) and dt == self._period[0]):
+            self._period = dt, count_steps(dt, self._timestep)
+        substeps = self._period[1]
         if self._engine.takes(commands, robots):
             self._engine.drive(commands, self._active(robots), substeps)
             return
