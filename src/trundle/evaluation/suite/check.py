@@ -19,6 +19,7 @@ from trundle.evaluation.suite.plugin import PluginChoice
 from trundle.localization import create_localizer
 from trundle.maps import OCCUPIED, OccupancyGrid
 from trundle.mission.fields import MapOptions
+from trundle.mission.simulation import check_sees
 from trundle.navigation.agents import create_agent
 from trundle.planning import create_planner, create_smoother
 from trundle.registry import keywords_taken
@@ -73,6 +74,7 @@ def _check_plugins(suite: SuiteFields, robots: list[Robot]) -> None:
             create_agent(agent, robot, grid)
         for localizer in suite.crossed().get("localizer", ()):
             if localizer is not None:
+                check_sees(localizer, robot)
                 create_localizer(localizer, walled, robot)
     for smoother in suite.smoothers:
         if smoother is not None:
