@@ -182,7 +182,8 @@ class ScenarioOptions(options_class(_OPTIONS)):
             if not (sources.looks_like_file(source) and sources.is_map(Path(source))):
                 raise InputError("--max-cells is for maps; in a scenario, write map_options: {max_cells: …}")
             world_options["max_cells"] = self.max_cells
-        base = self._with_nav2(_read(source, world_options, changes, instead), changes, report)
+        base = _read(source, world_options, changes, instead)
+        base = self._with_nav2(base, {**{name: getattr(base, name) for name in instead}, **changes}, report)
         chosen = {
             name: choose(name, getattr(self, name), getattr(self, f"{name}_options"), getattr(base, name))
             for name in PLUGINS
