@@ -171,8 +171,8 @@ def navigate(network: FakeNetwork, room_file: str, quick_waffle: Path) -> Iterat
         transport = network.transport("trundle", has_services=has_services)
         said: list[str] = []
         chosen = None if localizer == "tf" else localizer
-        place = {"map": room_file} if has_map else {"world": {"name": "lot"}, "known_map": False, "lidar": True}
-        given = Scenario.make(**place, robot=str(robot), localizer=chosen, **scenario)
+        place = {"map": room_file} if has_map else {"world": {"name": "lot"}, "known_map": False}
+        given = Scenario.make(**place, lidar=True, robot=str(robot), localizer=chosen, **scenario)
         how = RemoteOptions(
             localizer="tf" if localizer == "tf" else None,
             start=start,

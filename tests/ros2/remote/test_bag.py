@@ -54,8 +54,8 @@ def play(
     **more: Any,
 ) -> Played:
     """Play a recording to its end."""
-    place = {"world": {"name": "lot"}, "known_map": False, "lidar": True} if grid is None else {"map": str(grid)}
-    scenario = Scenario.make(**place, localizer=localizer)
+    place = {"world": {"name": "lot"}, "known_map": False} if grid is None else {"map": str(grid)}
+    scenario = Scenario.make(**place, lidar=True, localizer=localizer)
     transport = network.transport("trundle", has_services=False)
     drive, options = change(open_drive(bag)), RemoteOptions(start=start)
     more = {"truth": TRUTH, "report": lambda text: None, **more}

@@ -20,6 +20,7 @@ from trundle.evaluation.suite.plugin import PluginChoice
 from trundle.localization import create_localizer
 from trundle.maps import OCCUPIED, OccupancyGrid
 from trundle.mission.fields import MapOptions
+from trundle.mission.simulation import check_sees
 from trundle.navigation.agent import Agent
 from trundle.navigation.agents import create_agent
 from trundle.navigation.policies.policy import Policy
@@ -76,6 +77,7 @@ def _check_plugins(suite: SuiteFields, robots: list[Robot]) -> None:
             _check_sensed(create_agent(agent, robot, grid), suite)
         for localizer in suite.crossed().get("localizer", ()):
             if localizer is not None:
+                check_sees(localizer, robot)
                 create_localizer(localizer, walled, robot)
     for smoother in suite.smoothers:
         if smoother is not None:
