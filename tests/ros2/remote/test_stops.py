@@ -102,6 +102,7 @@ def test_after_a_jump_map_to_odom_has_to_change_before_it_is_taken_again(
 
 
 def test_odometry_and_map_to_odom_that_jump_together_stop_the_robot_for_a_moment(navigate: Navigate) -> None:
+    """The twist of tf's odometry is not that of the jump, of which the navigator would warn."""
     remote = navigate(goal=FAR, localizer="tf", start=None, habits={"map_odom": START, "odometry": False})
     remote.wait_until_moving()
     jumped = Pose2D(3.0, 1.0, 0.5)

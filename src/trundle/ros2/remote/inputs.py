@@ -291,6 +291,7 @@ class RobotInputs:
             fast, quick = JUMP_TIMES * limits.linear_speed * passed, JUMP_TIMES * limits.angular_speed * passed
             if moved > JUMP_M + fast or turned > JUMP_RAD + quick:
                 self._jumped("odometry jumped", f"the odometry has jumped by {moved:.2f} m and {turned:.2f} rad")
+                new = replace(new, twist=Twist2D())  # that of tf is the jump's
         with self.changed:
             self.odometry = new
 
