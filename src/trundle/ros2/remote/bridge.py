@@ -124,6 +124,8 @@ class RemoteBridge(NetworkRuns):
                 started.open()
                 self._role.use_start(started)
             self.drive = GoalDrive(options.goals, self.context, self.localizer, guard) if options.goals else None
+            if self.drive is not None:
+                self._role.use_drive(self.drive)
             wire.on_lost(self._role.lost)
         except BaseException:
             self.close()
