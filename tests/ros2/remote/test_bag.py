@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -11,12 +12,14 @@ import numpy as np
 import pytest
 
 from ros2.fake_transport import FakeNetwork
+from ros2.nav2_texts import nav2_codec
+from ros2.navigator_role.conftest import Client
 from ros2.remote.conftest import jazzy
 from support.room_drives import Drive, write_bag
 from trundle.errors import InputError
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
-from trundle.mission import Episode, Scenario
+from trundle.mission import End, Episode, Scenario
 from trundle.recordings import open_drive
 from trundle.recordings.odometry import OdometryTrack
 from trundle.ros2.names import Names
@@ -157,6 +160,27 @@ def test_a_recording_that_breaks_off_ends_with_what_there_was(network: FakeNetwo
     assert bridge.summary.as_dict()["scans"] == 29  # the last one waits for whether another lidar measured with it
     assert episode.own_map is not None
     assert not bridge.summary.is_whole
+
+
+def test_a_lifecycle_manager_does_not_make_a_recording_take_goals(network: FakeNetwork, bag: Path) -> None:
+    client, said = Client(network, "jazzy"), list[str]()
+    transport = network.transport("trundle")
+    scenario = Scenario.make(world={"name": "lot"}, known_map=False, lidar=True, localizer="slam")
+    types = Types(nav2_codec("jazzy"), transport)
+    bridge = BagBridge(
+        scenario, open_drive(bag), transport, types, Names(), RemoteOptions(), speed=1.0, report=said.append
+    )
+    thread = threading.Thread(target=bridge.run)
+    with bridge:
+        thread.start()
+        assert client.go(1.0, 0.0).status == "rejected"
+        for command in (1, 2):
+            manage = "nav2_msgs/srv/ManageLifecycleNodes"
+            assert client.call("/lifecycle_manager_navigation/manage_nodes", manage, command=command).success
+        assert client.go(1.0, 0.0).status == "rejected"
+        bridge.context.driver.steering.put(End("the test is over"))
+        thread.join(20.0)
+    assert any("a goal of navigate_to_pose is refused: a recording is played" in text for text in said)
 
 
 def test_a_truncated_bag_is_played_up_to_there(network: FakeNetwork, tmp_path: Path) -> None:

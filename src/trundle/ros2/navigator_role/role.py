@@ -202,7 +202,7 @@ class NavigatorRole:
         self._kit.tasks.flush()
 
     def _change_state(self, refuses: str) -> None:
-        self._kit.tasks.refuses = refuses
+        self._kit.tasks.refuse("lifecycle", refuses)
         if refuses:
             self._stop(refuses)
 

@@ -221,7 +221,7 @@ class Tasks:
     Attributes:
         drive: A drive to a goal, through several, or along a path.
         behavior: A behavior.
-        refuses: Why goals are refused now; empty where they are taken.
+        refuses: Why goals are refused now; empty where no source has a reason.
         ends: End other goals as aborted, for a reason.
     """
 
@@ -231,8 +231,16 @@ class Tasks:
         self.drive = Slot(context, self.later, Cancel())
         self.behavior = Slot(context, self.later, Cancel("behavior"))
         self.refuses = ""
+        self._reasons: dict[str, str] = {}
+        self._lock = threading.Lock()
         self.ends: list[Callable[[str], None]] = []
         context.wire.every_round(self.flush)
+
+    def refuse(self, source: str, why: str) -> None:
+        """Refuse goals for a reason, or no longer for that of this source (""); any thread may call it."""
+        with self._lock:
+            self._reasons[source] = why
+            self.refuses = next((one for one in self._reasons.values() if one), "")
 
     def follow(self, step: Step) -> None:
         """Send feedback for a control period; in the thread that drives."""

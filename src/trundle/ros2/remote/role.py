@@ -142,10 +142,7 @@ class RemoteRole(NavigatorRole):
         tasks, localizer = self._kit.tasks, self._localizer
         settles = system.monotonic() < self._settles_until and not localizer.waits_for_pose
         takes = localizer.is_located or settles
-        if not takes and not tasks.refuses:
-            tasks.refuses = NOT_LOCATED
-        elif takes and tasks.refuses == NOT_LOCATED:
-            tasks.refuses = ""
+        tasks.refuse("location", "" if takes else localizer.why or NOT_LOCATED)
         if step.state.time - self._looked_s >= _LATENCY_S:
             self._looked_s = step.state.time
             self._compensate()
