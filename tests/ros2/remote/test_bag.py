@@ -188,8 +188,11 @@ def test_a_truncated_bag_is_played_up_to_there(network: FakeNetwork, tmp_path: P
     short = tmp_path / "short.mcap"
     short.write_bytes(whole[: len(whole) * 9 // 10])
     bridge, episode = play(network, short, localizer="odometry", start=Pose2D(0.0, 0.0), truth=None)
-    assert episode.message == "the recording has ended"
-    assert 20 < bridge.summary.as_dict()["scans"] < 200  # type: ignore[operator]
+    summary = bridge.summary.as_dict()
+    assert episode.message == "the recording breaks off: it ends within a record"
+    assert summary["damage"] == "it ends within a record"
+    assert 20 < summary["scans"] < 200  # type: ignore[operator]
+    assert not bridge.summary.is_whole
 
 
 def test_an_exception_in_the_middle_ends_it_and_leaves_the_network(network: FakeNetwork, bag: Path) -> None:
@@ -212,7 +215,18 @@ def test_odometry_that_begins_again_begins_a_part(network: FakeNetwork, tmp_path
 
 def test_true_poses_are_read_where_a_recording_has_them(bag: Path, tmp_path: Path) -> None:
     own = write_bag(tmp_path / "own", ROOM, rename={"/odom": "/ground_truth/odom"})
-    found = read_truth(own, "humble")
+    found = read_truth(open_drive(own), "humble")
     assert found is not None
     assert len(found.times) == len(ROOM.times)
-    assert read_truth(bag, "humble") is None
+    assert read_truth(open_drive(bag), "humble") is None
+
+
+def test_true_poses_before_the_end_of_a_truncated_recording_count(tmp_path: Path) -> None:
+    long = Drive(seconds=40.0, beams=2000)
+    own = write_bag(tmp_path / "own", long, rename={"/odom": "/ground_truth/odom"})
+    short = tmp_path / "short.mcap"
+    whole = next(own.glob("*.mcap")).read_bytes()
+    short.write_bytes(whole[: len(whole) * 9 // 10])
+    found = read_truth(open_drive(short, odometry="none"), "humble")
+    assert found is not None
+    assert 100 < len(found.times) < len(long.times)
