@@ -11,6 +11,7 @@ import pytest
 from ros2.fake_transport import FakeNetwork
 from ros2.navigator_role.conftest import wait_for
 from ros2.remote.conftest import STAND, START, Remote, jazzy
+from ros2.remote.robot import LATCHED
 from trundle.geometry import Pose2D, Twist2D
 from trundle.messages import MessageMaker, Qos
 from trundle.mission import SetPose
@@ -70,6 +71,43 @@ def test_odometry_that_jumps_stops_the_robot_until_it_is_told_where_it_is(naviga
     check_stop(remote, "odometry jumped")
     wait_for(lambda: "not located" in remote.reasons)
     remote.put(SetPose(remote.robot.pose))
+    remote.wait_until_moving()
+
+
+@pytest.mark.parametrize("is_static", [False, True])
+@pytest.mark.parametrize("jump", ["odometry", "clock"])
+def test_after_a_jump_map_to_odom_has_to_change_before_it_is_taken_again(
+    navigate: Navigate, jump: str, is_static: bool
+) -> None:
+    remote = navigate(goal=FAR, localizer="tf", start=None, habits={"map_odom": None if is_static else START})
+    send, make = remote.robot.send, remote.robot.make
+    if is_static:
+        send("/tf_static", make.transforms([make.transform(0.0, "map", "odom", START)]), LATCHED)
+    remote.wait_until_moving()
+    jumped = Pose2D(3.0, 1.0, 0.5)
+    if jump == "odometry":
+        remote.habits.odometry_shift = jumped
+    else:
+        remote.robot.time = 5.0
+    check_stop(remote, f"{jump} jumped")
+    wait_for(lambda: set(remote.reasons) == {"not located"}, f"for the hold to end: {remote.reasons}")
+    assert "map → odom is what it was before" in remote.bridge.guard.reasons["not located"]
+    assert not remote.bridge.localizer.is_located
+    stood = len(remote.robot.commands)
+    time.sleep(1.0)
+    assert all(command == STAND for _, command in remote.robot.commands[stood:])
+    remote.habits.map_odom = START @ jumped.inverse() if jump == "odometry" else Pose2D(START.x + 0.05, START.y)
+    remote.wait_until_moving()
+    assert not remote.robot.contacts
+
+
+def test_odometry_and_map_to_odom_that_jump_together_stop_the_robot_for_a_moment(navigate: Navigate) -> None:
+    """The twist of tf's odometry is not that of the jump, of which the navigator would warn."""
+    remote = navigate(goal=FAR, localizer="tf", start=None, habits={"map_odom": START, "odometry": False})
+    remote.wait_until_moving()
+    jumped = Pose2D(3.0, 1.0, 0.5)
+    remote.habits.tf_shift, remote.habits.map_odom = jumped, START @ jumped.inverse()
+    check_stop(remote, "odometry jumped")
     remote.wait_until_moving()
 
 

@@ -170,7 +170,7 @@ def navigate(
             bridge = BagBridge(
                 *(scenario, recorded, transport, types, names, how),
                 profile=names_of,
-                truth=read_truth(recorded.path, settings.distro),
+                truth=read_truth(recorded, settings.distro),
                 record=kept,
                 speed=factor,
                 driver=driver,
