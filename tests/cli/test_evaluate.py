@@ -68,6 +68,15 @@ def test_the_errors_of_a_localizer_are_columns_and_can_be_required(trundle, room
     assert "mean error of the estimate" in (tmp_path / "a" / "report.html").read_text()
 
 
+def test_a_localizer_that_sees_needs_no_file_of_a_suite(trundle, room_map):
+    given = ("evaluate", room_map, "--backend", "kinematic", "--seed", "0:1", "--localizer", "amcl", "--lidar")
+    done = trundle(*given, "-o", "a", "--quiet", "--json")
+    assert done.code == 0, done.err
+    (row,) = trundle("evaluate", "show", "a", "--json").json
+    assert row["outcome"] == "arrived"
+    assert 0.0 < row["localization_error_m"] < 0.1
+
+
 def test_a_suite_is_run_shown_reported_and_compared(trundle, suite, tmp_path):
     assert trundle("evaluate", suite, "-o", "a", "--quiet").code == 0
     assert trundle("evaluate", suite, "-o", "b", "--planners", "astar", "--quiet").code == 0
@@ -134,6 +143,7 @@ def test_failed_episodes_are_listed_with_the_command_that_repeats_them(trundle, 
         (["room.yaml", "--require", "success[planner=astar]>=0.9"], "astar"),
         (["room.yaml", "--seeds", "0:1000000000"], "1,000,000,000 episodes"),
         (["room.yaml", "--workers", "0"], "workers"),
+        (["room.yaml", "--localizers", "amcl"], "by the scans of its lidars: give lidar: true, or --lidar"),
         (["smoke", "tight"], "give one suite, with maps"),
         (["room.yaml", "--controllers", "lookahed"], "'lookahead'"),
         (["room.yaml", "--robots", "nova_cater"], "'nova_carter'"),

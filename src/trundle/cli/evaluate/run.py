@@ -71,6 +71,7 @@ def run(
         str | None,
         Parameter(name=["--seeds", "--seed"], help="Seeds of the missions: 100, 0:500 or 3,7,9.", negative=""),
     ] = None,
+    lidar: options.Flag = False,
     time_limit: float | None = None,
     nav2_params: nav2.Nav2Params = None,
     out: Annotated[str | None, Parameter(name=["--out", "-o"])] = None,
@@ -93,6 +94,7 @@ def run(
         given: What to drive: a suite (a file, or smoke, tight or warehouses, which come with trundle), the word maps
             and a folder of ROS maps, or maps and worlds, whose missions are picked by seed. A suite with maps or worlds
             drives in these, too.
+        lidar: Simulate the robots' lidars, which the localizers amcl and slam need.
         time_limit: Simulated time after which an episode is stopped [s].
         out: Folder to write into, or to continue; left out: a new one under runs.
         workers: Number of processes; left out: one for each CPU.
@@ -109,6 +111,8 @@ def run(
     changes = crossed.changes()
     if seeds is not None:
         changes["missions"] = {"seeds": options.parse_seeds(seeds)}
+    if lidar:
+        changes["lidar"] = True
     if time_limit is not None:
         changes["limits"] = {"time_limit_s": time_limit}
     if require:

@@ -182,6 +182,7 @@ class ScenarioOptions(options_class(_OPTIONS)):
             if not (sources.looks_like_file(source) and sources.is_map(Path(source))):
                 raise InputError("--max-cells is for maps; in a scenario, write map_options: {max_cells: …}")
             world_options["max_cells"] = self.max_cells
+        instead = {name: value for name, value in instead.items() if getattr(self, name) is None}
         base = _read(source, world_options, changes, instead)
         base = self._with_nav2(base, {**{name: getattr(base, name) for name in instead}, **changes}, report)
         chosen = {
