@@ -95,6 +95,9 @@ def test_navigate_reaches_the_goal(run: Callable[..., str]) -> None:
     assert float(seconds) < 60.0
 
 
-@pytest.mark.parametrize("name", ["old_names", "timeline", "experimental", "changes"])
+OTHERS = ["old_names", "timeline", "experimental", "changes", "queries", "context", "hello_robot"]
+
+
+@pytest.mark.parametrize("name", OTHERS)
 def test_other_styles_of_scripts_do_what_they_check_themselves(run: Callable[..., str], name: str) -> None:
     assert run(name).splitlines()[-1] == "done"

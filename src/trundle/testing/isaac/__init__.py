@@ -8,7 +8,9 @@ PhysX. What lies between them in Isaac Sim, the Kit application, is stood in for
   `omni.kit.app`);
 - `stage`: the open stage (`omni.usd`), the schemas' Python classes (`pxr.PhysxSchema`) and Fabric (`usdrt`);
 - `interfaces`, `scenes`: PhysX' callbacks and contact report (`omni.physics.core`, `omni.physx`), and the compiled part
-  of the simulation manager; `physics` runs PhysX itself, and `poses` keeps bodies of both in one place;
+  of the simulation manager;
+- `commands`, `queries`: what changes the stage (`omni.kit.commands`, `omni.physx.scripts`), and rays;
+- `physics` runs PhysX itself, and `poses` keeps its bodies and those of the stage in one place;
 - `tensors`: views of articulations and bodies (`omni.physics.tensors`);
 - `nothing`: everything else of `carb` and `omni`, which does nothing; the runner lists what was called of it.
 

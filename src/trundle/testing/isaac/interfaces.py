@@ -13,6 +13,7 @@ from trundle.testing.isaac.events import Subscription
 from trundle.testing.isaac.kit import App
 from trundle.testing.isaac.nothing import Nothing
 from trundle.testing.isaac.physics import Engine
+from trundle.testing.isaac.queries import SceneQueries
 from trundle.testing.isaac.stage import Context
 
 
@@ -55,6 +56,7 @@ def modules(app: App, context: Context, engine: Engine) -> dict[str, dict[str, o
         start_simulation=lambda: None, update_simulation=simulate, update_transformations=lambda *_, **__: None,
         release_physics_objects=engine.unload,
     )  # fmt: skip
+    queries = SceneQueries(engine)
     query = types.SimpleNamespace(
         query_prim=lambda *, prim_id, articulation_fn, **_: _describe_articulation(
             context, engine, prim_id, articulation_fn
@@ -69,7 +71,7 @@ def modules(app: App, context: Context, engine: Engine) -> dict[str, dict[str, o
         "omni.physx": {
             "get_physx_simulation_interface": lambda: simulation, "get_physx_interface": lambda: physx,
             "IPhysxSimulation": simulation, "acquire_physx_interface": lambda: physx,
-            "get_physx_property_query_interface": lambda: query,
+            "get_physx_property_query_interface": lambda: query, "get_physx_scene_query_interface": lambda: queries,
         },
         "omni.physxfabric": {"get_physx_fabric_interface": lambda: Nothing("omni.physxfabric.IPhysxFabric")},
     }  # fmt: skip

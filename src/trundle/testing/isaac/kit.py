@@ -261,7 +261,6 @@ class App:
             "omni.ext": {"IExt": type("IExt", (), {})},
             "omni.kit.app": {"get_app": lambda: app, "get_app_interface": lambda: app},
             "omni.kit.async_engine": {"run_coroutine": _run_coroutine},
-            "omni.kit.commands": {"Command": type("Command", (), {})},
             "omni.kit.loop": {"_loop": types.SimpleNamespace(acquire_loop_interface=lambda: loop)},
             "omni.timeline": {
                 "get_timeline_interface": lambda *_: timeline, "TimelineEventType": TimelineEvent,

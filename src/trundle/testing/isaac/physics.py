@@ -49,6 +49,7 @@ class Engine:
     """PhysX, with the stage that is open.
 
     Attributes:
+        physx: PhysX itself.
         runs: How often PhysX was given the stage; views are made anew for each.
     """
 
@@ -58,7 +59,7 @@ class Engine:
         warnings.filterwarnings("ignore", message="ovphysx is in CPU-only mode")
         PhysX.set_cpu_mode(True)
         ovphysx.set_global_config(ovphysx.GlobalConfigKey.NUM_THREADS, 0)
-        self._physx = PhysX()
+        self.physx = PhysX()
         ovphysx.set_log_level(ovphysx.LogLevel.ERROR)
         import physx_usd_schemas  # pyright: ignore[reportMissingImports]
 
@@ -97,7 +98,7 @@ class Engine:
         self._stage = ovstage.Stage(f"trundle{self.runs}")
         ovstage.population.open_usd(self._stage, str(file), ordinal=1, domains=ovstage.PopulationDomain.ALL)
         self._stage.advance_write_floor(ordinal=1).wait()
-        self._physx.wait_task(self._physx.attach_ovstage(self._stage, read_ordinal=1))
+        self.physx.wait_task(self.physx.attach_ovstage(self._stage, read_ordinal=1))
         file.unlink()
         self._paths = ovstage.PathDictionary(self._stage)
         self._known: dict[int, str] = {}
@@ -112,7 +113,7 @@ class Engine:
         """Take the stage from PhysX, and what it moved back to where it was."""
         if self._stage is None:
             return
-        self._physx.wait_task(self._physx.detach_ovstage())
+        self.physx.wait_task(self.physx.detach_ovstage())
         self._stage.destroy()
         self._stage = None
         stage = self._context.get_stage()
@@ -132,7 +133,7 @@ class Engine:
         self.synchronize()
         kept = [(path, kind, self.read(path, kind)) for path in self._articulations() for kind in _KEPT]
         kept += [(path, kind, self.read(path, kind)) for path in self._free() for kind in _KEPT_BODY]
-        self._physx.wait_task(self._physx.detach_ovstage())
+        self.physx.wait_task(self.physx.detach_ovstage())
         self._stage.destroy()
         self._stage = None
         self.load()
@@ -150,7 +151,7 @@ class Engine:
         info = types.SimpleNamespace(simulation_id=1, dt=dt)
         self._app.events.send("physics.before", dt, info)
         self.flush()
-        self._physx.step_sync(dt)
+        self.physx.step_sync(dt)
         self.steps += 1
         self._app.count(dt)
         self._app.events.send("physics.after", dt, info)
@@ -159,7 +160,7 @@ class Engine:
         """Return PhysX's own view of one quantity of these prims."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            return self._physx.create_tensor_binding(prim_paths=paths, tensor_type=kind)
+            return self.physx.create_tensor_binding(prim_paths=paths, tensor_type=kind)
 
     def read(self, path: str, kind: int) -> np.ndarray:
         """Read one quantity of one prim."""
@@ -172,7 +173,7 @@ class Engine:
     def set(self, kind: int, quantity: str, values: dict[str, Any]) -> None:
         """Set one quantity of objects, by their paths."""
         wanted = {self._paths.intern_path(path): value for path, value in values.items()}
-        with self._physx.write_sync(kind, quantity, prim_paths=list(wanted)) as session:
+        with self.physx.write_sync(kind, quantity, prim_paths=list(wanted)) as session:
             for group in session.groups:
                 first = group.prim_offset
                 paths = self._paths.get_paths(group.prim_list)[first : first + group.prim_count]
@@ -229,7 +230,7 @@ class Engine:
         if not self.loaded:
             return found
         names = [f"contactEvent{name}" for name in _CONTACT]
-        with self._physx.read_sync(SimObjectType.CONTACT_SENSOR, names) as result:
+        with self.physx.read_sync(SimObjectType.CONTACT_SENSOR, names) as result:
             lists: dict[int, list[str]] = {}
             for group in result.groups:
                 if group.attribute not in self._tokens:
@@ -249,7 +250,7 @@ class Engine:
 
     def _of(self, kind: int, quantity: str) -> list[str]:
         """Paths of all objects of a kind that PhysX has."""
-        with self._physx.read_sync(kind, [quantity], scope=ObjectScope.ALL) as result:
+        with self.physx.read_sync(kind, [quantity], scope=ObjectScope.ALL) as result:
             return [path for group in result.groups for path in self._paths.get_path_strings(group.prim_list)]
 
     def _articulations(self) -> list[str]:

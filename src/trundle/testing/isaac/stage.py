@@ -8,7 +8,7 @@ import types
 from collections.abc import Callable
 from typing import Any, Literal
 
-from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdUtils
 
 from trundle.testing.isaac.events import Event, Events
 from trundle.testing.isaac.nothing import Nothing
@@ -137,53 +137,14 @@ class Context:
         """Return the members of the modules that this file stands in for."""
         context = self
 
-        class DeletePrimsCommand:
-            def __init__(self, paths: list[str], stage: Usd.Stage | None = None, **_: object) -> None:
-                self._paths, self._stage = paths, stage
-
-            def do(self) -> None:
-                for path in self._paths:
-                    (self._stage or context.stage).RemovePrim(path)
-
-        class MovePrimCommand:
-            def __init__(self, path_from: str, path_to: str, **_: object) -> None:
-                self._edit = Sdf.BatchNamespaceEdit()
-                self._edit.Add(str(path_from), str(path_to))
-
-            def do(self) -> bool:
-                return context.stage.GetRootLayer().Apply(self._edit)
-
-        def free_path(stage: Usd.Stage, path: str, prepend_default_prim: bool = True) -> str:
-            if (
-                prepend_default_prim
-                and stage.HasDefaultPrim()
-                and not path.startswith(str(top := stage.GetDefaultPrim().GetPath()))
-            ):
-                path = f"{top}{path}"
-            taken = [path, *(f"{path}_{n:02}" for n in range(1, 10_000))]
-            return next(name for name in taken if not stage.GetPrimAtPath(name))
-
         def transform(prim: Usd.Prim, *_: object) -> Gf.Matrix4d:
             return UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(Usd.TimeCode.Default())
-
-        def execute(name: str, **keys: Any) -> Nothing:
-            if name == "DeletePrims":
-                DeletePrimsCommand(keys["paths"]).do()
-            elif name == "AddReference":
-                keys["stage"].GetPrimAtPath(keys["prim_path"]).GetReferences().AddReference(keys["reference"])
-            elif name == "ChangeProperty":
-                context.stage.GetPropertyAtPath(str(keys["prop_path"])).Set(keys["value"])
-            elif name == "CreateMdlMaterialPrim":
-                _add_material(context.stage, str(keys["mtl_path"]), keys["mtl_url"], keys["mtl_name"])
-            else:
-                Nothing(f"omni.kit.commands.execute({name!r})")()
-            return Nothing("omni.kit.commands")
 
         assembler = types.SimpleNamespace(check_layers=lambda *_: {"ret_val": False})
         return {
             "omni.usd": {
                 "get_context": lambda *_: context, "UsdContext": Context, "StageEventType": StageEvent,
-                "get_stage_next_free_path": free_path,
+                "get_stage_next_free_path": self.free_path,
                 "get_context_from_stage": lambda stage: context if stage is context.get_stage() else None,
                 "check_ancestral": lambda prim: False, "resolve_paths": lambda *_: None,
                 "get_world_transform_matrix": transform,
@@ -191,9 +152,7 @@ class Context:
                 "get_local_transform_matrix": lambda prim, *_: UsdGeom.Xformable(prim).GetLocalTransformation(),
                 "set_prop_val": lambda prop, value, *_: prop.Set(value),
             },
-            "omni.usd.commands": {"DeletePrimsCommand": DeletePrimsCommand, "MovePrimCommand": MovePrimCommand},
             "omni.usd.editor": {"is_no_delete": lambda _: False},
-            "omni.kit.commands": {"Command": type("Command", (), {}), "execute": execute},
             "omni.metrics.assembler.core": {"get_metrics_assembler_interface": lambda: assembler},
             "isaacsim.core.utils.bindings._isaac_utils": {
                 "_find_matching_prim_paths": lambda pattern, _, kind="": self.match(pattern, kind),
@@ -201,6 +160,18 @@ class Context:
             },
             **_fabric(context),
         }  # fmt: skip
+
+    @staticmethod
+    def free_path(stage: Usd.Stage, path: str, prepend_default_prim: bool = True) -> str:
+        """Return a path at which there is no prim yet."""
+        if (
+            prepend_default_prim
+            and stage.HasDefaultPrim()
+            and not path.startswith(str(top := stage.GetDefaultPrim().GetPath()))
+        ):
+            path = f"{top}{path}"
+        taken = [path, *(f"{path}_{n:02}" for n in range(1, 10_000))]
+        return next(name for name in taken if not stage.GetPrimAtPath(name))
 
     def match(self, pattern: str, kind: str = "") -> list[str]:
         """Paths of prims that match a pattern: `*` or `.*` is any text but a slash, others are [0-9] and (a|b)."""
@@ -232,17 +203,6 @@ def add_ground_plane(
     square.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
     square.CreateDisplayColorAttr([Gf.Vec3f(*(color or (0.5, 0.5, 0.5)))])
     return path
-
-
-def _add_material(stage: Usd.Stage, path: str, url: str, name: str) -> None:
-    """Add a material whose shader is of MDL, NVIDIA's language."""
-    material = UsdShade.Material.Define(stage, path)
-    shader = UsdShade.Shader.Define(stage, f"{path}/Shader")
-    shader.SetSourceAsset(url, "mdl")
-    shader.SetSourceAssetSubIdentifier(name, "mdl")
-    shader.CreateOutput("out", Sdf.ValueTypeNames.Token)
-    for output in (material.CreateSurfaceOutput, material.CreateDisplacementOutput, material.CreateVolumeOutput):
-        output("mdl").ConnectToSource(shader.ConnectableAPI(), "out")
 
 
 def _is_kind(prim: Usd.Prim, kind: str) -> bool:

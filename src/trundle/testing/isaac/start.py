@@ -56,7 +56,7 @@ def _start(app: App, finder: Finder) -> None:
     warp.config.log_level = warp.LOG_ERROR
     with _silence():
         warp.init()
-    from trundle.testing.isaac import interfaces, tensors
+    from trundle.testing.isaac import commands, interfaces, tensors
     from trundle.testing.isaac.physics import Engine
     from trundle.testing.isaac.scenes import PhysicsScenes
     from trundle.testing.isaac.stage import Context, add_ground_plane, physx_schema
@@ -70,7 +70,8 @@ def _start(app: App, finder: Finder) -> None:
     tools.addGroundPlane = add_ground_plane  # type: ignore[attr-defined]
     _add_to_pxr(pxr, "PhysicsSchemaTools", tools)
     provided = {
-        **context.modules(), **interfaces.modules(app, context, engine), **tensors.modules(engine, context),
+        **context.modules(), **commands.modules(context),
+        **interfaces.modules(app, context, engine), **tensors.modules(engine, context),
         # The compiled half of two extensions.
         "isaacsim.core.simulation_manager.bindings": {
             "_simulation_manager": types.SimpleNamespace(
