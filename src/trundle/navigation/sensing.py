@@ -116,7 +116,7 @@ class SensedMap:
 
     def reset(self) -> None:
         """Forget what was sensed, but not which things on the map were hit."""
-        self.costmap = self._static
+        self.costmap: Costmap = self._static
         self._layered: LayeredCostmap | None = None
         self._hits_noted_at = -math.inf
         self._waiting: tuple[Scan, ...] = ()
