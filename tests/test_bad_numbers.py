@@ -43,6 +43,13 @@ def test_a_twist_that_no_robot_has_is_cut_with_a_warning(twist):
     assert CARTER.limits.clamp(command) == command
 
 
+def test_twists_that_no_robot_has_are_one_warning_of_a_navigator():
+    driven = navigator()
+    with pytest.warns(RobotWarning, match="and all others from now on, are cut to") as caught:
+        assert all(driven.update(HERE, Twist2D(1e4 + step, 0.0)) for step in range(5))
+    assert [one.filename for one in caught] == [__file__]
+
+
 def test_a_twist_somewhat_above_the_limits_is_taken_as_it_is():
     limits = CARTER.limits
     with warnings.catch_warnings():

@@ -22,11 +22,12 @@ from support.plugins.given_plugins import (
 )
 from trundle.control import create_controller
 from trundle.errors import InputError
+from trundle.fault import find_fault
 from trundle.geometry import Pose2D, Twist2D
 from trundle.localization import create_localizer
-from trundle.navigation import Choice, Navigator
+from trundle.navigation import Agent, Choice, NavigationStatus, Navigator
 from trundle.navigation.agents import create_agent
-from trundle.observation import Estimate
+from trundle.observation import Estimate, Observation
 from trundle.path import Path
 from trundle.planning import create_planner
 from trundle.sim import simulate
@@ -200,6 +201,55 @@ def test_an_agent_of_a_class_that_returns_something_else_is_named():
         trundle.run(sim, Pair, START, GOAL)
 
 
+class Worded(AimAgent):
+    """Says in plain texts what it is doing."""
+
+    driving = "driving"
+
+    @property
+    def status(self):
+        return self.driving if self._status is NavigationStatus.DRIVING else self._status.value
+
+    @status.setter
+    def status(self, status):
+        self._status = status
+
+
+class WordedAgent(Worded, Agent):
+    """The same, derived from `Agent`."""
+
+
+@pytest.mark.parametrize("kind", [Worded, WordedAgent])
+def test_an_agent_may_say_its_status_in_words(kind):
+    with simulate(World("floor", ()), CARTER, backend="kinematic") as sim:
+        episode = trundle.run(sim, kind, START, GOAL, time_limit_s=60.0)
+    assert episode.outcome.value == "arrived"
+
+
+@pytest.mark.parametrize("status", ["drivin", None, 3])
+def test_an_agent_with_a_status_that_is_none_is_named(status):
+    class Wrong(Worded):
+        driving = status
+
+    told = pytest.raises(InputError, match=rf"agent 'Wrong' has the status {status!r}: a status is .*, driving, ")
+    with simulate(World("floor", ()), CARTER, backend="kinematic") as sim, told as caught:
+        trundle.run(sim, Wrong, START, GOAL)
+    assert (find_fault(caught.value).kind, find_fault(caught.value).function) == ("agent", "Wrong.status")
+
+
+def test_an_estimate_of_another_time_is_the_localizers_fault():
+    def late(observation):
+        return Estimate(max(0.0, observation.time - 5.0), START)
+
+    made = make("localizer", late)
+    made.reset(START)
+    made.update(Observation(0.0, Twist2D(), START))
+    with pytest.raises(InputError, match=r"'late' returned an estimate of 2 s for an observation of 7 s") as caught:
+        made.update(Observation(7.0, Twist2D(), START))
+    assert find_fault(caught.value).kind == "localizer"
+    assert make("localizer", lambda seen: Estimate(seen.time + 1e-9, START)).update(Observation(1.0, Twist2D(), START))
+
+
 def test_a_function_agent_finishes_when_it_returns_none():
     def leave(observation, estimate):
         return Twist2D(0.3, 0.0) if observation.time < 1.0 else None
@@ -211,8 +261,6 @@ def test_a_function_agent_finishes_when_it_returns_none():
 
 
 def test_a_pose_becomes_an_estimate_at_the_time_of_the_observation():
-    from trundle.observation import Observation
-
     made = make("localizer", lambda observation: Pose2D(1.0, 2.0, 0.0))
     made.reset(START)
     found = made.update(Observation(0.5, Twist2D(), Pose2D(7.0, 7.0, 1.0)))

@@ -2,6 +2,7 @@
 
 import argparse
 
+import torch
 from rsl_rl.runners import OnPolicyRunner
 
 from trundle.gym.rsl_rl import RslRlVecEnv
@@ -12,10 +13,13 @@ parser.add_argument("--envs", type=int, default=1024)
 parser.add_argument("--iterations", type=int, default=500)
 parser.add_argument("--steps", type=int, default=32, help="of each iteration")
 parser.add_argument("--worlds", type=int, default=50)
+parser.add_argument("--seed", type=int, default=0, help="of the missions, the network and the actions")
 parser.add_argument("--log", help="folder for TensorBoard's logs and checkpoints")
 args = parser.parse_args()
 
-env = RslRlVecEnv(args.envs, world="office", worlds=args.worlds, robot="nova_carter", device=args.device)
+torch.manual_seed(args.seed)
+worlds = {"world": "office", "worlds": args.worlds}
+env = RslRlVecEnv(args.envs, reset_seed=1_000_000 * args.seed, robot="nova_carter", device=args.device, **worlds)
 network = {"class_name": "RNNModel", "rnn_type": "gru", "rnn_hidden_dim": 256, "hidden_dims": [256]}
 gaussian = {"class_name": "GaussianDistribution", "init_std": 0.6, "std_type": "log"}
 config = {

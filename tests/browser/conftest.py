@@ -44,6 +44,35 @@ HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
 """
 
 
+def until(tab: Any, true: Callable[[], Any], say: Callable[[], str] = lambda: "waited in vain") -> Any:
+    """Wait until something is true, and return it."""
+    for _ in range(WAIT_MS // 20):
+        if found := true():
+            return found
+        tab.wait_for_timeout(20)
+    raise AssertionError(say())
+
+
+def draw(tab: Any, count: int = 5) -> None:
+    """Let the page draw so many pictures."""
+    tab.evaluate(
+        """count => new Promise(done => {
+          const next = () => count-- > 0 ? requestAnimationFrame(next) : done();
+          next();
+        })""",
+        count,
+    )
+
+
+def still(tab: Any, selector: str) -> bytes:
+    """A part of the page once it looks the same twice, some pictures apart."""
+    before = b""
+    while (now := tab.locator(selector).screenshot()) != before:
+        before = now
+        draw(tab)
+    return now
+
+
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[Any]:
     path = shutil.which("chromium")
@@ -210,16 +239,16 @@ class Played:
 
     def wait_for(self, kind: str, count: int = 1, **least: float) -> list[dict[str, Any]]:
         """The messages of a kind, and with more than these values, once there are so many."""
-        for _ in range(WAIT_MS // 20):
+
+        def enough() -> list[dict[str, Any]]:
             found = [
                 message
                 for message in self.got
                 if message["type"] == kind and all(message[key] > value for key, value in least.items())
             ]
-            if len(found) >= count:
-                return found
-            self.tab.wait_for_timeout(20)
-        raise AssertionError(f"the page sent {self.got}, not {count} of {kind!r}")
+            return found if len(found) >= count else []
+
+        return until(self.tab, enough, lambda: f"the page sent {self.got}, not {count} of {kind!r}")
 
 
 @pytest.fixture

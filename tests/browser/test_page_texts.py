@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from browser.conftest import ADDRESS
+from browser.conftest import ADDRESS, draw, still
 from browser.gestures import drag, middle
 
 pytestmark = pytest.mark.browser
@@ -61,8 +61,7 @@ def test_another_language_changes_all_texts_and_neither_the_camera_nor_the_run(o
     x, y = middle(tab, "#scene")
     tab.mouse.move(x, y)
     tab.mouse.wheel(0, -600)
-    tab.wait_for_timeout(1500)
-    before = tab.locator("#scene canvas").screenshot()
+    before = still(tab, "#scene canvas")
     sockets, time = len(played.sockets), tab.locator("#status dd").first.inner_text()
     tab.click("#language")
     assert tab.locator("#goal").inner_text() == "목표 지정"
@@ -70,13 +69,12 @@ def test_another_language_changes_all_texts_and_neither_the_camera_nor_the_run(o
     tab.wait_for_selector("#status .doing:text-is('목표로 주행 중')")
     assert tab.locator(".state").inner_text() == "주행 중"
     assert tab.evaluate("document.documentElement.lang") == "ko"
-    tab.wait_for_timeout(500)
+    draw(tab)
     assert (len(played.sockets), tab.locator("#status dd").first.inner_text()) == (sockets, time)
     assert tab.locator("[data-camera=top]").get_attribute("aria-pressed") == "true"
     tab.click("#language")
-    tab.wait_for_timeout(500)
     assert tab.locator("#goal").inner_text() == "Set goal"
-    assert tab.locator("#scene canvas").screenshot() == before
+    assert still(tab, "#scene canvas") == before
     assert seen.problems == []
 
 

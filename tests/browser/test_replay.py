@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 
+from browser.conftest import still, until
+
 pytestmark = pytest.mark.browser
 
 
@@ -15,7 +17,6 @@ def seek(tab: Any, time: float) -> None:
     tab.evaluate(
         "t => { const s = document.querySelector('#time'); s.value = t; s.dispatchEvent(new Event('input')); }", time
     )
-    tab.wait_for_timeout(100)
 
 
 def wait_for_figure(tab: Any, name: str, text: str) -> None:
@@ -40,12 +41,12 @@ def test_a_report_opens_from_a_file_without_a_request_or_an_error(open_page: Any
 def test_the_slider_shows_the_run_at_any_time(open_page: Any, report: Path, recorded: Any) -> None:
     tab, _ = open_page(report.as_uri())
     tab.wait_for_selector(".report")
-    before = tab.locator("#map").screenshot()
+    before = still(tab, "#map")
     seek(tab, 4.0)
     wait_for_figure(tab, "Time", "0:04.00")
     row = next(row for row in recorded.run["rows"] if abs(row[0] - 4.0) < 1e-6)
     wait_for_figure(tab, "Speed", f"{row[4]:.2f} m/s")
-    assert tab.locator("#map").screenshot() != before
+    until(tab, lambda: tab.locator("#map").screenshot() != before)
     seek(tab, 1e9)
     wait_for_figure(tab, "Time", f"0:{recorded.duration:05.2f}")
 

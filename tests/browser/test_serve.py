@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from browser.conftest import draw
 from trundle.mission import Scenario
 
 pytestmark = pytest.mark.browser
@@ -35,7 +36,7 @@ def address(tmp_path_factory: pytest.TempPathFactory, chromium: Any) -> Iterator
         assert server.stdout is not None
         yield next(line for line in server.stdout if line.startswith("http")).strip()
         server.terminate()
-        server.wait(timeout=20)
+        server.wait(timeout=120)
 
 
 @pytest.fixture
@@ -63,11 +64,12 @@ def time_of(tab: Any) -> float:
 
 
 def settled_time(tab: Any) -> float:
-    """The time once the page has caught up."""
+    """The time once the page has caught up, which it does with the pictures that it draws."""
     before = -1.0
     while (now := time_of(tab)) != before:
         before = now
         tab.wait_for_timeout(400)
+        draw(tab)
     return now
 
 

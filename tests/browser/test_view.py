@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 import pytest
 
 import trundle
+from browser.conftest import WAIT_MS, until
 from trundle.serve import View
 from trundle.worlds import World
 
@@ -85,12 +87,10 @@ def test_held_keys_come_to_the_loop_and_none_once_the_page_is_gone(loop: Loop, o
     tab.keyboard.down("ArrowUp")
     headline(tab, "keys ArrowUp;")
     tab.context.close()
-    deadline = threading.Event()
-    for _ in range(100):
-        if not loop.view.keys:
-            break
-        deadline.wait(0.02)
-    assert loop.view.keys == frozenset()
+    end = time.monotonic() + WAIT_MS / 1000.0
+    while loop.view.keys:
+        assert time.monotonic() < end
+        time.sleep(0.02)
 
 
 def test_keys_while_a_goal_is_chosen_are_not_for_the_loop(loop: Loop, open_page: Callable[..., Any]) -> None:
@@ -182,11 +182,7 @@ def test_a_pose_is_set_on_the_page_of_a_loop_that_tells_what_it_believes(
     tab.locator("#status .located", has_text="localized").wait_for()
     tab.click("#set-pose")
     click(tab, 2.0, -1.0)
-    for _ in range(200):
-        if (told := loop.view.take_pose()) is not None:
-            break
-        tab.wait_for_timeout(20)
-    assert told is not None
+    told = until(tab, loop.view.take_pose)
     assert (told.x, told.y) == pytest.approx((2.0, -1.0), abs=0.1)
     assert loop.view.goal is None
     assert seen.problems == []

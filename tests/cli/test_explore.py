@@ -45,6 +45,35 @@ def test_the_time_limit_leaves_the_map_so_far_and_says_what_was_left(trundle: Tr
     assert OccupancyGrid.load("out.yaml").shape[0] > 10
 
 
+@pytest.mark.parametrize("option", [("--lidar-errors", "dropouts=0.01"), ("--start-error", "distance=0.3")])
+def test_options_of_what_it_has_by_itself_are_taken(trundle: Trundle, small_map: Path, option: tuple[str, str]) -> None:
+    ends = ("--start", "1.2,1.5", "--robot", "turtlebot3_burger", "--time-limit", "1")
+    done = trundle("explore", small_map, *ends, *option, *QUICK, "-o", "out.yaml")
+    assert done.code == 1
+    assert "timed_out" in done.out
+
+
+def test_amcl_of_nav2s_parameters_does_not_take_the_place_of_slam(trundle: Trundle, small_map: Path) -> None:
+    Path("nav2.yaml").write_text(
+        "amcl:\n  ros__parameters: {max_particles: 3000}\n"
+        "global_costmap:\n  global_costmap:\n    ros__parameters:\n      plugins: [static_layer, obstacle_layer]\n"
+        "      static_layer: {plugin: 'nav2_costmap_2d::StaticLayer'}\n"
+        "      obstacle_layer:\n        plugin: nav2_costmap_2d::ObstacleLayer\n"
+        "        observation_sources: scan\n        scan: {topic: scan}\n"
+    )
+    ends = ("--start", "1.2,1.5", "--robot", "turtlebot3_burger", "--time-limit", "1", "--nav2-params", "nav2.yaml")
+    done = trundle("explore", small_map, *ends, *QUICK, "-o", "out.yaml")
+    assert done.code == 1, done.err
+    assert Path("out.yaml").is_file()
+
+
+def test_options_of_a_localizer_are_those_of_the_one_that_the_file_names(trundle: Trundle, small_map: Path) -> None:
+    Path("own.yaml").write_text(f"map: {small_map}\nlocalizer: odometry\n")
+    done = trundle("explore", "own.yaml", "--localizer-option", "wrong=2", *QUICK, "-o", "out.yaml")
+    assert done.code == 2
+    assert "localizer 'odometry' has no option 'wrong'" in done.err
+
+
 def test_a_goal_is_refused(trundle: Trundle) -> None:
     done = trundle("explore", "maze", "--goal", "3,1")
     assert done.code == 2

@@ -261,7 +261,7 @@ def test_a_server_stays_up_after_a_plugin_has_raised(tmp_path: Path, mine: Path,
                 page.send("end")
                 assert page.wait("end")["outcome"] == "arrived"
             process.send_signal(signal.SIGINT)
-            assert process.wait(timeout=30) == 130
+            assert process.wait(timeout=120) == 130
         finally:
             process.kill()
     ends = sorted(json.loads(file.read_text())["outcome"] for file in (tmp_path / "runs").glob("*/episode.json"))

@@ -5,15 +5,13 @@ import os
 import re
 import signal
 import subprocess
-import sys
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
 
-from support.command_line import Trundle, room
+from support.command_line import Trundle, room, stopped
 from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
 
 ENDS = ("--start", "0.5,0.5,1.57", "--goal", "5.5,1.5,0")
@@ -314,26 +312,14 @@ def test_an_output_folder_that_is_read_only(trundle: Trundle, room_map: Path, tm
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_a_run_that_is_stopped(room_map: Path, tmp_path: Path, number: signal.Signals) -> None:
     """Ctrl-C gives an aborted run with its files; a kill leaves no half file."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "trundle", "run", str(room_map), "--start=0.5,0.5", "--goal=5.5,1.5", "--goal=0.5,0.5"]
-        + ["--goal=5.5,1.5", "--goal=0.5,0.5"] * 100
-        + ["--json", "--no-video", "--out=out"],
-        cwd=tmp_path,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    deadline = time.monotonic() + 30.0
-    while not (tmp_path / "out").exists() and time.monotonic() < deadline:
-        time.sleep(0.02)
-    time.sleep(4.0)  # Its folder is made before it plans; by now it drives, and does so for many times as long.
-    process.send_signal(number)
-    out, err = process.communicate(timeout=30)
+    there_and_back = ("--start=0.5,0.5", "--goal=5.5,1.5", "--goal=0.5,0.5")
+    command = stopped(number, "run", str(room_map), *there_and_back, "--json", "--no-video", "--out=out")
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     names = {path.name for path in (tmp_path / "out").iterdir()}
     if number == signal.SIGKILL:
         assert names == {".lock"}
         return
-    assert process.returncode == 1, err
-    assert json.loads(out)["outcome"] == "aborted"
-    assert "Traceback" not in err
+    assert done.returncode == 1, done.stderr
+    assert json.loads(done.stdout)["outcome"] == "aborted"
+    assert "Traceback" not in done.stderr
     assert names == {"episode.json", "trajectory.npz", "paths.npz", "scenario.yaml", "report.html", "overlay.png"}

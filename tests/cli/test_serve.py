@@ -113,7 +113,7 @@ def test_serve_sets_up_runs_until_it_is_ended(tmp_path: Path) -> None:
                 assert end["outcome"] == "arrived"
                 assert visitor.see(end["files"] + "episode.json")[0] == 200
             process.send_signal(signal.SIGINT)
-            assert process.wait(timeout=30) == 130
+            assert process.wait(timeout=120) == 130
         finally:
             process.kill()
 

@@ -1,3 +1,4 @@
+import codecs
 import fcntl
 import os
 import pty
@@ -14,6 +15,8 @@ from pathlib import Path
 import pytest
 
 COLUMNS, ROWS = 60, 24
+PATIENCE_S = 60.0
+"""Until a test gives up waiting: far longer than it takes, on any machine."""
 
 
 class Terminal:
@@ -41,16 +44,25 @@ class Terminal:
             cwd=folder,
         )
         self.text = ""
+        self._decode = codecs.getincrementaldecoder("utf-8")().decode
 
-    def wait_for(self, pattern: str) -> re.Match[str]:
-        deadline = time.monotonic() + 20.0
+    def wait_for(self, pattern: str, held: bytes = b"") -> re.Match[str]:
+        """Wait until the terminal shows this, while a key is held, which repeats."""
+        deadline = time.monotonic() + PATIENCE_S
         while time.monotonic() < deadline and self.process.poll() is None:
             found = re.search(pattern, self.text)
             if found:
                 return found
+            if held:
+                os.write(self.master, held)
             if select.select([self.master], [], [], 0.1)[0]:
-                self.text += os.read(self.master, 65536).decode()
+                self.text += self._decode(os.read(self.master, 65536))
         raise AssertionError(f"{pattern!r} never came; the terminal showed {self.text[-500:]!r}")
+
+    def hold(self, key: bytes, pattern: str) -> None:
+        """Hold a key until the terminal shows this."""
+        self.text = ""
+        self.wait_for(pattern, key)
 
     def send(self, keys: bytes) -> None:
         self.text = ""
@@ -82,17 +94,13 @@ def last_row(folder: Path) -> dict[str, str]:
 
 def test_keys_drive_and_the_terminal_comes_back(terminal: Terminal, tmp_path: Path) -> None:
     terminal.wait_for(r"v  0\.000")
-    for _ in range(4):
-        terminal.send(b"i")
-        terminal.wait_for(r"v  0\.1")
-    terminal.wait_for(r"v  0\.000")  # The dead-man let go.
-    terminal.send(b"w")
-    terminal.wait_for(r"v  0\.[1-9]")
+    terminal.hold(b"i", r"v  0\.4")
+    terminal.wait_for(r"v  0\.4(?s:.*)v  0\.000")  # The dead-man let go.
+    terminal.hold(b"w", r"v  0\.[3-9]")
     assert max(map(len, lines_of(terminal.text))) < COLUMNS
-    terminal.send(b"\x1b[D")
-    terminal.wait_for(r"w  0\.[1-9]")
+    terminal.hold(b"\x1b[D", r"w  0\.[1-9]")
     terminal.send(b"q")
-    assert terminal.process.wait(10) == 0
+    assert terminal.process.wait(PATIENCE_S) == 0
     assert termios.tcgetattr(terminal.slave) == terminal.before
     row = last_row(tmp_path)
     assert float(row["x"]) > 0.05
@@ -107,10 +115,9 @@ def test_a_map_is_redrawn_in_place_and_the_summary_describes_the_drive(tmp_path:
         assert frame[0].split()[1] == "s"
         assert sum(line.count("^") for line in frame[1:]) == 1
         assert sum(line.count("#") for line in frame[1:]) > 20
-        terminal.send(b"w")
-        terminal.wait_for(r"v  0\.[2-9]")
+        terminal.hold(b"w", r"v  0\.[2-9]")
         terminal.send(b"q")
-        out, _ = terminal.process.communicate(timeout=10)
+        out, _ = terminal.process.communicate(timeout=PATIENCE_S)
     finally:
         terminal.close()
     facts = dict(line.split("  ", 1) for line in out.decode().splitlines())
@@ -136,7 +143,7 @@ def test_what_is_no_terminal_gets_plain_lines(tmp_path: Path) -> None:
     try:
         lines = [terminal.process.stderr.readline().decode() for _ in range(5)]
         terminal.send(b"q")
-        rest = terminal.process.communicate(timeout=10)[1].decode()
+        rest = terminal.process.communicate(timeout=PATIENCE_S)[1].decode()
     finally:
         terminal.close()
     assert re.match(r" +0\.1 s x", lines[-1])
@@ -151,6 +158,6 @@ def test_signals_end_it_with_the_record_and_the_terminal_as_it_was(
 ) -> None:
     terminal.wait_for(r"v  0\.000")
     terminal.process.send_signal(number)
-    assert terminal.process.wait(10) == code
+    assert terminal.process.wait(PATIENCE_S) == code
     assert termios.tcgetattr(terminal.slave) == terminal.before
     assert float(last_row(tmp_path)["time_s"]) > 0.0

@@ -85,8 +85,47 @@ def test_two_policies_of_one_name_are_told_apart_by_their_folders(tmp_path, poli
     assert [suite.spec(index).agent for index in (0, 1)] == [str(policy), str(other)]
 
 
-def test_a_requirement_may_name_an_agent(policy):
+@pytest.mark.parametrize("lidar", [False, ["back"], [True, False]])
+def test_a_policy_without_its_lidar_is_refused_before_the_first_episode(policy, lidar):
     fields = {"worlds": "office", "agents": [str(policy), "navigator"]}
+    with pytest.raises(InputError, match=r"policy\.onnx: the policy needs scans of the lidar front.*give lidar: true"):
+        Suite.make(**fields, lidar=lidar).check()
+    with pytest.raises(InputError, match="lidar: false"):
+        Suite.make(**fields).check()
+    for seeing in ("front", ["front", "back"]):
+        Suite.make(**fields, lidar=[seeing]).check()
+    Suite.make(**fields, backends=[{"name": "kinematic", "options": {"lidar": True}}]).check()
+
+
+@pytest.mark.parametrize("period", ["0.033", "0.12", "0.005"])
+def test_a_policy_of_any_period_drives(tmp_path, policy, period, capsys):
+    write_policy(policy, {**GOAL_SEEKER, "period": period})
+    out = tmp_path / "out"
+    command = [
+        "evaluate",
+        str(write_suite(tmp_path)),
+        "--agents",
+        str(policy),
+        "-o",
+        str(out),
+        "--workers",
+        "1",
+        "--quiet",
+    ]
+    assert main(command) == 0
+    capsys.readouterr()
+    assert [row.outcome for row in rows_of(out)] == ["arrived"]
+
+
+def test_a_policy_with_a_period_below_a_physics_step_is_refused(tmp_path, policy, capsys):
+    write_policy(policy, {**GOAL_SEEKER, "period": "0.001"})
+    command = ["evaluate", str(write_suite(tmp_path)), "--agents", str(policy), "-o", str(tmp_path / "out"), "--quiet"]
+    assert main(command) == 2
+    assert "trundle.period is '0.001': it must be from 0.005" in capsys.readouterr().err
+
+
+def test_a_requirement_may_name_an_agent(policy):
+    fields = {"worlds": "office", "agents": [str(policy), "navigator"], "lidar": True}
     Suite.make(**fields, require="success[agent=policy.onnx]>=0.5").check()
     with pytest.raises(InputError, match="navigator"):
         Suite.make(**fields, require="success[agent=navigatr]>=0.5").check()

@@ -118,7 +118,7 @@ def test_the_report_is_there_while_the_evaluation_runs(room, tmp_path: Path):
     def write_now(progress):
         if progress.done == 2:
             writer = start_writer(str(out))
-            seen.append((writer.wait(60), (out / "report.html").read_text(), len(Evaluation(out))))
+            seen.append((writer.wait(300), (out / "report.html").read_text(), len(Evaluation(out))))
 
     run_suite(suite, out, workers=1, on_progress=write_now)
     assert len(Evaluation(out)) == 3

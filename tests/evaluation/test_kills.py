@@ -1,8 +1,6 @@
 """An evaluation whose processes are killed gives the rows of one that nobody interrupted; benchmarks/ has 100 kills."""
 
-import os
 import random
-import signal
 import subprocess
 import sys
 import time
@@ -10,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from support.processes import children_of, kill
 from trundle.evaluation import Suite
 from trundle.evaluation.engine import run_suite
 from trundle.evaluation.store import Results
@@ -45,10 +44,6 @@ def start(suite_file, folder):
     )
 
 
-def children_of(pid):
-    return [int(word) for word in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
-
-
 def count_rows(folder):
     journal = folder / "journal.jsonl"
     return journal.read_bytes().count(b"\n") if journal.exists() else 0
@@ -63,7 +58,7 @@ def wait_for_rows(process, folder, count):
     return process.poll() is None
 
 
-@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="finds processes in /proc")
+@pytest.mark.skipif(not Path("/proc").exists(), reason="finds processes in /proc")
 @pytest.mark.parametrize("victim", ["driver", "server", "worker"])
 def test_rows_after_kills_are_those_of_an_uninterrupted_evaluation(suite_file, uninterrupted, tmp_path, victim):
     folder = tmp_path / "killed"
@@ -72,8 +67,7 @@ def test_rows_after_kills_are_those_of_an_uninterrupted_evaluation(suite_file, u
         if wait_for_rows(process, folder, count):
             below = children_of(process.pid)
             chosen = {"driver": [process.pid], "server": below, "worker": [w for s in below for w in children_of(s)]}
-            for pid in chosen[victim]:
-                os.kill(pid, signal.SIGKILL)
+            kill(chosen[victim])
         if victim == "driver":
             process.communicate(timeout=120)
             process = start(suite_file, folder)

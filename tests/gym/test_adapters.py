@@ -59,3 +59,6 @@ def test_rsl_rl_learns_on_it():
     assert rewards.shape == (4,)
     observed, _, _, extras = env.step(torch.full((4, 2), 50.0))  # cut off at the bounds
     assert extras["log"] == {}
+    seeded = RslRlVecEnv(4, reset_seed=9, **OPTIONS).get_observations()["actor"]
+    assert not torch.equal(seeded, RslRlVecEnv(4, **OPTIONS).get_observations()["actor"])
+    assert torch.equal(seeded[0], RslRlVecEnv(1, reset_seed=9, **OPTIONS).get_observations()["actor"][0])

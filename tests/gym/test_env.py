@@ -13,6 +13,7 @@ from trundle.gym import NavigationEnv
 from trundle.maps import OccupancyGrid
 from trundle.worlds import World
 
+GRID = OccupancyGrid(np.pad(np.zeros((80, 80), np.int8), 2, constant_values=100), 0.05)
 AHEAD = np.array([0.6, 0.1], dtype=np.float32)
 
 
@@ -197,6 +198,21 @@ def test_a_step_needs_a_reset(quick_options):
         ({"period_s": 0.0123}, InputError, "multiple"),
         ({"beams": 0}, InputError, "beams"),
         ({"lidar": False}, InputError, "no lidar"),
+        ({"lidar": 3}, InputError, "lidar must be true, false, or names"),
+        ({"lidar": ["front", 3]}, UnknownNameError, "unknown lidar of nova_carter '3'"),
+        ({"lidar": ["front", "front"]}, InputError, "'front' is chosen twice"),
+        ({"world_options": 3}, InputError, "world_options must be a mapping"),
+        ({"world_options": {3: 1}}, InputError, "world_options must be a mapping"),
+        ({"world_options": {"seed": 1}}, InputError, "the options seed and split"),
+        ({"world": GRID, "worlds": 2}, InputError, "worlds has no effect where world is a map"),
+        ({"world": [GRID], "world_options": {}}, InputError, "world_options has no effect"),
+        ({"world": GRID, "resolution": 0.1}, InputError, "resolution has no effect where world is a map: leave"),
+        ({"world": "site.yaml", "resolution": 0.1}, InputError, "resolution has no effect"),
+        (
+            {"world": World.from_map(GRID), "worlds": 2},
+            InputError,
+            "worlds has no effect where world is a map or a world",
+        ),
         ({"device": "cuda"}, InputError, "cpu"),
         ({"render_mode": "ansi"}, UnknownNameError, "rgb_array"),
     ],
@@ -214,9 +230,10 @@ def test_a_world_without_room_is_named():
 
 
 def test_several_worlds_of_several_kinds(quick_options):
-    grid = OccupancyGrid(np.pad(np.zeros((80, 80), np.int8), 2, constant_values=100), 0.05)
-    env = NavigationEnv(**{**quick_options, "world": ["maze", grid, World.from_map(grid)]})
+    env = NavigationEnv(**{**quick_options, "world": ["maze", GRID, World.from_map(GRID)]})
     assert len(env.episodes.arena.names) == 4
+    coarse = NavigationEnv(world=World.from_map(GRID), robot="turtlebot3_burger", resolution=0.1)
+    assert coarse.episodes.arena.resolution == 0.1
 
 
 def test_the_environments_are_registered():
@@ -237,3 +254,12 @@ def test_a_crowd_sees_the_robot_and_is_another_in_each_episode():
     assert len(places[0]) == 6
     assert np.array_equal(places[0], places[1])
     assert not np.array_equal(places[0], places[2])
+
+
+@pytest.mark.parametrize("seed", [2**64, -1, 1.5, True])
+def test_a_bad_seed_is_named_and_the_episode_goes_on(quick_options, seed):
+    env = NavigationEnv(**quick_options)
+    env.reset(seed=2**64 - 1)
+    with pytest.raises(InputError, match="seed must be an integer from 0 to 18446744073709551615"):
+        env.reset(seed=seed)
+    assert env.step(AHEAD)[-1]["time_s"] == pytest.approx(0.2)

@@ -1,10 +1,14 @@
 """The metadata of a policy are those of the environment that it was trained in."""
 
+import math
+
 import gymnasium
 import pytest
 
+from support.policies import write_policy
 from trundle.errors import InputError
 from trundle.gym import NavigationEnv, policy_metadata
+from trundle.navigation.policies.policy_file import PolicyFile
 
 OPTIONS = {"world": "office", "worlds": 1, "robot": "jackal", "beams": 24}
 
@@ -39,3 +43,39 @@ def test_what_a_robot_cannot_observe_or_do_is_refused():
         policy_metadata(object())
     with pytest.raises(InputError, match="scaled_actions=True"):
         policy_metadata(NavigationEnv(scaled_actions=False, **OPTIONS))
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"normalisation": {"ranges": (0, 0)}}, "scale above 0"),
+        ({"normalisation": {"ranges": (0.0, math.nan)}}, "must be finite"),
+        (
+            {"normalisation": {"odour": (0.0, 1.0)}},
+            "normalisation has 1 numbers for 'odour'; observations are ranges, goal",
+        ),
+        ({"normalisation": {"ranges": (0.0, [1.0] * 23)}}, "normalisation has 23 numbers for 'ranges'"),
+        ({"normalisation": {"goal": 3.0}}, "normalisation is"),
+        ({"normalisation": [1]}, "normalisation is"),
+        ({"normalisation": {"ranges": (0.0, 1.0)}, "observations": ("goal",)}, "for 'ranges'; observations are goal,"),
+        ({"observations": ("goal", "goal")}, "must be different names"),
+        ({"observations": ()}, "must be different names"),
+        ({"states": {"h": ""}}, "must be input=output"),
+    ],
+)
+def test_what_the_file_of_a_policy_would_refuse_is_not_written(options, text):
+    with pytest.raises(InputError, match=text):
+        policy_metadata(NavigationEnv(**OPTIONS), **options)
+
+
+def test_the_file_of_a_policy_takes_what_is_written(tmp_path):
+    pytest.importorskip("onnx", reason="makes policies with onnx, of the development tools")
+    pytest.importorskip("onnxruntime", reason="needs onnxruntime, of the extra policy")
+    each = {"ranges": (0.0, [12.0] * 36), "goal": ([1.0, 0.0, 0.0], 10.0)}
+    metadata = policy_metadata(NavigationEnv(**{**OPTIONS, "beams": 36}), normalisation=each)
+    texts = {name.removeprefix("trundle."): text for name, text in metadata.items()}
+    file = PolicyFile.load(write_policy(tmp_path / "policy.onnx", texts))
+    assert {name: [part.tolist() for part in parts] for name, parts in file.normalisation.items()} == {
+        "ranges": [[0.0], [12.0] * 36],
+        "goal": [[1.0, 0.0, 0.0], [10.0]],
+    }

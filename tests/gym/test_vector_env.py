@@ -132,32 +132,96 @@ def test_a_start_without_room_for_the_crowd_is_drawn_again():
         env.step(action)
 
 
-@pytest.mark.parametrize("mode", ["same_step", "next_step"])
-def test_robots_that_get_no_room_keep_their_episodes(mode):
-    env = in_a_room(4.5, 8, autoreset_mode=mode)
-    env.reset(seed=0)
-    episodes, place = env.episodes, RobotCrowds.place
-    places, goals, drawn = episodes.sim.poses.copy(), episodes.goals.copy(), episodes._episodes.copy()
+@pytest.fixture
+def no_room_for_robot_5(monkeypatch):
+    """A seed has no room for the crowd of robot 5."""
+    place = RobotCrowds.place
 
-    def place_but_robot_5(self, chosen, *given):
-        if 5 in (np.arange(16) if chosen is None else chosen):
+    def place_but_robot_5(self, chosen, recordings, poses, seeds):
+        robots = np.arange(16) if chosen is None else np.asarray(chosen)
+        if 5 in robots and patched:
             raise WorldError("robot 5: no room. Nothing was reset")
-        place(self, chosen, *given)
+        place(self, chosen, recordings, poses, seeds)
 
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(RobotCrowds, "place", place_but_robot_5)
-        for _ in range(4 if mode == "same_step" else 5):
-            env.step(np.zeros((16, 2), np.float32))
-        with pytest.raises(WorldError, match=r"robot 5: no room\. None of 16 starts has room; the robot was not reset"):
-            env.step(np.zeros((16, 2), np.float32))
-    others = np.arange(16) != 5
+    patched = [True]
+    monkeypatch.setattr(RobotCrowds, "place", place_but_robot_5)
+    return patched
+
+
+STILL = np.zeros((16, 2), np.float32)
+NO_ROOM = r"robot 5: no room\. None of 16 starts has room; the robot was not reset: reset it with another seed"
+
+
+def step_until_the_end(env):
+    """Step until all episodes are over; return the numbers of the episodes and the goals."""
+    numbers, goals = env.episodes._episodes.copy(), env.episodes.goals.copy()
+    for _ in range(4):
+        env.step(STILL)
+    return numbers, goals
+
+
+def test_next_step_begins_no_episode_of_the_others_twice_where_one_gets_no_room(no_room_for_robot_5):
+    no_room_for_robot_5.clear()
+    env, unharmed = (in_a_room(4.5, 8, autoreset_mode="next_step") for _ in range(2))
+    for each in (env, unharmed):
+        each.reset(seed=0)
+        numbers, goals = step_until_the_end(each)
+        assert each.step(STILL)[3].all()
+    no_room_for_robot_5.append(True)
+    for _ in range(2):
+        with pytest.raises(WorldError, match=NO_ROOM):
+            env.step(STILL)
+    others, episodes = np.arange(16) != 5, env.episodes
     assert np.array_equal(episodes.goals[5], goals[5])
-    assert np.array_equal(episodes.sim.poses[5], places[5])
-    assert episodes._episodes[5] == drawn[5]
+    assert (episodes._episodes - numbers).tolist() == others.astype(int).tolist()
     assert (episodes.elapsed[others] == 0).all()
-    assert (episodes._episodes[others] == drawn[others] + 1).all()
-    assert (episodes.distances[others] == episodes.shortest[others]).all()
-    env.step(np.zeros((16, 2), np.float32))
+    no_room_for_robot_5.clear()
+    for _ in range(6):
+        mine, expected = env.step(STILL), unharmed.step(STILL)
+        assert same(mine[0], expected[0])
+        assert np.array_equal(mine[1], expected[1])
+
+
+def test_same_step_ends_the_step_in_which_a_robot_gets_no_room_and_waits_for_another_seed(no_room_for_robot_5):
+    no_room_for_robot_5.clear()
+    env, unharmed = (in_a_room(4.5, 8, autoreset_mode="same_step") for _ in range(2))
+    for each in (env, unharmed):
+        each.reset(seed=0)
+        step_until_the_end(each)
+    expected = unharmed.step(STILL)
+    no_room_for_robot_5.append(True)
+    others, places = np.arange(16) != 5, env.episodes.sim.poses.copy()
+    observed, rewards, _, truncated, info = env.step(STILL)
+    assert truncated.all()
+    assert np.array_equal(rewards, expected[1])
+    assert same(
+        {name: values[others] for name, values in observed.items()}, {n: v[others] for n, v in expected[0].items()}
+    )
+    assert same({name: values[5] for name, values in observed.items()}, info["final_obs"][5])
+    assert info["time_s"].tolist() == np.where(others, 0.0, 1.0).tolist()
+    assert np.array_equal(env.episodes.sim.poses[5], places[5])
+    for _ in range(2):
+        with pytest.raises(WorldError, match=NO_ROOM):
+            env.step(STILL)
+    assert (env.episodes.elapsed[others] == 0).all()
+    no_room_for_robot_5.clear()
+    env.reset(seed=100, options={"reset_mask": ~others})
+    mine, expected = env.step(STILL), unharmed.step(STILL)
+    assert same(
+        {name: values[others] for name, values in mine[0].items()}, {n: v[others] for n, v in expected[0].items()}
+    )
+
+
+def test_a_reset_in_which_a_robot_gets_no_room_begins_the_episodes_of_the_others(no_room_for_robot_5):
+    env, unharmed = (in_a_room(4.5, 8) for _ in range(2))
+    with pytest.raises(WorldError, match=NO_ROOM):
+        env.reset(seed=0)
+    with pytest.raises(InputError, match="robot 5 has no episode"):
+        env.step(STILL)
+    no_room_for_robot_5.clear()
+    mine, _ = env.reset(seed=0, options={"reset_mask": np.arange(16) == 5})
+    assert same(mine, unharmed.reset(seed=0)[0])
+    assert same(env.step(STILL)[0], unharmed.step(STILL)[0])
 
 
 def test_masks_of_an_info_are_not_shared(quick_options):
@@ -174,6 +238,33 @@ def test_seeds_may_be_a_list(quick_options):
     assert same({name: values[0] for name, values in listed.items()}, NavigationEnv(**quick_options).reset(seed=9)[0])
     with pytest.raises(InputError, match="one for each of 3"):
         env.reset(seed=[1, 2])
+
+
+def test_the_largest_seeds_are_those_of_a_single_environment(quick_options):
+    env, single = make(quick_options, count=2), NavigationEnv(**quick_options)
+    many, _ = env.reset(seed=2**64 - 2)
+    assert same({name: values[1] for name, values in many.items()}, single.reset(seed=2**64 - 1)[0])
+    listed, _ = env.reset(seed=np.array([2**64 - 1, 0], dtype=np.uint64))
+    assert np.array_equal(listed["goal"][0], many["goal"][1])
+
+
+@pytest.mark.parametrize(
+    "seed", [-1, 2**64, 2**64 - 1, 1.5, True, "7", [0, 2**64], [0, 1.5], np.array(1.5), [[0], [1]]]
+)
+def test_a_bad_seed_is_named_and_resets_nothing(quick_options, seed):
+    env = make(quick_options, count=2)
+    env.reset(seed=0)
+    goals = env.episodes.goals.copy()
+    with pytest.raises(InputError, match="seed"):
+        env.reset(seed=seed)
+    assert np.array_equal(env.episodes.goals, goals)
+
+
+def test_nothing_is_drawn_before_all_robots_have_an_episode(quick_options):
+    env = make(quick_options, count=2, render_mode="rgb_array")
+    assert env.render() is None
+    env.reset(seed=0)
+    assert len(env.render()) == 2
 
 
 @pytest.mark.parametrize(
@@ -205,6 +296,11 @@ def test_a_misspelt_option_of_reset_resets_nothing(quick_options):
     with pytest.raises(InputError, match="Did you mean 'reset_mask'"):
         env.reset(options={"reset_maks": np.ones(5, dtype=bool)})
     assert np.array_equal(env.unwrapped.episodes.sim.poses, poses)
+
+
+def test_options_of_reset_that_are_no_mapping_are_named(quick_options):
+    with pytest.raises(InputError, match="options of reset must be a mapping, got 3"):
+        make(quick_options).reset(options=3)
 
 
 def test_a_step_needs_a_reset_of_every_robot(quick_options):

@@ -104,6 +104,7 @@ def test_an_exception_has_pythons_traceback_and_exit_status(isaac: Callable[...,
         ("import sys\nsys.exit(7)\n", BEGIN, 7, ""),
         ("sys.exit('no map')\n", "import sys\n", 1, "no map"),
         ("import isaacsim.core.api\n", "", 1, "can only be imported after SimulationApp is created"),
+        ("import isaacsim.core.utils.torch as utils\nutils.rad2deg(1.0)\n", BEGIN, 1, "there is no PyTorch without"),
         ("import isaacsim.asset.importer.urdf\n", BEGIN, 1, "'isaacsim.asset': without Isaac Sim there are only the"),
         ("while simulation_app.is_running():\n    simulation_app.update()\nprint('end')\n", BEGIN, 0, ""),
         (
@@ -112,7 +113,7 @@ def test_an_exception_has_pythons_traceback_and_exit_status(isaac: Callable[...,
             BEGIN, 3, "went on after the simulation had ended (--seconds 2.0), and was ended",
         ),
     ],
-    ids=["exit status", "exit message", "too early", "not there", "update", "endless"],
+    ids=["exit status", "exit message", "too early", "no PyTorch", "not there", "update", "endless"],
 )  # fmt: skip
 def test_a_script_ends(
     isaac: Callable[..., Any], tmp_path: Path, text: str, begin: str, status: int, says: str

@@ -95,6 +95,6 @@ def test_navigate_reaches_the_goal(run: Callable[..., str]) -> None:
     assert float(seconds) < 60.0
 
 
-@pytest.mark.parametrize("name", ["old_names", "timeline", "experimental"])
+@pytest.mark.parametrize("name", ["old_names", "timeline", "experimental", "changes"])
 def test_other_styles_of_scripts_do_what_they_check_themselves(run: Callable[..., str], name: str) -> None:
     assert run(name).splitlines()[-1] == "done"

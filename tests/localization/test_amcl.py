@@ -176,7 +176,8 @@ def test_without_scans_it_follows_the_odometry_and_grows_uncertain(lap, robot, g
     localizer = create_localizer("amcl", grid, robot)
     localizer.reset(START)
     blind = [(truth, replace(observation, scans=())) for truth, observation in lap]
-    found = follow(localizer, blind)
+    with pytest.warns(SensorWarning, match="has got no scan"):
+        found = follow(localizer, blind)
     sizes = [float(np.trace(estimate.covariance[:2, :2])) for _, estimate in found]
     assert errors_of(found).max() < 1e-6
     assert sizes[-1] > 4.0 * sizes[10]

@@ -158,7 +158,7 @@ def test_a_live_run_in_another_thread_is_paused_and_ended(make_sim, navigator, s
     steering.put(Pause())
     thread.start()
     steering.put(End("seen enough"))
-    thread.join(30.0)
+    thread.join(60.0)
     assert [episode.message for episode in episodes] == ["seen enough"]
 
 
@@ -336,7 +336,7 @@ def test_many_threads_that_click_at_random_reach_only_the_run_that_they_saw(make
     finally:
         over.set()
         for thread in threads:
-            thread.join(30.0)
+            thread.join(60.0)
     assert not episode.observer_errors
     assert seen == list(range(1, live.status.run + 1))
     assert [answers.count(number) for number in range(4)] == given

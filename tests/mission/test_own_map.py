@@ -12,7 +12,7 @@ from trundle.errors import InputError, ScenarioError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.localization import create_localizer
 from trundle.maps import OccupancyGrid
-from trundle.mission import Scenario, Session, SetPose, Steering
+from trundle.mission import Outcome, Scenario, Session, SetPose, Steering
 from trundle.mission.exploring import exploring
 from trundle.mission.own_map import Correction, describe_corrections
 from trundle.mission.start_error import StartError
@@ -153,6 +153,19 @@ def test_mppi_explores_among_people():
     assert exploration.episode.metrics.contacts == ()
     assert exploration.episode.metrics.distance_m > 1.0
     assert len(exploration.graph.poses) > 3
+
+
+@pytest.mark.parametrize("settings", [{"start_error": {"distance": 0.3}}, {"lidar_errors": {"dropouts": 0.01}}])
+@pytest.mark.parametrize("given", [Scenario.make(world="maze", agent="explorer"), "maze"], ids=["scenario", "name"])
+def test_an_exploration_takes_settings_of_its_lidars_and_its_localizer(given, settings):
+    exploration = trundle.explore(given, backend="kinematic", time_limit_s=0.5, **settings)
+    assert exploration.episode.outcome is Outcome.TIMED_OUT
+    assert exploration.grid is not None
+
+
+def test_an_exploration_without_lidars_is_refused():
+    with pytest.raises(ScenarioError, match="give lidar: true"):
+        trundle.explore("maze", lidar=False)
 
 
 def test_an_exploration_has_no_goal_and_no_other_agent():

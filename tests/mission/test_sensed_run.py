@@ -164,6 +164,8 @@ def test_an_unknown_localizer_is_reported():
     ("settings", "words"),
     [
         ({"known_map": False}, "a robot that does not know the map needs lidars"),
+        ({"localizer": "amcl"}, "localizer amcl finds the robot by the scans of its lidars: give lidar: true"),
+        ({"localizer": {"name": "slam"}, "lidar": False}, "localizer slam finds the robot by the scans"),
         ({"known_map": False, "lidar": True, "keepout": "zones.yaml"}, "areas of a map"),
         ({"latency": {"scan_age_s": 3}}, "scan_age_s"),
         ({"layers": {"obstacl": None}}, "Did you mean 'obstacle'"),

@@ -55,12 +55,17 @@ def test_a_plan_before_the_first_scan_is_made_again_after_it():
     assert navigator.status is NavigationStatus.ARRIVED
 
 
-def test_a_robot_without_lidars_waits_two_seconds_for_a_scan_and_doubts_nothing():
+@pytest.mark.parametrize("began", [0.0, 1.7e9], ids=["from 0", "from an epoch"])
+@pytest.mark.parametrize("is_asked", [False, True], ids=["by update alone", "after plan"])
+def test_a_robot_without_lidars_waits_two_seconds_for_a_scan_and_doubts_nothing(began, is_asked):
     navigator = Navigator(grid_of(room(*WALLS, THING)), ROBOT, layers=doubting(), settings=PATIENT)
     navigator.set_goal(GOAL)
+    if is_asked:  # before the navigator knows the time
+        with pytest.raises(PlanningError):
+            navigator.plan(START)
     ended = []
     for step in range(80):
-        navigator.update(START, Twist2D(), time=0.05 * step)
+        navigator.update(START, Twist2D(), time=began + 0.05 * step)
         if navigator.status in FINAL:
             ended.append(0.05 * step)
     assert navigator.status is NavigationStatus.NO_PATH

@@ -1,5 +1,6 @@
 """Policies in ONNX files as agents."""
 
+import itertools
 import math
 import subprocess
 import sys
@@ -16,6 +17,7 @@ from trundle.maps import OccupancyGrid
 from trundle.navigation import NavigationStatus, Navigator, create_agent
 from trundle.observation import Estimate, Observation, Scan
 from trundle.robots import Robot
+from trundle.sim.ramp import count_steps
 from trundle.testing import check_agent
 
 pytest.importorskip("onnx", reason="makes policies with onnx, of the development tools")
@@ -68,6 +70,21 @@ def test_an_action_is_held_for_the_period_of_the_policy(policy):
     assert all(drive(agent, step * 0.05, pose=turned) == first for step in (1, 2, 3))
     second = drive(agent, 0.2, pose=turned)
     assert (second.v, second.w) == pytest.approx((0.5 * math.cos(1.0), -0.7 * math.sin(1.0)))
+
+
+@pytest.mark.parametrize(
+    ("period", "tick"),
+    [(0.2, 0.05), (0.05, 0.05), (0.12, 0.04), (0.035, 0.035), (0.005, 0.005), (0.033, 0.005), (1 / 30, 0.005)],
+)
+def test_control_periods_are_physics_steps_that_divide_the_period_of_the_policy(tmp_path, period, tick):
+    agent = create_agent(str(write_policy(tmp_path / "p.onnx", {**GOAL_SEEKER, "period": repr(period)})), ROBOT)
+    assert agent.dt == pytest.approx(tick)
+    assert count_steps(agent.dt, 0.005) == round(tick / 0.005)
+    agent.set_goal(Goal(50.0, 0.0))
+    poses = [Pose2D(0.0, 0.0, 0.001 * step) for step in range(round(3.0 / tick))]
+    commands = [drive(agent, step * agent.dt, pose=pose) for step, pose in enumerate(poses)]
+    changes = sum(one != other for one, other in itertools.pairwise(commands))
+    assert changes == pytest.approx(3.0 / period, abs=1.01)
 
 
 def test_reset_zeroes_the_recurrent_state(tmp_path):
@@ -136,7 +153,8 @@ def test_without_scans_it_is_stuck_and_says_why(policy):
         ({"observations": "goal,velocity"}, "the input 'ranges' is in neither"),
         ({"beams": "180"}, r"shape \(1, 36\), and the observation \(1, 180\)"),
         ({"beams": "-3"}, "trundle.beams is '-3': it must be a whole number"),
-        ({"period": "nan"}, "trundle.period is 'nan': it must be from 0.001"),
+        ({"period": "nan"}, "trundle.period is 'nan': it must be from 0.005"),
+        ({"period": "0.001"}, "trundle.period is '0.001': it must be from 0.005"),
         ({"scale": "1.0"}, "trundle.scale is '1.0': it must be two numbers"),
         ({"lidars": "front,back"}, "correct the metadata"),
         ({"lidars": "top"}, "observes the lidar 'top'; nova_carter has: front, back"),

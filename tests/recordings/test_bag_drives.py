@@ -277,6 +277,7 @@ def test_what_can_be_read_of_a_bag_that_was_cut_off_is_used(tmp_path):
     drive, _, scans = read(cut)
     assert 0 < len(scans) < 200
     assert any("cut off or damaged" in line for line in drive.remarks.lines)
+    assert drive.damage
 
 
 def test_values_that_are_not_finite_are_left_out_and_counted(tmp_path):

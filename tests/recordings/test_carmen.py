@@ -131,6 +131,7 @@ def test_a_gzipped_log_that_was_cut_off_is_used_up_to_there(tmp_path):
     drive, _, scans = read(tmp_path / "cut.log.gz")
     assert 20 < len(scans) < 60
     assert any("cut off or damaged" in line for line in drive.remarks.lines)
+    assert drive.damage
 
 
 def test_damaged_lines_are_left_out_and_counted(tmp_path):

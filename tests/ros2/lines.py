@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-QUICK_S = 40.0
+QUICK_S = 120.0
 """Longer than anything waits here, on a loaded machine."""
 
 

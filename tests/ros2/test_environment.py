@@ -74,10 +74,10 @@ spinning.start()
 def wait(future):
     done = threading.Event()
     future.add_done_callback(lambda _: done.set())
-    assert done.wait(20)
+    assert done.wait(60)
     return future.result()
 
-assert caller.wait_for_service(20) and client.wait_for_server(20)
+assert caller.wait_for_service(60) and client.wait_for_server(60)
 print(wait(caller.call_async(StepSimulation.Request(steps=5))).result.result)
 feedback = []
 handle = wait(client.send_goal_async(NavigateToPose.Goal(), feedback.append))
@@ -117,5 +117,5 @@ def test_the_types_of_the_distributions_differ_where_nav2_changed_them(ros: Ros)
 @pytest.mark.ros2
 def test_topics_services_and_actions_work_within_one_process(ros: Ros) -> None:
     process = ros.script(ECHO)
-    output, errors = process.communicate(timeout=60)
+    output, errors = process.communicate(timeout=120)
     assert (process.returncode, output.splitlines()) == (0, ["5", "7 as asked"]), errors

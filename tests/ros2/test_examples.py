@@ -33,7 +33,7 @@ def served(ros, *arguments: str, **variables: str) -> Iterator[subprocess.Popen[
             assert json.loads(process.stdout.readline())["domain"] == ros.domain
             yield process
             process.send_signal(signal.SIGINT)
-            assert process.wait(timeout=60) == 0
+            assert process.wait(timeout=120) == 0
         finally:
             process.kill()
 

@@ -42,7 +42,7 @@ def test_ros_reads_every_parameter_with_its_value_and_its_type(ros, controller, 
     nodes = yaml.safe_load((done.folder / "nav2_params.yaml").read_text(encoding="utf-8"))
     nodes = {name: block.get(name, block)["ros__parameters"] for name, block in nodes.items()}
     process = ros.script(READER, done.folder / "nav2_params.yaml", ",".join(nodes))
-    out, err = process.communicate(timeout=60)
+    out, err = process.communicate(timeout=120)
     assert process.returncode == 0, err
     read = json.loads(out.strip().splitlines()[-1])
     for name, parameters in nodes.items():

@@ -1,6 +1,7 @@
 """What the tests of the command line share."""
 
 import json
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -25,6 +26,29 @@ class Done:
 
 
 Trundle = Callable[..., Done]
+
+_STOPPED = """
+import os, sys
+from trundle.cli import main
+from trundle.sim.kinematic import KinematicSimulator
+
+number, left, step = int(sys.argv.pop(1)), 100, KinematicSimulator.step
+
+def step_or_stop(*given):
+    global left
+    left -= 1
+    if left == 0:
+        os.kill(os.getpid(), number)
+    return step(*given)
+
+KinematicSimulator.step = step_or_stop
+main()
+"""
+
+
+def stopped(number: int, *arguments: str) -> list[str]:
+    """The command of a `trundle` that gets a signal in its hundredth control period, on the kinematic simulator."""
+    return [sys.executable, "-c", _STOPPED, str(int(number)), *arguments, "--backend=kinematic"]
 
 
 def room(width_m: float = 8.0, depth_m: float = 5.0, door_m: float | None = None) -> OccupancyGrid:

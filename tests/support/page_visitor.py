@@ -9,7 +9,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from trundle.serve.server import PageServer
 
-WAIT_S = 20.0
+WAIT_S = 60.0
 """How long a message may take before a test gives up."""
 
 

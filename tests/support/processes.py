@@ -1,5 +1,8 @@
 """The processes that run, and those that a process has started, read from /proc."""
 
+import contextlib
+import os
+import signal
 import time
 from collections.abc import Iterable
 from pathlib import Path
@@ -32,6 +35,11 @@ def running() -> dict[int, int]:
     return found
 
 
+def children_of(pid: int) -> list[int]:
+    """The processes that one has started itself."""
+    return [child for child, parent in running().items() if parent == pid]
+
+
 def started_by(pid: int) -> set[int]:
     """The processes that one has started, and theirs."""
     parents, found = running(), {pid}
@@ -40,8 +48,15 @@ def started_by(pid: int) -> set[int]:
     return found - {pid}
 
 
-def are_gone(pids: Iterable[int], within_s: float) -> bool:
-    """Whether processes have ended, or do within a time."""
+def kill(pids: Iterable[int]) -> None:
+    """Kill processes, of which some may have ended."""
+    for pid in pids:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
+
+
+def are_gone(pids: Iterable[int], within_s: float = 60.0) -> bool:
+    """Whether processes have ended, or do within a time: far longer than it takes, on any machine."""
     until = time.monotonic() + within_s
     while (left := [pid for pid in pids if is_alive(pid)]) and time.monotonic() < until:
         time.sleep(0.02)

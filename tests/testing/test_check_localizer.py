@@ -109,7 +109,7 @@ class Unsure(OdometryLocalizer):
     ("localizer", "words"),
     [
         (WithoutReset, r"has no reset\(pose\)"),
-        (OwnClock, "must have the time of its observation"),
+        (OwnClock, "an estimate has the time of its observation"),
         (OdometryAsMap, "must stay near the truth"),
         (WithoutCorrection, "pose must be T_map_odom @ odometry"),
         (Drifting, "must stay near the truth"),

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
@@ -96,17 +96,13 @@ def explore(
         posegraph: Also write the poses, scans and loops that the map was drawn from, such as site.posegraph; trundle
             map continue goes on from there.
     """
-    from trundle.mission.exploring import EXPLORER, conclude, exploring
+    from trundle.mission.exploring import INSTEAD, conclude, exploring
 
     target = options.output_file(Path("map.yaml") if out is None else out, "map.yaml", (".yaml", ".yml"))
     if not overwrite:
         options.check_map_replaceable(target)
     graph_file = None if posegraph is None else options.output_file(posegraph, "site.posegraph", (".posegraph",))
-    if given.agent is None and given.agent_options:
-        given = replace(cast("Any", given), agent=EXPLORER)
-    if given.localizer is None and given.localizer_options:
-        given = replace(cast("Any", given), localizer="slam")
-    scenario = exploring(given.make(source))
+    scenario = exploring(given.make(source, instead=INSTEAD))
     if scenario.name is None:
         scenario = scenario.model_copy(update={"name": f"explore-{scenario.title}"})
     facts: dict[str, object] = {}

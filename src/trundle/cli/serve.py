@@ -13,7 +13,7 @@ from trundle.cli.shared import browser, isaac, nav2, options, output, scenario_o
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from trundle.mission import Mission, Observer, Scenario
+    from trundle.mission import Mission, Observer
 
 app = App(
     name="serve",
@@ -58,7 +58,8 @@ def serve(
 
     factor = options.parse_speed(speed)
     told = nav2.Nav2Report()
-    base = _with_lidars(given.make(source, told), source, given)
+    # Without lidars the robot sees no dropped box.
+    base = given.make(source, told, instead={} if sources.is_written(source) else {"lidar": True})
     told.tell(quiet=quiet)
     with ExitStack() as opened:
         opened.enter_context(isaac.start_for(base))
@@ -79,17 +80,3 @@ def _record(mission: Mission, opened: ExitStack) -> tuple[Sequence[Observer], Pa
 
     folder = opened.enter_context(RunFolder(name=mission.scenario.title, scenario=mission.scenario, video=False))
     return [folder], folder.path
-
-
-def _with_lidars(base: Scenario, source: str, given: scenario_options.ScenarioOptions) -> Scenario:
-    """Switch the robot's lidars on, unless the scenario says otherwise: without them it sees no dropped box."""
-    from trundle.robots import Robot
-
-    if (
-        given.lidar is not None
-        or sources.is_written(source)
-        or "lidar" in base.backend.options
-        or not Robot.load(base.robot).lidars
-    ):
-        return base
-    return base.model_copy(update={"lidar": True})

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import InputError, ScenarioError
 from trundle.geometry import FloatArray, Pose2D
-from trundle.gym.navigation_settings import SPLITS, NavigationSettings
+from trundle.gym.navigation_settings import SPLITS, NavigationSettings, kind_of
 from trundle.maps import OccupancyGrid
 from trundle.mission.obstacles import Unmapped
 from trundle.planning import cost_field
@@ -153,11 +153,7 @@ def make_arena(settings: NavigationSettings, robot: Robot) -> Arena:
         InputError: If a world or a map cannot be used.
         ScenarioError: If one has no room for a mission.
     """
-    given = settings.world
-    each = list(given) if isinstance(given, Sequence) and not isinstance(given, str) else [given]
-    if not each:
-        raise InputError("an environment needs at least one world")
-    places = [place for one in each for place in _places(settings, robot, one)]
+    places = [place for one in settings.given_worlds() for place in _places(settings, robot, one)]
     grids, known, names, missions, fields = [], [], [], [], list[npt.NDArray[np.float32]]()
     recordings: list[list[MoverRecording]] = []
     for number, (name, world, grid) in enumerate(places):
@@ -244,16 +240,13 @@ def distances_to(costmap: Costmap, cell: npt.ArrayLike) -> npt.NDArray[np.float3
 
 def _places(settings: NavigationSettings, robot: Robot, given: object) -> list[tuple[str, World | None, OccupancyGrid]]:
     """Name, world and map of what an environment is given."""
-    if isinstance(given, OccupancyGrid):
-        return [("map", None, given)]
-    if isinstance(given, World):
-        return [(given.name, given, make_map(settings, robot, given))]
-    if not isinstance(given, str | Path):
-        raise InputError(f"a world must be a name, a file, a World or an OccupancyGrid, got {type(given).__name__}")
-    if Path(given).suffix in (".yaml", ".map"):
-        return [(Path(given).stem, None, OccupancyGrid.load(given))]
-    if Path(given).suffix:
-        world = World.load(given)
+    kind = kind_of(given)
+    if kind == "map":
+        if isinstance(given, OccupancyGrid):
+            return [("map", None, given)]
+        return [(Path(str(given)).stem, None, OccupancyGrid.load(str(given)))]
+    if kind == "world":
+        world = given if isinstance(given, World) else World.load(str(given))
         return [(world.name, world, make_map(settings, robot, world))]
     first = SPLITS.index(settings.split) * _WORLDS_OF_A_SPLIT + settings.seed * _WORLDS_OF_A_SEED
     worlds = [

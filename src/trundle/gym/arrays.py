@@ -45,8 +45,8 @@ class Arrays:
             out[:, column] = part
         return out
 
-    def clip(self, values: Any, low: float, high: float) -> Any:
-        """Return values cut off at two bounds."""
+    def clip(self, values: Any, low: Any, high: Any) -> Any:
+        """Return values cut off at two bounds, both numbers or both arrays."""
         return np.minimum(np.maximum(values, low), high)  # np.clip takes three times as long for one robot
 
 

@@ -21,9 +21,14 @@ def mix(values: Any) -> Any:
     return z ^ _shifted(z, 31)
 
 
-def episode_keys(seeds: Any, episodes: Any, split: int) -> Any:
-    """Return a number for each episode of each robot; int64 arrays."""
-    return mix(mix(seeds + 1) + mix(episodes + (1 + split * 2**40)))
+def seed_keys(seeds: Any) -> Any:
+    """Return a number for each seed, for `episode_keys`; int64 arrays."""
+    return mix(seeds + 1)
+
+
+def episode_keys(keys: Any, episodes: Any, split: int) -> Any:
+    """Return a number for each episode of each robot, of the numbers of their seeds; int64 arrays."""
+    return mix(keys + mix(episodes + (1 + split * 2**40)))
 
 
 def uniform(arrays: Arrays, keys: Any, streams: Any) -> Any:

@@ -11,11 +11,11 @@ from gymnasium import spaces
 
 from trundle.errors import InputError, UnknownNameError
 from trundle.gym.arena import Arena, make_arena
-from trundle.gym.episodes import Episodes
+from trundle.gym.episodes import LARGEST_SEED, Episodes
 from trundle.gym.navigation_settings import NavigationSettings
 from trundle.gym.observations import Observations, Observer
 from trundle.gym.render import PagePicture, draw_robot
-from trundle.values import check_seed
+from trundle.values import check_count
 
 RENDER_MODES = ("rgb_array", "human")
 
@@ -57,10 +57,12 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
             InputError: If the seed is bad.
             WorldError: If no start leaves room for the crowd; the last episode stays as it is.
         """
+        if seed is not None:
+            check_count("seed", seed, 0, LARGEST_SEED)
         super().reset(seed=seed)
         only = np.zeros(1, dtype=np.int64)
         if seed is not None:
-            self.episodes.seed([check_seed(seed)], only)
+            self.episodes.seed([seed], only)
         elif not self._ready:
             self.episodes.seed([int(self.np_random.integers(2**62))], only)
         self.episodes.reset(only)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from trundle.errors import InputError, WorldError
 from trundle.gym.arena import Arena
 from trundle.gym.arrays import HOST
-from trundle.gym.draws import episode_keys, stream_numbers, uniform
+from trundle.gym.draws import episode_keys, seed_keys, stream_numbers, uniform
 from trundle.gym.lookup import Lookup
 from trundle.gym.navigation_settings import SPLITS, NavigationSettings
 from trundle.gym.variation import Variation
@@ -20,6 +20,9 @@ from trundle.sim.batch import NOTHING, BatchSimulator
 
 _TRIES = 16
 """Starts that are drawn, until no mover stands on one and it leaves room for a crowd."""
+
+LARGEST_SEED = 2**64 - 1
+"""Random numbers are drawn of 64 bits."""
 
 _ROUNDING = 1e-5
 """Actions beyond their bounds by less than this are rounding of float32."""
@@ -53,6 +56,7 @@ class Episodes:
     Attributes:
         arrays: The arrays of `settings.device`: all that changes is kept and computed in them.
         command_scale, command_offset: Command (v, w) of a scaled action of 1, less that of 0, and of 0, shape (2,).
+        is_placed: Whether the last reset of each robot found a start with room for it, shape (N,).
     """
 
     def __init__(self, settings: NavigationSettings, arena: Arena, count: int) -> None:
@@ -100,19 +104,21 @@ class Episodes:
         self._mission_counts, self._first_mission = put(arena.mission_counts), put(arena.first_mission)
         self._recording_counts, self._first_recording = put(arena.recording_counts), put(arena.first_recording)
         self._seeds, self._episodes = full(count, 0, "int64"), full(count, -1, "int64")
+        self._seed_keys = seed_keys(self._seeds)
         self.goals, self.shortest, self.distances = full((count, 2), 0.0), full(count, 1.0), full(count, 0.0)
         self.elapsed = full(count, 0, "int64")
         self._factors, self._last_actions = full((count, 2), 1.0), full((count, 2), 0.0)
         self._everyone, self._nobody = full(count, 1, "bool"), full(count, 0, "bool")
-        self._is_placed = full(count, 0, "bool")  # by the reset that goes on
+        self.is_placed = full(count, 0, "bool")
         self._standing = full(count, 0.0)
         # Of an episode's map and recording, and of each try's mission and yaw.
         self._streams = put(stream_numbers(0, 1))
         self._tries = [put(stream_numbers(10 + attempt, 50 + attempt)) for attempt in range(_TRIES)]
 
     def seed(self, seeds: npt.ArrayLike, robots: Any) -> None:
-        """Give robots new seeds; their next episode is their first."""
-        self._seeds[robots] = self.arrays.put(np.asarray(seeds, dtype=np.uint64).view(np.int64))
+        """Give robots new seeds, from 0 to `LARGEST_SEED`; their next episode is their first."""
+        given = self.arrays.put(np.asarray(seeds, dtype=np.uint64).view(np.int64))
+        self._seeds[robots], self._seed_keys[robots] = given, seed_keys(given)
         self._episodes[robots] = -1
 
     def reset(self, robots: Any) -> None:
@@ -122,14 +128,15 @@ class Episodes:
             robots: Their indices, an array of the device.
 
         Raises:
-            WorldError: If no start leaves room for the crowd of a robot: that one's episode stays as it is.
+            WorldError: If no start leaves room for the crowd of a robot: that one's episode stays as it is, and the
+                others' begin; see `is_placed`.
             InputError: If a GPU has found a bad action of an earlier step; nothing is reset then.
         """
         if len(robots) == 0:
             return
         arrays, number = self.arrays, len(self.arena.grids)
         episodes = self._episodes[robots] + 1
-        keys = episode_keys(self._seeds[robots], episodes, self._split)
+        keys = episode_keys(self._seed_keys[robots], episodes, self._split)
         of_map, of_recording = uniform(arrays, keys, self._streams)
         maps = arrays.clip(arrays.cast(of_map * number, "int64"), 0, number - 1)
         recordings: Any = -1
@@ -138,16 +145,16 @@ class Episodes:
             picked = self._first_recording[maps] + arrays.cast(of_recording * counts, "int64")
             recordings = arrays.lib.where(counts > 0, picked, -1)
         factors, drawn = self._vary(robots, episodes)
-        self._is_placed[robots] = False
+        self.is_placed[robots] = False
         error = self._start(robots, keys, maps, recordings, drawn, 0)
         # Walls leave room around every start; only movers may stand there, and crowds need more.
         for attempt in range(1, _TRIES if self.arena.recordings else 1):
-            again = arrays.indices((self.sim.contacts[robots, 0] != NOTHING) | ~self._is_placed[robots])
+            again = arrays.indices((self.sim.contacts[robots, 0] != NOTHING) | ~self.is_placed[robots])
             if len(again) == 0:
                 break
             here = {name: values[again] for name, values in drawn.items()}
             error = self._start(robots[again], keys[again], maps[again], recordings[again], here, attempt)
-        placed: Any = slice(None) if error is None else self._is_placed[robots]
+        placed: Any = slice(None) if error is None else self.is_placed[robots]
         begun = robots[placed]
         self._episodes[begun] = episodes[placed]
         if self._varies:
@@ -157,7 +164,9 @@ class Episodes:
         self.distances[begun] = self.shortest[begun]
         if error is not None and len(begun) < len(robots):
             what = str(error).removesuffix(". Nothing was reset")
-            raise WorldError(f"{what}. None of {_TRIES} starts has room; the robot was not reset")
+            raise WorldError(
+                f"{what}. None of {_TRIES} starts has room; the robot was not reset: reset it with another seed"
+            )
 
     def _vary(self, robots: Any, episodes: Any) -> tuple[Any, dict[str, Any]]:
         """Draw what is varied for new episodes; return factors of commands, and what the lidars need of it."""
@@ -195,7 +204,7 @@ class Episodes:
             raise self._explain(error) from None
         self.lookup.settle(robots, maps, self._fields[picked])
         self.goals[robots], self.shortest[robots] = self._goals[picked], self._shortest[picked]
-        self._is_placed[robots] = True
+        self.is_placed[robots] = True
         return None
 
     def check_actions(self, actions: Any, active: Any = None) -> Any:
@@ -257,8 +266,7 @@ class Episodes:
             raise self._explain(error) from None
         self.elapsed += 1 if active is None else active
         cell, inside = self.lookup.locate(poses)
-        away = self.lookup.distance(cell, inside)
-        away = lib.where(lib.isfinite(away), away, self.distances)  # too close to a wall for the field
+        away = self.lookup.distance(cell, inside, self.distances)  # as before, too close to a wall for the field
         straight = lib.hypot(goals[:, 0] - poses[:, 0], goals[:, 1] - poses[:, 1])
         off_map, contact = ~inside, sim.contacts[:, 0] != NOTHING
         arrived = (straight <= settings.goal_tolerance) & ~contact

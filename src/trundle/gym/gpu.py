@@ -59,8 +59,8 @@ class TorchArrays(Arrays):
         """Return tensors of shape (n,) as columns, numbers of one type."""
         return self.cast(torch.stack(parts, dim=-1), kind)
 
-    def clip(self, values: Any, low: float, high: float) -> torch.Tensor:
-        """Return values cut off at two bounds."""
+    def clip(self, values: Any, low: Any, high: Any) -> torch.Tensor:
+        """Return values cut off at two bounds, both numbers or both arrays."""
         return values.clip(low, high)
 
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from trundle.gym.arena import Arena
 from trundle.gym.arrays import Arrays
 from trundle.navigation.policies.policy import PATH_SPACING_M
@@ -28,31 +26,29 @@ class Lookup:
 
     def __init__(self, arena: Arena, arrays: Arrays, count: int) -> None:
         self._arena, self._arrays, self._resolution = arena, arrays, arena.resolution
-        self._map_frames, self._map_shapes = arrays.put(arena.frames), arrays.put(arena.shapes)
+        self._map_frames, self._map_sizes = arrays.put(arena.frames), arrays.put(arena.shapes[:, ::-1])
+        self._is_turned = bool((arena.frames[:, 3] != 0.0).any())
         self._map_starts = arrays.put(arena.map_starts)
         self._distances, self._field_starts = arrays.put(arena.distances_to_goals), arrays.put(arena.field_starts)
         self._ahead: dict[bool, Any] = {}
         self._costs: Any = None
-        # Of each robot: (x, y, cos, sin) of its map, that map's shape, and where that map and the goal's field begin.
-        self._frames, self._shapes = arrays.full((count, 4), 0.0), arrays.full((count, 2), 0, "int64")
+        # Of each robot: (x, y, cos, sin) of its map, columns and rows of that, and where it and the goal's field begin.
+        self._frames, self._sizes = arrays.full((count, 4), 0.0), arrays.full((count, 2), 0, "int64")
         self._cells, self._fields = arrays.full(count, 0, "int64"), arrays.full(count, 0, "int64")
 
     def settle(self, robots: Any, maps: Any, fields: Any) -> None:
         """Note the map of some robots, and the field of their goal."""
-        self._frames[robots], self._shapes[robots] = self._map_frames[maps], self._map_shapes[maps]
+        self._frames[robots], self._sizes[robots] = self._map_frames[maps], self._map_sizes[maps]
         self._cells[robots], self._fields[robots] = self._map_starts[maps], self._field_starts[fields]
 
     def locate(self, poses: Any) -> tuple[Any, Any]:
         """Return the cell of each robot in its map, row after row, and whether it is on its map; 0 beyond it."""
-        row, col = self._rows_and_columns(poses[:, 0], poses[:, 1], self._frames)
-        rows, cols = self._shapes[:, 0], self._shapes[:, 1]
-        inside = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
-        return self._arrays.lib.where(inside, row * cols + col, 0), inside
+        return self._cells_at(poses[:, :2], self._frames, self._sizes)
 
-    def distance(self, cell: Any, inside: Any) -> Any:
-        """Return the length of the shortest path from cells to the goal [m]; infinite in walls and beyond the map."""
-        found = self._arrays.cast(self._distances[self._fields + cell], "float64")
-        return self._arrays.lib.where(inside, found, np.inf)
+    def distance(self, cell: Any, inside: Any, otherwise: Any) -> Any:
+        """Return the length of the shortest path from cells to the goal [m], or another in walls and beyond the map."""
+        lib, found = self._arrays.lib, self._distances[self._fields + cell]
+        return lib.where(inside & lib.isfinite(found), self._arrays.cast(found, "float64"), otherwise)
 
     def path(self, poses: Any, points: int, *, known: bool) -> list[tuple[Any, Any]]:
         """Return (x, y) of points of the path ahead, map frame [m], each of shape (N,).
@@ -72,7 +68,7 @@ class Lookup:
         ahead = self._ahead[known]
         lib, (x0, y0, cos, sin) = self._arrays.lib, self._frames.T
         cell, inside = self.locate(poses)
-        cols = self._shapes[:, 1]
+        cols = self._sizes[:, 0]
         found: list[tuple[Any, Any]] = []
         for _ in range(points):
             cell = self._arrays.cast(ahead[self._fields + cell], "int64")
@@ -96,19 +92,20 @@ class Lookup:
         chunk = max(1, _MOST_POINTS // len(offsets))
         for first in range(0, len(poses), chunk):
             part = slice(first, first + chunk)
-            x = poses[part, 0, None] + (cos[part] * offsets[:, 0] - sin[part] * offsets[:, 1])
-            y = poses[part, 1, None] + (sin[part] * offsets[:, 0] + cos[part] * offsets[:, 1])
-            row, col = self._rows_and_columns(x, y, self._frames[part, None])
-            rows, cols = self._shapes[part, None, 0], self._shapes[part, None, 1]
-            inside = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
-            at = lib.where(inside, row * cols + col, 0) + self._cells[part, None]
-            out[part] = lib.where(inside, self._costs[at], out[part])
+            points = arrays.full((*out[part].shape, 2), 0.0)
+            points[..., 0] = poses[part, 0, None] + (cos[part] * offsets[:, 0] - sin[part] * offsets[:, 1])
+            points[..., 1] = poses[part, 1, None] + (sin[part] * offsets[:, 0] + cos[part] * offsets[:, 1])
+            cell, inside = self._cells_at(points, self._frames[part, None], self._sizes[part, None])
+            out[part] = lib.where(inside, self._costs[cell + self._cells[part, None]], out[part])
         return out
 
-    def _rows_and_columns(self, x: Any, y: Any, frames: Any) -> tuple[Any, Any]:
-        """Return (row, col) of points of the map frame; not clipped."""
-        floor, cast = self._arrays.lib.floor, self._arrays.cast
-        cos, sin = frames[..., 2], frames[..., 3]
-        dx, dy = x - frames[..., 0], y - frames[..., 1]
-        row, col = (cos * dy - sin * dx) / self._resolution, (cos * dx + sin * dy) / self._resolution
-        return cast(floor(row), "int64"), cast(floor(col), "int64")
+    def _cells_at(self, points: Any, frames: Any, sizes: Any) -> tuple[Any, Any]:
+        """Return the cells of points (x, y), shape (…, 2), row after row, and whether they are on the map; else 0."""
+        local = points - frames[..., :2]
+        if self._is_turned:  # else the cosines are 1 and the sines 0
+            (dx, dy), (cos, sin) = (local[..., 0], local[..., 1]), (frames[..., 2], frames[..., 3])
+            local[..., 0], local[..., 1] = cos * dx + sin * dy, cos * dy - sin * dx
+        cells = self._arrays.cast(self._arrays.lib.floor(local / self._resolution), "int64")
+        fits = (cells >= 0) & (cells < sizes)
+        inside = fits[..., 0] & fits[..., 1]
+        return self._arrays.lib.where(inside, cells[..., 1] * sizes[..., 0] + cells[..., 0], 0), inside

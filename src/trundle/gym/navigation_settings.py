@@ -6,15 +6,16 @@ import difflib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from pathlib import Path
 from typing import Any, Literal, Self, TypeAlias
 
 from trundle.errors import InputError, UnknownNameError
 from trundle.gym.variation import Variation
 from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
-from trundle.sim.lidar import LidarChoice
+from trundle.sim.lidar import LidarChoice, choose_lidars
 from trundle.sim.ramp import count_steps
-from trundle.values import check_count, check_flag, check_number
+from trundle.values import check_count, check_flag, check_number, show_value
 from trundle.worlds import World
 
 Split: TypeAlias = Literal["train", "validation", "test"]
@@ -38,6 +39,25 @@ WorldLike: TypeAlias = str | World | OccupancyGrid
 
 _TIMESTEP = 0.005
 
+_USED_BY = {"worlds": ("generated",), "world_options": ("generated",), "resolution": ("generated", "world")}
+"""Which kinds of world have a use for an option."""
+
+
+def kind_of(world: object) -> Literal["generated", "world", "map"]:
+    """Return what a world is that an environment is given: a name to generate, a `World` or its file, or a map.
+
+    Raises:
+        InputError: If it is none of these.
+    """
+    if isinstance(world, OccupancyGrid):
+        return "map"
+    if isinstance(world, World):
+        return "world"
+    if not isinstance(world, str | Path):
+        raise InputError(f"a world must be a name, a file, a World or an OccupancyGrid, got {type(world).__name__}")
+    suffix = Path(world).suffix
+    return "map" if suffix in (".yaml", ".map") else "world" if suffix else "generated"
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NavigationSettings:
@@ -49,9 +69,9 @@ class NavigationSettings:
         robot: The robot, its name or its file.
         seed: Which generated worlds, 0 to 99,999.
         split: "train", "validation" or "test": their generated worlds, and their missions, are different ones.
-        worlds: How many worlds are generated of each name.
-        world_options: Options of the generated worlds, as for `World.generate`.
-        resolution: Edge of a cell of maps made of worlds [m].
+        worlds: How many worlds are generated of each name; where none is generated, it is refused.
+        world_options: Options of the generated worlds, as for `World.generate`; likewise.
+        resolution: Edge of a cell of maps made of worlds [m]; refused where all are maps.
         lidar: Which lidars observe: True for all of the robot's, or names. If None, the first.
         beams: Beams of each lidar. If None, the lidar's own number.
         movers: How many people walk in each world that do not react to the robot.
@@ -111,6 +131,12 @@ class NavigationSettings:
         check_count("path_points", self.path_points, 0, 200)
         check_count("unmapped_boxes", self.unmapped_boxes, 0, 1000)
         check_count("costmap_cells", self.costmap_cells, 0, 512)
+        if not isinstance(self.world_options, Mapping) or not all(isinstance(name, str) for name in self.world_options):
+            raise InputError(
+                f"world_options must be a mapping from names to values, got {show_value(self.world_options)}"
+            )
+        if "seed" in self.world_options:
+            raise InputError("world_options: the seeds of worlds come of the options seed and split")
         if self.beams is not None:
             check_count("beams", self.beams, 1, 100_000)
         if not isinstance(self.device, str):
@@ -140,7 +166,7 @@ class NavigationSettings:
         """Create from options by name.
 
         Raises:
-            InputError: If there is no such option; the nearest is offered.
+            InputError: If there is no such option, or it has no effect on what `world` is.
         """
         known = [each.name for each in fields(cls)]
         for name in options:
@@ -148,7 +174,25 @@ class NavigationSettings:
                 nearest = difflib.get_close_matches(name, known, n=1)
                 hint = f" (did you mean {nearest[0]}?)" if nearest else ""
                 raise InputError(f"an environment has no option {name}{hint}; there are: {', '.join(known)}")
-        return cls(**options)
+        settings = cls(**options)
+        kinds = {kind_of(each) for each in settings.given_worlds()}
+        for name, users in _USED_BY.items():
+            if name in options and not kinds.intersection(users):
+                what = "a map" if kinds == {"map"} else "a map or a world"
+                raise InputError(f"the option {name} has no effect where world is {what}: leave it out")
+        return settings
+
+    def given_worlds(self) -> Sequence[WorldLike]:
+        """Return what `world` holds, one or several.
+
+        Raises:
+            InputError: If that is nothing.
+        """
+        given = self.world
+        each = list(given) if isinstance(given, Sequence) and not isinstance(given, str) else [given]
+        if not each:
+            raise InputError("an environment needs at least one world")
+        return each
 
     @property
     def timestep(self) -> float:
@@ -161,18 +205,13 @@ class NavigationSettings:
         return math.ceil(self.max_time_s / self.period_s - 1e-9)
 
     def load_robot(self) -> Robot:
-        """Return the robot, with the beams that are asked for and the chosen lidars alone."""
+        """Return the robot, with the beams that are asked for and the chosen lidars alone.
+
+        Raises:
+            InputError: If the lidars are no choice of the robot's, or none.
+        """
         robot = Robot.load(self.robot)
-        names = list(robot.lidars)
-        if self.lidar is None:
-            names = names[:1]
-        elif self.lidar is False:
-            names = []
-        elif self.lidar is not True:
-            names = [self.lidar] if isinstance(self.lidar, str) else list(self.lidar)
-        for name in names:
-            if name not in robot.lidars:
-                raise UnknownNameError(f"lidar of {robot.name}", name, robot.lidars)
+        names = tuple(robot.lidars)[:1] if self.lidar is None else choose_lidars(robot, self.lidar)
         if not names:
             raise InputError(f"the robot {robot.name} has no lidar to observe with; choose a robot that has one")
         changed = {} if self.beams is None else {"beams": self.beams}

@@ -17,6 +17,9 @@ Observations = dict[str, Any]
 FARTHEST = 200.0
 """Distances to a goal are observed up to this [m]."""
 
+_DIRECTION_BOUNDS = np.array([0.0, -1.0, -1.0], dtype=np.float32), np.array([FARTHEST, 1.0, 1.0], dtype=np.float32)
+"""Of a distance [m], and the cosine and sine of its direction."""
+
 
 class Observer:
     """Observes the robots of some episodes.
@@ -44,6 +47,8 @@ class Observer:
         self._critic = settings.critic
         arrays = episodes.arrays
         self._reach = arrays.put(self._range_max)
+        self._least = arrays.put(np.array([1e-9]))  # a distance to divide by [m]
+        self._bounds = tuple(arrays.put(bound) for bound in _DIRECTION_BOUNDS)
         self._offsets = arrays.put(self._costmap_offsets()) if self._cells else None
 
     def space(self) -> spaces.Dict:
@@ -51,10 +56,9 @@ class Observer:
         limits = self._episodes.arena.robot.limits
         fastest = np.array([limits.linear_speed, limits.angular_speed], dtype=np.float32)
         slowest = np.array([-(limits.reverse_speed or limits.linear_speed), -limits.angular_speed], dtype=np.float32)
-        direction = np.array([FARTHEST, 1.0, 1.0], dtype=np.float32)
         found: dict[str, spaces.Space] = {
             "ranges": spaces.Box(np.zeros_like(self._range_max), self._range_max),
-            "goal": spaces.Box(np.array([0.0, -1.0, -1.0], dtype=np.float32), direction),
+            "goal": spaces.Box(*_DIRECTION_BOUNDS),
             "velocity": spaces.Box(slowest - np.float32(1e-3), fastest + np.float32(1e-3)),
         }
         if self._points:
@@ -63,7 +67,7 @@ class Observer:
         if self._cells:
             found["costmap"] = spaces.Box(0, 255, (self._cells, self._cells), np.uint8)
         if self._critic:
-            found["critic"] = spaces.Box(np.array([0.0, -1.0, -1.0], dtype=np.float32), direction)
+            found["critic"] = spaces.Box(*_DIRECTION_BOUNDS)
         return spaces.Dict(found)
 
     def observe(self) -> Observations:
@@ -108,8 +112,6 @@ class Observer:
         """Distance of an offset (x, y), map frame, and cosine and sine of its direction in base_link, shape (N, 3)."""
         arrays = self._episodes.arrays
         distance = arrays.lib.hypot(x, y)
-        scale = arrays.clip(distance, 1e-9, np.inf)
-        ahead, left = (cos * x + sin * y) / scale, (cos * y - sin * x) / scale
-        # Rounding may lead past 1, which is a bound.
-        parts = arrays.clip(distance, 0.0, FARTHEST), arrays.clip(ahead, -1.0, 1.0), arrays.clip(left, -1.0, 1.0)
-        return arrays.columns(*parts, kind="float32")
+        scale = arrays.lib.maximum(distance, self._least)
+        found = arrays.columns(distance, (cos * x + sin * y) / scale, (cos * y - sin * x) / scale, kind="float32")
+        return arrays.clip(found, *self._bounds)  # rounding may lead past 1

@@ -29,7 +29,8 @@ def policy_metadata(
         states: Recurrent inputs, and the outputs that they become.
 
     Raises:
-        InputError: If the environment is none of trundle's, or observes otherwise than a robot on its own can.
+        InputError: If the environment is none of trundle's, or observes otherwise than a robot on its own can; or if
+            `PolicyFile` would refuse the metadata.
     """
     episodes: Any = getattr(getattr(env, "unwrapped", env), "episodes", None)
     if not isinstance(episodes, Episodes):

@@ -25,19 +25,22 @@ class RslRlVecEnv(VecEnv):
 
     Args:
         num_envs: Number of robots.
+        reset_seed: Seed s of the robots' episodes: they have the seeds s, s + 1, …. The option `seed` is of the worlds.
         learner_device: Where the tensors are to be; where the environment computes if None.
         options: As for `NavigationVectorEnv`, with actions scaled; `autoreset_mode` and `critic` are set here.
     """
 
-    def __init__(self, num_envs: int = 1, *, learner_device: str | None = None, **options: Any) -> None:
+    def __init__(
+        self, num_envs: int = 1, *, reset_seed: int = 0, learner_device: str | None = None, **options: Any
+    ) -> None:
         self.inner = NavigationVectorEnv(
             num_envs, **{**options, "autoreset_mode": "same_step", "critic": True, "scaled_actions": True}
         )
         self.num_envs, self.num_actions = num_envs, 2
         self.device = learner_device or self.inner.episodes.settings.device
         self.max_episode_length = self.inner.episodes.settings.max_steps
-        self.cfg = dict(options)
-        self._observed, _ = self.inner.reset(seed=0)
+        self.cfg = {"reset_seed": reset_seed, **options}
+        self._observed, _ = self.inner.reset(seed=reset_seed)
 
     @property
     def episode_length_buf(self) -> torch.Tensor:

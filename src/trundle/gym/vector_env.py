@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,14 +10,14 @@ import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from trundle.errors import InputError, UnknownNameError
+from trundle.errors import InputError, UnknownNameError, WorldError
 from trundle.gym.arena import Arena, make_arena
 from trundle.gym.env import RENDER_MODES, action_space, check_render_mode
-from trundle.gym.episodes import Episodes
+from trundle.gym.episodes import LARGEST_SEED, Episodes
 from trundle.gym.navigation_settings import NavigationSettings
 from trundle.gym.observations import Observations, Observer
 from trundle.gym.render import draw_robot
-from trundle.values import check_count, check_seed
+from trundle.values import check_count, show_value
 
 _MODES = {
     "next_step": AutoresetMode.NEXT_STEP,
@@ -75,6 +75,10 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._ended = self.episodes.arrays.full(num_envs, 0, "bool")
         self._ready = np.zeros(num_envs, dtype=bool)
+        # Where a robot finds no room: with "next_step" who has begun in the step that is broken off; with "same_step"
+        # why the next step cannot be.
+        self._begun: Any = None
+        self._no_room: str | None = None
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -88,16 +92,20 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         Raises:
             UnknownNameError: If there is no such option.
             InputError: If the mask or a seed is bad, or a GPU has found a bad action of an earlier step.
-            WorldError: If no start leaves room for the crowd of a robot; the episodes of others may have begun.
+            WorldError: If no start leaves room for the crowd of a robot: that one stays as it is, and the others have
+                begun.
         """
         put = self.episodes.arrays.put
         mask = self._read_mask(options)
         chosen = np.flatnonzero(mask)
         robots = put(chosen)
         self._seed(seed, chosen)
-        self.episodes.reset(robots)
-        self._ended[robots], self._ready[chosen] = False, True
-        self._observer.scan(robots)
+        try:
+            self.episodes.reset(robots)
+        except WorldError:
+            self._note_begun(chosen[self.episodes.is_placed[chosen]])
+            raise
+        self._note_begun(chosen)
         return self._observer.observe(), self._masked(self.episodes.start_figures(), put(mask))
 
     def step(self, actions: Any) -> tuple[Observations, Any, Any, Any, dict[str, Any]]:
@@ -106,21 +114,25 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         Raises:
             InputError: If an action is not finite or out of bounds, or a robot was not reset. On the CPU nothing has
                 moved then; a GPU may tell at a later step, and has moved nothing since.
-            WorldError: If no start of the next episode leaves room for the crowd of a robot. With "same_step" all have
-                moved then; the robots without room stay where they are.
+            WorldError: If no start of the next episode leaves room for the crowd of a robot. Nothing has moved then;
+                once that robot is reset with another seed, by `reset_mask`, the step goes on with what the others have
+                begun. With "same_step" the step that ends its episode still returns, with what the robot observed last,
+                and the next one raises.
         """
         if not self._ready.all():
             raise InputError(f"call reset before step: robot {int(np.argmin(self._ready))} has no episode")
+        if self._no_room is not None:
+            raise WorldError(self._no_room)
         arrays = self.episodes.arrays
-        begun: Any = () if self._mode is AutoresetMode.SAME_STEP else arrays.indices(self._ended)
-        if self._mode is AutoresetMode.DISABLED and len(begun):
+        waiting: Any = () if self._mode is AutoresetMode.SAME_STEP else arrays.indices(self._ended)
+        if self._mode is AutoresetMode.DISABLED and len(waiting):
             raise InputError(
-                f"the episode of robot {int(begun[0])} has ended, and autoreset is disabled: reset it, "
+                f"the episode of robot {int(waiting[0])} has ended, and autoreset is disabled: reset it, "
                 "reset(options={'reset_mask': terminated | truncated})"
             )
-        active = ~self._ended if len(begun) else None
+        active = ~self._ended if len(waiting) else None
         given = self.episodes.check_actions(actions, active)
-        self.episodes.reset(begun)  # these stand still in this step, so that its figures are of their new episodes
+        self._begin_next(waiting)  # these stand still in this step, so that its figures are of their new episodes
         outcome = self.episodes.step(given, active)
         self._observer.scan()
         ended = outcome.terminated | outcome.truncated
@@ -135,10 +147,31 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         return observations, outcome.rewards, outcome.terminated, outcome.truncated, info
 
     def render(self) -> tuple[Any, ...] | None:
-        """Return a picture of each robot, uint8, shape (rows, cols, 3)."""
-        if self.render_mode is None:
+        """Return a picture of each robot, uint8, shape (rows, cols, 3); None before all are reset."""
+        if self.render_mode is None or not self._ready.all():
             return None
         return tuple(draw_robot(self.episodes, robot) for robot in range(self.num_envs))
+
+    def _note_begun(self, robots: npt.NDArray[np.int64]) -> None:
+        """Scan where robots have begun an episode by `reset`."""
+        placed = self.episodes.arrays.put(robots)
+        self._ended[placed], self._ready[robots] = False, True
+        self._observer.scan(placed)
+        if self._no_room is not None and not self._ended.any():
+            self._no_room = None
+
+    def _begin_next(self, robots: Any) -> None:
+        """Begin the next episodes of robots, but of those that a step which was broken off has begun."""
+        if self._begun is not None:
+            robots = robots[~self._begun[robots]]
+        try:
+            self.episodes.reset(robots)
+        except WorldError:
+            if self._begun is None:
+                self._begun = np.zeros(self.num_envs, dtype=bool)
+            self._begun[robots] = self.episodes.is_placed[robots]
+            raise
+        self._begun = None
 
     def _begin_again(
         self, ended: Any, robots: Any, observations: Observations, info: dict[str, Any]
@@ -150,13 +183,20 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             for robot in robots:
                 final[robot] = {name: values[robot].copy() for name, values in observations.items()}
         final_info = {name: values for name, values in info.items() if not name.startswith("_")}
-        self.episodes.reset(robots)
+        begun = ended
+        try:
+            self.episodes.reset(robots)
+        except WorldError as error:
+            self._no_room = str(error)
+            begun = ended & self.episodes.is_placed
+            self._ended[:] = ended & ~begun
+            robots = begun.nonzero()[0]
         self._observer.scan(robots)
         arrays, fresh = self.episodes.arrays, self.episodes.start_figures()
         info = {
             name: values
             if name.startswith("_")
-            else arrays.lib.where(ended, fresh[name] if name in fresh else arrays.lib.zeros_like(values), values)
+            else arrays.lib.where(begun, fresh[name] if name in fresh else arrays.lib.zeros_like(values), values)
             for name, values in info.items()
         }
         info |= {"final_obs": final, "_final_obs": ended}
@@ -170,9 +210,11 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         return info | {f"_{name}": own for name, own in zip(info, masks, strict=True)}
 
     def _read_mask(self, options: dict[str, Any] | None) -> npt.NDArray[np.bool_]:
+        if options is not None and not isinstance(options, Mapping):
+            raise InputError(f"the options of reset must be a mapping, got {show_value(options)}")
         for name in options or ():
             if name != "reset_mask":  # with a misspelt one all episodes would be lost
-                raise UnknownNameError("option of reset", name, ["reset_mask"])
+                raise UnknownNameError("option of reset", str(name), ["reset_mask"])
         if not options:
             return np.ones(self.num_envs, dtype=bool)
         given = options["reset_mask"]
@@ -189,14 +231,23 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
                 self.episodes.seed(self.np_random.integers(2**62, size=self.num_envs)[fresh], put(fresh))
             return
         if isinstance(seed, int | np.integer):
-            self.episodes.seed(check_seed(seed) + robots, put(robots))
+            first = check_count("seed", seed, 0, LARGEST_SEED + 1 - self.num_envs)
+            self.episodes.seed(np.uint64(first) + robots.astype(np.uint64), put(robots))
             return
-        seeds = list(seed)
-        if len(seeds) != self.num_envs:
-            raise InputError(f"a list of seeds needs one for each of {self.num_envs} robots, got {len(seeds)}")
-        given = [robot for robot in robots if seeds[robot] is not None or not self._ready[robot]]
+        if isinstance(seed, np.ndarray):
+            seed = seed.tolist()
+        if not isinstance(seed, Sequence) or isinstance(seed, str | bytes):
+            raise InputError(
+                f"a seed must be an integer, a list of one for each robot, or None, got {show_value(seed)}"
+            )
+        if len(seed) != self.num_envs:
+            raise InputError(f"a list of seeds needs one for each of {self.num_envs} robots, got {len(seed)}")
+        given = [robot for robot in robots if seed[robot] is not None or not self._ready[robot]]
         drawn = [
-            int(self.np_random.integers(2**62)) if seeds[robot] is None else check_seed(seeds[robot]) for robot in given
+            int(self.np_random.integers(2**62))
+            if seed[robot] is None
+            else check_count(f"the seed of robot {robot}", seed[robot], 0, LARGEST_SEED)
+            for robot in given
         ]
         if given:
             self.episodes.seed(drawn, put(np.array(given)))

@@ -17,6 +17,8 @@ from trundle.registry import Contract, PluginFunction, Registry, is_foreign, key
 from trundle.robots import Robot
 from trundle.values import as_array, check_kind
 
+_SAME_TIME_S = 1e-6  # a clock that was added up differs by its last digits
+
 LOCALIZERS: Registry[Localizer] = Registry(
     "localizer",
     "trundle.localizers",
@@ -191,8 +193,8 @@ class LocalizerAdapter(Localizer):
         """Return where the robot is; see `Localizer`.
 
         Raises:
-            InputError: If the time of the observation is not after the last one, or the localizer returns neither an
-                estimate nor a pose.
+            InputError: If the time of the observation is not after the last one, or the localizer returns neither a
+                pose nor an estimate for this time.
         """
         time = observation.time
         if self._time is not None and not time > self._time:
@@ -205,6 +207,14 @@ class LocalizerAdapter(Localizer):
             raise wrong_result(
                 f"localizer {name_of(self.localizer)!r} returned {found!r}: a localizer returns an Estimate, or a "
                 "Pose2D in the map frame",
+                self.localizer,
+                "update",
+                kind="localizer",
+            )
+        if not abs(found.time - time) <= _SAME_TIME_S:
+            raise wrong_result(
+                f"localizer {name_of(self.localizer)!r} returned an estimate of {found.time:g} s for an observation of "
+                f"{time:g} s: an estimate has the time of its observation, and its pose is that of then",
                 self.localizer,
                 "update",
                 kind="localizer",

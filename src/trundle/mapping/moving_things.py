@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from trundle.control.sensed_points import SensedPoints
+from trundle.geometry import FloatArray
 from trundle.mapping.nodes import Surface
 from trundle.observation import Observation
 from trundle.robots import Robot
 
 _SLOWEST_M_S = 0.2  # what is slower is noise
-_NEAR_M = 0.25  # of a hit that moves: of the same thing
+_CELL_M = 0.15  # points in a cell where something moves, or in one beside it, are of the same thing
+_ROW = 1 << 20  # of cells, farther than any lidar sees
+_AROUND = np.add.outer((-_ROW, 0, _ROW), (-1, 0, 1)).ravel()
 _LEAST_SHARE = 0.5  # where less than that stands, the wheels slip, and it is the robot that does not move
 _OLDEST_S = 0.5
 _FARTHEST_M = 20.0
@@ -42,13 +46,13 @@ class MovingThings:
         moving = seen.places[np.hypot(*seen.velocities.T) >= _SLOWEST_M_S]
         if not len(moving):
             return surface
-        low, high = moving.min(axis=0) - _NEAR_M, moving.max(axis=0) + _NEAR_M
-        points = surface.points
-        close = np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
-        apart = points[close, None, :] - moving[None, :, :]
-        close = close[((apart**2).sum(axis=2) <= _NEAR_M**2).any(axis=1)]
-        if len(points) - len(close) < _LEAST_SHARE * len(points):
+        stands = ~np.isin(_cells(surface.points), (_cells(moving)[:, None] + _AROUND).ravel())
+        if stands.mean() < _LEAST_SHARE:
             return surface
-        stands = np.ones(len(points), dtype=bool)
-        stands[close] = False
-        return Surface(*(array[stands] for array in (points, surface.normals, surface.sensors)))
+        return Surface(*(array[stands] for array in (surface.points, surface.normals, surface.sensors)))
+
+
+def _cells(points: FloatArray) -> npt.NDArray[np.int64]:
+    """The number of each point's cell, shape (N,)."""
+    col, row = np.floor(points / _CELL_M).astype(np.int64).T
+    return row * _ROW + col

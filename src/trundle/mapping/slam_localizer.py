@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.geometry import FloatArray, Pose2D
+from trundle.localization.blind_driving import BlindDriving
 from trundle.localization.localizer import Localizer
 from trundle.mapping.mapper import Mapper
 from trundle.mapping.pose_graph import PoseGraph
@@ -18,7 +19,7 @@ class SlamLocalizer(Localizer):
     """Maps what the robot drives through, and says where it is on that map.
 
     The map frame is the one of the start that it is told. Without a start the map begins where the robot stands. It
-    needs scans: before the first one, the pose is where the odometry says.
+    needs scans: before the first one, the pose is where the odometry says, and a robot that drives on is lost.
 
     Args:
         robot: The robot, with its lidars.
@@ -30,6 +31,7 @@ class SlamLocalizer(Localizer):
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
         self.mapper = Mapper(robot)
+        self._blind = BlindDriving(robot, "slam")
         self.reset(None)
 
     def reset(self, pose: Pose2D | None, *, covariance: FloatArray | None = None, seed: int = 0) -> None:
@@ -42,14 +44,19 @@ class SlamLocalizer(Localizer):
         self.mapper.revision = before
         self.mapper.reset(Pose2D(0.0, 0.0) if pose is None else pose)
         self._has_scans = False
+        self._blind.reset()
 
     def relocate(self, pose: Pose2D, *, covariance: FloatArray | None = None, seed: int = 0) -> None:
         """Go on at `pose` of the map that is there; see `Localizer` and `Mapper.relocate`."""
         self.mapper.relocate(pose, covariance)
 
     def update(self, observation: Observation) -> Estimate:
-        """Return where the robot is; see `Localizer`."""
-        estimate = self.mapper.update(observation)
+        """Return where the robot is; see `Localizer`.
+
+        Warns:
+            SensorWarning: If the robot drives without scans, or its scans or its odometry cannot be used.
+        """
+        estimate = self._blind.judge(observation, self.mapper.update(observation))
         self._has_scans = self._has_scans or len(observation.scans) > 0
         return estimate
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, cast
 
 from trundle.errors import InputError, ScenarioError
@@ -18,6 +19,9 @@ from trundle.navigation.exploration import Explorer, Frontier, GivenUp
 from trundle.worlds.world import world_options
 
 EXPLORER = "explorer"
+INSTEAD: Mapping[str, object] = MappingProxyType({"lidar": True, "localizer": "slam", "agent": EXPLORER})
+"""What the fields of an exploration are where nothing else is given."""
+
 _LOW_OBJECTS = "low_objects"
 """Option of generators whose worlds have objects that the beams of a planar lidar pass over or under."""
 
@@ -74,12 +78,10 @@ def explore(
     Raises:
         InputError: If a setting cannot be used; see `Scenario.make`.
     """
-    if isinstance(world, Scenario):
-        base = world
-    else:
-        base = Scenario.make(world={"name": world}, known_map=False, lidar=settings.pop("lidar", True))
+    base: dict[str, Any] = world.model_dump() if isinstance(world, Scenario) else {"world": {"name": world}}
+    unset = {name: value for name, value in INSTEAD.items() if not base.get(name)}
     changes = settings if robot is None else {"robot": robot, **settings}
-    with exploring(Scenario.make(**{**base.model_dump(), **changes})).build() as mission:
+    with exploring(Scenario.make(**{**base, **unset, **changes})).build() as mission:
         return conclude(mission, mission.run(observers=observers))
 
 
@@ -95,13 +97,9 @@ def exploring(scenario: Scenario) -> Scenario:
         raise ScenarioError("an exploration has no goal: it ends when nothing is left to see; leave the goal out")
     if scenario.agent is not None and scenario.agent.name != EXPLORER:
         raise ScenarioError(f"an exploration is driven by the agent {EXPLORER!r}, not by {scenario.agent.name!r}")
-    changes: dict[str, object] = {"known_map": False, "lidar": scenario.lidar or True}
     if scenario.map_errors is not None:
         raise ScenarioError("an exploration begins without a map: leave map_errors out")
-    if scenario.localizer is None:
-        changes["localizer"] = "slam"
-    if scenario.agent is None:
-        changes["agent"] = EXPLORER
+    changes = {name: value for name, value in INSTEAD.items() if not getattr(scenario, name)} | {"known_map": False}
     world = scenario.world
     takes = () if world is None or world.is_file else world_options(world.name) or ()
     if world is not None and _LOW_OBJECTS in takes and _LOW_OBJECTS not in world.options:

@@ -169,6 +169,10 @@ LidarNames: TypeAlias = Annotated[
 """All of a robot's lidars, none, or some by name; one name alone is a list of one."""
 
 
+BY_SCANS = ("amcl", "slam")
+"""Localizers that find the robot by the scans of its lidars."""
+
+
 class RunSettings(NavigatorSettings):
     """Those of a navigator; without a planning deadline, so that a run is the same however busy the computer is.
 
@@ -221,7 +225,8 @@ class ScenarioFields(CostmapSettings, RunSettings):
         known_map: Whether the robot starts with the map of its surroundings. Without it, it drives by its lidars alone;
             unknown space can then be driven, at a cost, also where `unknown` is blocked.
         map_errors: What is missing from its map, and what is on it and not in the world. If None, nothing.
-        localizer: What estimates the robot's pose, likewise; none gives it the true pose.
+        localizer: What estimates the robot's pose, likewise; none gives it the true pose. `amcl` and `slam` need
+            lidars.
         start_error: How far the start that the localizer is told is from the true one, or `unknown` if it is told none.
             If None, it is told the true one.
         layers: How scans are put into the costmap. If None, the defaults.
@@ -292,16 +297,22 @@ class ScenarioFields(CostmapSettings, RunSettings):
             raise ValueError("compat says how a map is read: it needs map")
         if self.lidar and "lidar" in self.backend.options:
             raise ValueError("lidar is given twice: take it out of the backend's options")
-        if not self.known_map and not self.lidar and "lidar" not in self.backend.options:
+        has_lidars = bool(self.lidar or self.backend.options.get("lidar"))
+        if not self.known_map and not has_lidars:
             raise ValueError("a robot that does not know the map needs lidars: give lidar: true, or --lidar")
         if not self.known_map and (self.keepout is not None or self.speed_mask is not None):
             raise ValueError("keepout and speed_mask are areas of a map: they need known_map: true")
         if not self.known_map and self.map_errors is not None:
             raise ValueError("map_errors are errors of the robot's map: they need known_map: true")
-        if self.lidar_errors is not None and not self.lidar and "lidar" not in self.backend.options:
+        if self.lidar_errors is not None and not has_lidars:
             raise ValueError("lidar_errors are errors of simulated lidars: give lidar: true, or --lidar")
         if self.start_error is not None and self.localizer is None:
             raise ValueError(
                 "start_error is what a localizer is told of the start: give a localizer, such as localizer: amcl"
+            )
+        if self.localizer is not None and self.localizer.name in BY_SCANS and not has_lidars:
+            raise ValueError(
+                f"the localizer {self.localizer.name} finds the robot by the scans of its lidars: give lidar: true, or "
+                "--lidar"
             )
         return self

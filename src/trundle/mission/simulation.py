@@ -6,10 +6,12 @@ from typing import Any, TypedDict
 
 from trundle.control import CollisionMonitor
 from trundle.control.latency import Latency
+from trundle.errors import InputError
+from trundle.files.choice import Choice
 from trundle.localization import create_localizer
 from trundle.localization.localizer import LocalizerLike
 from trundle.maps import OccupancyGrid
-from trundle.mission.fields import Rules, ScenarioFields
+from trundle.mission.fields import BY_SCANS, Rules, ScenarioFields
 from trundle.mission.running.robot_stack import SomeMonitor
 from trundle.mission.start_error import StartError
 from trundle.robots import Robot
@@ -34,9 +36,11 @@ def session_options(scenario: ScenarioFields, grid: OccupancyGrid, robot: Robot)
 
     Raises:
         UnknownNameError: If there is no such localizer, or the robot has no lidar of a given name.
-        InputError: If the localizer does not take an option, or needs a map that the robot does not know.
+        InputError: If the localizer does not take an option, or needs a map that the robot does not know, or lidars
+            that it does not have.
     """
     choice, monitor = scenario.localizer, scenario.collision_monitor
+    check_sees(choice, robot)
     localizer = None if choice is None else create_localizer(choice, grid if scenario.known_map else None, robot)
     return {
         "localizer": localizer,
@@ -46,6 +50,19 @@ def session_options(scenario: ScenarioFields, grid: OccupancyGrid, robot: Robot)
         "through": scenario.through,
         "monitor": monitor if monitor is None or isinstance(monitor, bool) else CollisionMonitor(robot, monitor),
     }
+
+
+def check_sees(localizer: Choice | None, robot: Robot) -> None:
+    """Refuse a localizer that finds the robot by its scans, on a robot without lidars.
+
+    Raises:
+        InputError: If it is one.
+    """
+    if localizer is not None and localizer.name in BY_SCANS and not robot.lidars:
+        raise InputError(
+            f"the localizer {localizer.name} finds the robot by the scans of its lidars, and {robot.name} has none: "
+            "give a robot with lidars, or another localizer"
+        )
 
 
 def backend_options(scenario: ScenarioFields) -> dict[str, Any]:

@@ -6,13 +6,14 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal, NamedTuple, Protocol
+from typing import Literal, NamedTuple, Protocol, cast
 
 from trundle.control import GoalChecker, Rollouts
 from trundle.control.intent import Intent
 from trundle.control.latency import Latency
 from trundle.costmap import Costmap
 from trundle.errors import InputError, PlanningError, ScenarioError
+from trundle.fault import wrong_result
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import SpeedMask
@@ -21,6 +22,7 @@ from trundle.navigation.command_check import AssistedCommand
 from trundle.navigation.status import NavigationStatus
 from trundle.observation import Estimate, Observation, Track
 from trundle.path import Path
+from trundle.registry import name_of
 from trundle.robots import Robot
 
 CONTROL_PERIOD_S = 0.05
@@ -118,6 +120,27 @@ class SomeAgent(Protocol):
         ...
 
 
+def read_status(agent: SomeAgent) -> NavigationStatus:
+    """Return what an agent is doing; its status may be the text of one, such as "driving".
+
+    Raises:
+        InputError: If it is none.
+    """
+    status = cast("object", agent.status)
+    if isinstance(status, NavigationStatus):
+        return status
+    try:
+        return NavigationStatus(cast("str", status))
+    except ValueError:
+        choices = ", ".join(NavigationStatus)
+        raise wrong_result(
+            f"agent {name_of(agent)!r} has the status {status!r}: a status is a NavigationStatus, one of {choices}",
+            agent,
+            "status",
+            kind="agent",
+        ) from None
+
+
 class Agent(ABC):
     """Decides how a robot drives: a `Navigator`, a script, a keyboard, or another package's autonomy.
 
@@ -172,7 +195,7 @@ class Agent(ABC):
         Args:
             rollouts: Whether the best samples of its controller are wanted, which may take time.
         """
-        return AgentReport(self.status)
+        return AgentReport(read_status(self))
 
     @property
     def path_left(self) -> Path | None:

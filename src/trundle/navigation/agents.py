@@ -12,7 +12,7 @@ from trundle.fault import wrong_result
 from trundle.files.choice import Choice, split_choice
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
-from trundle.navigation.agent import CONTROL_PERIOD_S, Agent, AgentInfo, AgentReport, SomeAgent
+from trundle.navigation.agent import CONTROL_PERIOD_S, Agent, AgentInfo, AgentReport, SomeAgent, read_status
 from trundle.navigation.status import NavigationStatus
 from trundle.observation import Estimate, Observation
 from trundle.registry import Contract, PluginFunction, Registry, offered_arguments
@@ -138,7 +138,7 @@ class AgentAdapter(Agent):
     @property
     def status(self) -> NavigationStatus:  # type: ignore[override]
         """What it is doing."""
-        return self.agent.status
+        return read_status(self.agent)
 
     @property
     def dt(self) -> float:  # type: ignore[override]
@@ -169,7 +169,7 @@ class AgentAdapter(Agent):
 
     def report(self, *, rollouts: bool = False) -> AgentReport:
         """Say what it is doing, as far as it has attributes that say so."""
-        return AgentReport(self.agent.status, **self._read(self._REPORT))
+        return AgentReport(read_status(self.agent), **self._read(self._REPORT))
 
 
 class FunctionAgent(Agent):

@@ -150,23 +150,40 @@ def read_goal(goal: Pose2D | Sequence[float] | float, y: float | None = None, ya
     return Goal.of(goal if isinstance(goal, Pose2D) else as_sequence(goal))
 
 
-def credible_twist(twist: object, robot: Robot) -> Twist2D:
-    """How the robot moves, cut to what it can at all, with a `RobotWarning` for what calls `update`.
+class CredibleTwist:
+    """Cuts how the robot is said to move to what it can at all, with a warning the first time.
 
-    Raises:
-        InputError: If it is no twist.
+    Args:
+        robot: The robot.
     """
-    if not isinstance(twist, Twist2D):
-        raise InputError(f"how the robot moves is a Twist2D, got {twist!r}")
-    limits = robot.limits
-    v_most = _CREDIBLE * max(limits.linear_speed, limits.reverse_speed or 0.0)
-    w_most = _CREDIBLE * limits.angular_speed
-    if abs(twist.v) <= v_most and abs(twist.w) <= w_most:
-        return twist
-    warnings.warn(
-        f"{robot.name} cannot move by {twist.v:g} m/s and {twist.w:g} rad/s; these are cut to {v_most:g} m/s "
-        f"and {w_most:g} rad/s: check the units of the twist and where it comes from",
-        RobotWarning,
-        stacklevel=4,
-    )
-    return Twist2D(min(v_most, max(-v_most, twist.v)), min(w_most, max(-w_most, twist.w)))
+
+    def __init__(self, robot: Robot) -> None:
+        self._name, limits = robot.name, robot.limits
+        self._v_most = _CREDIBLE * max(limits.linear_speed, limits.reverse_speed or 0.0)
+        self._w_most = _CREDIBLE * limits.angular_speed
+        self._has_warned = False
+
+    def cut(self, twist: object) -> Twist2D:
+        """Return how the robot moves; the warning is for what calls `update`.
+
+        Raises:
+            InputError: If it is no twist.
+
+        Warns:
+            RobotWarning: If it is cut, the first time.
+        """
+        if not isinstance(twist, Twist2D):
+            raise InputError(f"how the robot moves is a Twist2D, got {twist!r}")
+        v_most, w_most = self._v_most, self._w_most
+        if abs(twist.v) <= v_most and abs(twist.w) <= w_most:
+            return twist
+        if not self._has_warned:
+            self._has_warned = True
+            warnings.warn(
+                f"{self._name} cannot move by {twist.v:g} m/s and {twist.w:g} rad/s; these, and all others from now "
+                f"on, are cut to {v_most:g} m/s and {w_most:g} rad/s: check the units of the twist and where it comes "
+                "from",
+                RobotWarning,
+                stacklevel=4,
+            )
+        return Twist2D(min(v_most, max(-v_most, twist.v)), min(w_most, max(-w_most, twist.w)))

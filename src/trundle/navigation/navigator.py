@@ -23,7 +23,7 @@ from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import Behavior, create_behavior
 from trundle.navigation.command_check import AssistedCommand, CommandCheck, SpeedLimiter, assist_teleop, slow_down
 from trundle.navigation.goal_queue import GoalQueue
-from trundle.navigation.inputs import Given, credible_twist, load_costmap, read_observed, read_update
+from trundle.navigation.inputs import CredibleTwist, Given, load_costmap, read_observed, read_update
 from trundle.navigation.navigator_requests import NavigatorRequests
 from trundle.navigation.navigator_settings import NavigatorSettings
 from trundle.navigation.progress import PathProgress, Retries
@@ -142,6 +142,7 @@ class Navigator(NavigatorRequests):
         self._controller = create_controller(controller, self.robot, self.grid, **options)
         made_smoother = None if smoother is None else create_smoother(smoother)
         steps = [step.make() for step in settings.recovery] if recovery is None else recovery
+        self._credible = CredibleTwist(self.robot)
         self._delayed = DelayedCommands(self.robot.limits)
         self._check = CommandCheck(self.robot, self._sensed, limiter, self.dt)
         through = settings.through_tolerance
@@ -197,9 +198,8 @@ class Navigator(NavigatorRequests):
         Args:
             pose: Where the robot is now, map frame: a pose or (x, y, yaw).
             twist: How it moves now, base_link. If None, as the last command says. More than four times its limits is
-                clipped to that, with a `RobotWarning`.
-            time: Now [s], any origin. If None, one control period after the last call. With scans, it is on their
-                clock.
+                clipped to that, with a `RobotWarning` the first time.
+            time: Now [s], any origin, on the clock of the scans. If None, one control period after the last call.
             scans: Scans of the robot's lidars that arrived since the last call, oldest first.
             observation: What the robot knows of its surroundings and its motion: it has twist, time and scans.
             estimate: Where a localizer believes the robot to be.
@@ -212,7 +212,7 @@ class Navigator(NavigatorRequests):
                 comes without an estimate, or with what it has itself.
 
         Warns:
-            SensorWarning: If scans are left out, what was sensed is forgotten since the pose or the time jumped.
+            SensorWarning: If scans are left out, or what was sensed is forgotten since the pose or the time jumped.
         """
         given = read_update(pose, twist, time, scans, observation, estimate)
         now = self._sense(given)
@@ -264,7 +264,7 @@ class Navigator(NavigatorRequests):
         """Put scans into the costmap; drop the path where the robot turns out to be somewhere else."""
         pose, scans = given.pose, given.scans
         now = self._clock + self.dt if given.time is None else given.time
-        twist = self._last_command(now) if given.twist is None else credible_twist(given.twist, self.robot)
+        twist = self._last_command(now) if given.twist is None else self._credible.cut(given.twist)
         if self._state.message and not self._replanner.obstacle.is_blocked and not self._state.is_final:
             self._apply(Decision(message=""))
         if scans or self._has_scans:  # a robot without scans pays nothing for them

@@ -213,7 +213,7 @@ class Replanner:
 
     def plan_first(self, now: Snapshot, state: DriveState) -> Decision:
         """Make the plan that the robot waits for; the command is to stand where it may not drive on yet."""
-        if self._sensed.awaits_scan(now.time) or (self.obstacle.is_blocked and not self.obstacle.may_plan(now.time)):
+        if self._sensed.await_scan(now.time) or (self.obstacle.is_blocked and not self.obstacle.may_plan(now.time)):
             return self._stand(state)
         made = self._attempt(now, state)
         if self.finds_none(made):

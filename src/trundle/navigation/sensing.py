@@ -152,13 +152,17 @@ class SensedMap:
     def _doubts(self) -> bool:
         return self._has_map and self._may_take_off
 
+    def await_scan(self, time: float) -> bool:
+        """Begin at this time [s] to wait for a first scan, unless that has begun; return whether it goes on."""
+        if self._awaiting_since is None or time < self._awaiting_since:
+            self._awaiting_since = time
+        return self.awaits_scan(time)
+
     def awaits_scan(self, time: float) -> bool:
         """Whether a plan is to wait at this time [s], for 2 s at most, as the map may be doubted after a first scan."""
         if self.may_doubt or not self._doubts:
             return False
-        if self._awaiting_since is None or time < self._awaiting_since:
-            self._awaiting_since = time
-        return time - self._awaiting_since <= _FIRST_SCAN_S
+        return self._awaiting_since is None or time - self._awaiting_since <= _FIRST_SCAN_S
 
     def _note_hits(self) -> npt.NDArray[np.bool_]:
         """Return which cells of the map have carried a mark since the goal was set: marks may be forgotten later."""

@@ -129,6 +129,8 @@ class _Maker:
             remarks=self._remarks,
             tracks=tracks,
             scans_in_order=self._scans,
+            damage=self._source.damage,
+            recovered=self._source.recovered,
         )
 
     def _check_topics(self, bag: BagReader) -> None:

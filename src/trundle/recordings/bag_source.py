@@ -20,22 +20,30 @@ class DamagedError(Exception):
 
 
 class BagSource:
-    """A bag, or what could be recovered of it."""
+    """A bag, or what could be recovered of it.
+
+    Attributes:
+        path: The bag.
+        remarks: What there is to say of it.
+        damage: What cut it off; empty where it was not recovered, or nothing is lost.
+        recovered: A whole bag of what could be read, for as long as this is kept; None where it was not recovered.
+    """
 
     def __init__(self, path: Path, distro: Distro, remarks: Remarks) -> None:
         self.path, self.remarks = path, remarks
         self._distro: Distro = distro
-        self._readable = path
-        self._recovered = False
+        self.damage = ""
+        self.recovered: Path | None = None
+        self._has_tried = False
 
     @contextlib.contextmanager
     def open(self) -> Iterator[BagReader]:
         """Open it to read."""
         try:
-            with BagReader(self._readable, distro=self._distro) as bag:
+            with BagReader(self.recovered or self.path, distro=self._distro) as bag:
                 yield bag
         except InputError as error:
-            if not self._recovered and self._find_file() is not None and "damaged" in str(error):
+            if not self._has_tried and self._find_file() is not None and "damaged" in str(error):
                 raise DamagedError from error
             raise
 
@@ -52,9 +60,9 @@ class BagSource:
             raise InputError(f"{self.path}: the bag is damaged")
         folder = tempfile.mkdtemp(prefix="trundle-bag-")
         weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
-        self._recovered = True
+        self._has_tried = True
         done = recover(file, Path(folder) / "drive.mcap")
-        self._readable = done.path
+        self.recovered, self.damage = done.path, done.damage or ""
         self.remarks.note(
             f"the recording is cut off or damaged ({done.damage or 'its index is wrong'}): what could be read is used, "
             f"{done.duration_s:.1f} s"

@@ -62,6 +62,7 @@ class _Log:
     odometry: list[tuple[float, ...]] = field(default_factory=list[tuple[float, ...]])
     odometry_order: list[int] = field(default_factory=list[int])
     parameters: dict[str, str] = field(default_factory=dict[str, str])
+    damage: str = ""
 
 
 def looks_like_carmen(path: Path) -> bool:
@@ -147,6 +148,7 @@ class _Maker:
             remarks=self._remarks,
             tracks=tracks,
             scans_in_order=scans,
+            damage=self._log.damage,
         )
 
     def _has_poses(self) -> bool:
@@ -252,7 +254,7 @@ def _read_log(path: Path, remarks: Remarks) -> _Log:
             zipped = stream.read(2) == b"\x1f\x8b"
             stream.seek(0)
             source: BinaryIO = gzip.GzipFile(fileobj=stream) if zipped else stream  # type: ignore[assignment]
-            for number, line in enumerate(_lines(source, path, remarks)):
+            for number, line in enumerate(_lines(source, path, log)):
                 words = line.split()
                 if not words or words[0].startswith(b"#"):
                     continue
@@ -260,17 +262,19 @@ def _read_log(path: Path, remarks: Remarks) -> _Log:
                     remarks.count("lines of the log are damaged, and left out")
     except OSError as error:
         raise InputError(describe_unreadable(path, error, "a CARMEN log")) from error
+    if log.damage:
+        remarks.note(f"the file is cut off or damaged ({log.damage}): what could be read before is used")
     return log
 
 
-def _lines(stream: BinaryIO, path: Path, remarks: Remarks) -> Iterator[bytes]:
-    """Read lines up to the end, or to where a gzipped file is cut off or damaged."""
+def _lines(stream: BinaryIO, path: Path, log: _Log) -> Iterator[bytes]:
+    """Read lines up to the end, or to where a gzipped file is cut off or damaged, which the log then says."""
     size = 0
     while True:
         try:
             line = stream.readline(_LONGEST_LINE)
         except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-            remarks.note(f"the file is cut off or damaged ({error}): what could be read before is used")
+            log.damage = str(error)
             return
         if not line:
             return

@@ -99,6 +99,8 @@ class RecordedDrive:
         remarks: What was left out, or taken to be so; complete when all steps are read.
         tracks: The odometry of each stretch; a stretch without odometry has None.
         scans_in_order: Makes an iterator of all scans with the number of their stretch, ascending; in each by time.
+        damage: What cut the recording off; empty where it is whole.
+        recovered: A whole bag of what could be read of a damaged one, for as long as the drive is kept; else None.
     """
 
     path: Path
@@ -111,6 +113,8 @@ class RecordedDrive:
     remarks: Remarks
     tracks: Sequence[OdometryTrack | None]
     scans_in_order: Callable[[], Iterator[tuple[int, Scan]]]
+    damage: str = ""
+    recovered: Path | None = None
 
     def steps(self) -> Iterator[DriveStep]:
         """Read the observations: one whenever a scan begins and ends, and between scans as the odometry has them.

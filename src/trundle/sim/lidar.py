@@ -8,13 +8,13 @@ from typing import TypeAlias
 
 import numpy as np
 
-from trundle.errors import UnknownNameError
+from trundle.errors import InputError, UnknownNameError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.observation import Scan, make_scan
 from trundle.robots import Lidar, Robot
 from trundle.sim.beams import WorldOutline
 from trundle.sim.movers import MoverField, MoverOutline
-from trundle.values import check_seed
+from trundle.values import check_seed, show_value
 from trundle.worlds import World
 
 BeamCaster: TypeAlias = Callable[[float, float, float, FloatArray, float], FloatArray]
@@ -33,6 +33,26 @@ def beam_angles(lidar: Lidar) -> FloatArray:
     return lidar.angles
 
 
+def choose_lidars(robot: Robot, choice: LidarChoice) -> tuple[str, ...]:
+    """Return the names of a robot's lidars that are chosen, in order.
+
+    Raises:
+        UnknownNameError: If the robot has no lidar of a chosen name.
+        InputError: If the choice is neither a bool nor names, or a name is there twice.
+    """
+    if isinstance(choice, bool):
+        return tuple(robot.lidars) if choice else ()
+    if not isinstance(choice, Iterable):
+        raise InputError(f"lidar must be true, false, or names of lidars, got {show_value(choice)}")
+    names = (choice,) if isinstance(choice, str) else tuple(choice)
+    for name in names:
+        if not isinstance(name, str) or name not in robot.lidars:
+            raise UnknownNameError(f"lidar of {robot.name}", str(name), robot.lidars)
+        if names.count(name) > 1:
+            raise InputError(f"lidar {name!r} is chosen twice; name each lidar once")
+    return names
+
+
 class LidarSet:
     """The enabled lidars of a robot.
 
@@ -46,16 +66,11 @@ class LidarSet:
 
     Raises:
         UnknownNameError: If the robot has no lidar of a chosen name.
+        InputError: If the choice is none, or has a name twice.
     """
 
     def __init__(self, robot: Robot, choice: LidarChoice, cast: BeamCaster) -> None:
-        if isinstance(choice, bool):
-            names = tuple(robot.lidars) if choice else ()
-        else:
-            names = (choice,) if isinstance(choice, str) else tuple(choice)
-        for name in names:
-            if name not in robot.lidars:
-                raise UnknownNameError(f"lidar of {robot.name}", name, robot.lidars)
+        names = choose_lidars(robot, choice)
         self._lidars = [(name, robot.lidars[name], beam_angles(robot.lidars[name])) for name in names]
         self._mounts = {name: Pose2D(lidar.x, lidar.y, lidar.yaw) for name, lidar, _ in self._lidars}
         self._cast = cast

@@ -138,13 +138,13 @@ def test_children_of_jobs_end_with_the_pool(new_session):
     with make_pool() as pool:
         child = value_of(pool, "leave_child", new_session)
         assert Path(f"/proc/{child}").exists()
-    assert are_gone([child], 5.0)
+    assert are_gone([child])
 
 
 def test_children_of_a_crashed_worker_end_with_it(pool):
     child = value_of(pool, "leave_child")
     assert ask(pool, "exit_hard").kind == "crashed"
-    assert are_gone([child], 5.0)
+    assert are_gone([child])
 
 
 def test_what_jobs_print_is_kept_for_messages_and_goes_nowhere_else(pool, capfd):

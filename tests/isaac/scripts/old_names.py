@@ -10,6 +10,7 @@ from omni.isaac.core import World
 from omni.isaac.core.articulations import Articulation
 from omni.isaac.core.objects import DynamicCuboid, FixedCuboid, VisualCuboid
 from omni.isaac.core.prims import XFormPrim
+from omni.isaac.core.prims.xform_prim import XFormPrim as SameXFormPrim
 from omni.isaac.core.utils.extensions import enable_extension
 from omni.isaac.core.utils.nucleus import get_assets_root_path
 from omni.isaac.core.utils.prims import get_prim_at_path
@@ -20,6 +21,7 @@ from omni.isaac.wheeled_robots.robots import WheeledRobot  # noqa: F401
 from pxr import Usd, UsdGeom
 
 assert enable_extension("omni.isaac.wheeled_robots")
+assert SameXFormPrim is XFormPrim
 assert carb.settings.get_settings().get("/persistent/isaac/asset_root/default") == get_assets_root_path()
 
 world = World(stage_units_in_meters=1.0, physics_dt=1.0 / 120.0, rendering_dt=1.0 / 60.0)

@@ -17,7 +17,7 @@ from trundle.ros2.names import Names
 from trundle.ros2.types import Types
 
 LATCHED = Qos(100, durability="transient_local")
-QUICK_S = 20.0
+QUICK_S = 120.0
 
 
 @cache

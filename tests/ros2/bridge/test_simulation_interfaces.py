@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from ros2.bridge.conftest import wait_for
+from ros2.bridge.conftest import QUICK_S, wait_for
 from ros2.test_types import SEPARATOR
 
 INTERFACES = Path(__file__).parents[1] / "interfaces"
@@ -122,7 +122,7 @@ def test_stopping_begins_again_at_zero_and_stands(client):
 
 def test_quitting_ends_the_bridge(client):
     assert client.set_state(QUITTING).result.result == OK
-    client.served._thread.join(10.0)
+    client.served._thread.join(QUICK_S)
     assert "asked to quit" in client.served.episode.message
 
 

@@ -21,7 +21,7 @@ from trundle.ros2.bridge import Bridge
 from trundle.ros2.names import Names
 from trundle.ros2.types import Types
 
-QUICK_S = 30.0
+QUICK_S = 120.0
 LATCHED = Qos(10, durability="transient_local")
 POSE, COVARIANT = "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/PoseWithCovarianceStamped"
 

@@ -2,6 +2,7 @@
 
 import pytest
 
+from ros2.navigator_role.conftest import QUICK_S
 from trundle.geometry import Twist2D
 from trundle.mission import Outcome
 from trundle.planning import create_planner
@@ -48,7 +49,7 @@ def test_a_goal_is_aborted_with_a_code_and_the_bridge_ends(serve, client, attrib
     served = serve()
     setattr(served.bridge.mission.navigator, attribute, plugin)
     goal = client.go(1.5, 4.5)
-    served._thread.join(30.0)
+    served._thread.join(QUICK_S)
     served.episode = served.bridge.context.session.finish()
     result = goal.wait()
     assert (goal.status, result.error_code) == ("aborted", code)

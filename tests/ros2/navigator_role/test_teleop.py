@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from ros2.navigator_role.conftest import wait_for
+from ros2.navigator_role.conftest import QUICK_S, wait_for
 
 NAME, ACTION = "/assisted_teleop", "AssistedTeleop"
 
@@ -21,7 +21,7 @@ def twist(client, v, w=0.0):
 
 def drive(client, v, until):
     """Send commands as a keyboard does, until something is true."""
-    end = time.monotonic() + 20.0
+    end = time.monotonic() + QUICK_S
     publisher = client.transport.publisher("/cmd_vel_teleop", "geometry_msgs/msg/Twist", client.qos)
     while not until():
         assert time.monotonic() < end

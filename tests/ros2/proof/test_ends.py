@@ -15,7 +15,7 @@ from ros2.lines import QUICK_S, Lines
 from ros2.proof.conftest import PAIRS, Bench, Server, asked
 from support.processes import are_gone, started_by
 
-GONE_S = 10.0
+GONE_S = 60.0
 """Longer than processes take to go on a loaded machine."""
 
 SIGNALS = (signal.SIGTERM, signal.SIGKILL)
@@ -98,7 +98,7 @@ def test_the_robot_stands_when_the_ros_side_of_the_bridge_is_killed(bench: Bench
     server.lines.wait_for_error("the robot stops")
     hears.until(moves, within_s=2 * QUICK_S)
     driver.process.kill()
-    begin = time.monotonic()
+    children, begin = started_by(server.pid), time.monotonic()
     server.end()
     assert time.monotonic() - begin < QUICK_S
-    assert are_gone(started_by(server.pid), GONE_S)
+    assert are_gone(children, GONE_S)

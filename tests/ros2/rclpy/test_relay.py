@@ -11,6 +11,7 @@ import pytest
 from trundle.errors import InputError, TransportError
 from trundle.messages import Qos
 from trundle.ros2.transport.domain import Settings
+from trundle.ros2.transport.rclpy import link
 from trundle.ros2.transport.rclpy.relay import RclpyTransport, open_rclpy
 
 StandIn = Callable[[str], str]
@@ -46,7 +47,10 @@ def open_stand_in(python: str, settings: Settings | None = None, **options: Any)
         ("send(child.HELLO, 0, b'{')", "what it sent cannot be read"),
     ],
 )
-def test_a_child_that_cannot_start_is_reported_with_its_reason(stand_in: StandIn, text: str, reason: str) -> None:
+def test_a_child_that_cannot_start_is_reported_with_its_reason(
+    stand_in: StandIn, text: str, reason: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(link, "_END_S", 60.0)
     python = stand_in(text)
     with pytest.raises(TransportError, match="no Python here imports rclpy") as caught:
         open_stand_in(python)
@@ -109,7 +113,11 @@ def test_what_the_child_refuses_is_an_error_at_the_call(stand_in: StandIn) -> No
         ("sock.shutdown(socket.SHUT_RDWR); time.sleep(60)", "it closed its socket"),
     ],
 )
-def test_whatever_a_child_does_the_transport_is_lost_and_says_why(stand_in: StandIn, text: str, reason: str) -> None:
+def test_whatever_a_child_does_the_transport_is_lost_and_says_why(
+    stand_in: StandIn, text: str, reason: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Why a child ends is known once it has ended; one that only closes its socket is not waited for.
+    monkeypatch.setattr(link, "_END_S", 0.5 if "socket" in reason else 60.0)
     transport = open_stand_in(stand_in("hello()\nanswer()\n" + text + "\nfor _ in frames: pass"))
     subscription = transport.subscription("/cmd_vel", "geometry_msgs/msg/Twist", Qos())
     pid = transport.pid

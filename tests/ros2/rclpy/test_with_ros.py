@@ -25,7 +25,7 @@ PEERS = HERE / "peers"
 LATCHED = Qos(1, durability="transient_local")
 RESULT = "test_msgs/action/Fibonacci_Result"
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
-PATIENCE_S = 30.0
+PATIENCE_S = 120.0
 
 
 @pytest.fixture

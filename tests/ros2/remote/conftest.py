@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import cache
 from importlib import resources
@@ -15,7 +16,7 @@ import pytest
 
 from ros2.fake_transport import FakeNetwork
 from ros2.nav2_texts import nav2_codec
-from ros2.navigator_role.conftest import wait_for
+from ros2.navigator_role.conftest import QUICK_S, wait_for
 from ros2.remote.robot import FakeRobot, Habits
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
@@ -30,6 +31,9 @@ from trundle.ros2.types import Types
 
 START = Pose2D(2.0, 2.0, 0.0)
 STAND = Twist2D()
+
+LOOKS_S = 0.03
+"""Two looks of a test are no further apart, where the machine runs it."""
 
 
 @cache
@@ -72,6 +76,7 @@ class Remote:
     def __init__(self, robot: FakeRobot, bridge: RemoteBridge, said: list[str]) -> None:
         self.robot, self.bridge, self.said = robot, bridge, said
         self.episode: Episode | None = None
+        self._stops: Counter[str] = Counter()
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
@@ -95,21 +100,33 @@ class Remote:
 
     def wait_until_moving(self) -> None:
         wait_for(lambda: abs(self.robot.twist.v) > 0.1, f"for a motion: {self.bridge.guard.reasons}")
+        self._stops = Counter(self.bridge.guard.counts)
+
+    def stops(self, kind: str) -> int:
+        """How often it has stopped for this reason since it was last seen to move."""
+        return self.bridge.guard.counts[kind] - self._stops[kind]
 
     def wait_until_standing(self) -> float:
-        """Wait until the robot is commanded to stand, or not at all; returns how long that took [s]."""
-        began = time.monotonic()
+        """Wait until the robot is commanded to stand, or not at all.
+
+        Returns:
+            How long that took [s], without the times in which the machine did not run this process.
+        """
+        looked = began = time.monotonic()
 
         def is_stopped() -> bool:
+            nonlocal looked, began
+            before, looked = looked, time.monotonic()
+            began += max(0.0, looked - before - LOOKS_S)
             at, command = self.robot.commands[-1]
-            return command == STAND or time.monotonic() - at > 0.6
+            return command == STAND or looked - at > 0.6
 
         wait_for(is_stopped, "for a stop")
         at, _ = self.robot.commands[-1]
         return at - began
 
-    def wait_for_end(self, timeout_s: float = 40.0) -> Episode:
-        self._thread.join(timeout_s)
+    def wait_for_end(self) -> Episode:
+        self._thread.join(QUICK_S)
         assert not self._thread.is_alive(), f"it does not end: {self.bridge.guard.reasons}"
         assert self.episode is not None
         return self.episode
@@ -117,7 +134,7 @@ class Remote:
     def close(self) -> None:
         if self._thread.is_alive():
             self.put(End("the test is over"))
-            self._thread.join(20.0)
+            self._thread.join(QUICK_S)
         self.bridge.close()
         self.robot.close()
 
@@ -154,8 +171,8 @@ def navigate(network: FakeNetwork, room_file: str, quick_waffle: Path) -> Iterat
         transport = network.transport("trundle", has_services=has_services)
         said: list[str] = []
         chosen = None if localizer == "tf" else localizer
-        place = {"map": room_file} if has_map else {"world": {"name": "lot"}, "known_map": False, "lidar": True}
-        given = Scenario.make(**place, robot=str(robot), localizer=chosen, **scenario)
+        place = {"map": room_file} if has_map else {"world": {"name": "lot"}, "known_map": False}
+        given = Scenario.make(**place, lidar=True, robot=str(robot), localizer=chosen, **scenario)
         how = RemoteOptions(
             localizer="tf" if localizer == "tf" else None,
             start=start,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -11,12 +12,14 @@ import numpy as np
 import pytest
 
 from ros2.fake_transport import FakeNetwork
+from ros2.nav2_texts import nav2_codec
+from ros2.navigator_role.conftest import Client
 from ros2.remote.conftest import jazzy
 from support.room_drives import Drive, write_bag
 from trundle.errors import InputError
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
-from trundle.mission import Episode, Scenario
+from trundle.mission import End, Episode, Scenario
 from trundle.recordings import open_drive
 from trundle.recordings.odometry import OdometryTrack
 from trundle.ros2.names import Names
@@ -54,8 +57,8 @@ def play(
     **more: Any,
 ) -> Played:
     """Play a recording to its end."""
-    place = {"world": {"name": "lot"}, "known_map": False, "lidar": True} if grid is None else {"map": str(grid)}
-    scenario = Scenario.make(**place, localizer=localizer)
+    place = {"world": {"name": "lot"}, "known_map": False} if grid is None else {"map": str(grid)}
+    scenario = Scenario.make(**place, lidar=True, localizer=localizer)
     transport = network.transport("trundle", has_services=False)
     drive, options = change(open_drive(bag)), RemoteOptions(start=start)
     more = {"truth": TRUTH, "report": lambda text: None, **more}
@@ -159,13 +162,37 @@ def test_a_recording_that_breaks_off_ends_with_what_there_was(network: FakeNetwo
     assert not bridge.summary.is_whole
 
 
+def test_a_lifecycle_manager_does_not_make_a_recording_take_goals(network: FakeNetwork, bag: Path) -> None:
+    client, said = Client(network, "jazzy"), list[str]()
+    transport = network.transport("trundle")
+    scenario = Scenario.make(world={"name": "lot"}, known_map=False, lidar=True, localizer="slam")
+    types = Types(nav2_codec("jazzy"), transport)
+    bridge = BagBridge(
+        scenario, open_drive(bag), transport, types, Names(), RemoteOptions(), speed=1.0, report=said.append
+    )
+    thread = threading.Thread(target=bridge.run)
+    with bridge:
+        thread.start()
+        assert client.go(1.0, 0.0).status == "rejected"
+        for command in (1, 2):
+            manage = "nav2_msgs/srv/ManageLifecycleNodes"
+            assert client.call("/lifecycle_manager_navigation/manage_nodes", manage, command=command).success
+        assert client.go(1.0, 0.0).status == "rejected"
+        bridge.context.driver.steering.put(End("the test is over"))
+        thread.join(20.0)
+    assert any("a goal of navigate_to_pose is refused: a recording is played" in text for text in said)
+
+
 def test_a_truncated_bag_is_played_up_to_there(network: FakeNetwork, tmp_path: Path) -> None:
     whole = next(write_bag(tmp_path / "bag", Drive(seconds=40.0, beams=2000)).glob("*.mcap")).read_bytes()
     short = tmp_path / "short.mcap"
     short.write_bytes(whole[: len(whole) * 9 // 10])
     bridge, episode = play(network, short, localizer="odometry", start=Pose2D(0.0, 0.0), truth=None)
-    assert episode.message == "the recording has ended"
-    assert 20 < bridge.summary.as_dict()["scans"] < 200  # type: ignore[operator]
+    summary = bridge.summary.as_dict()
+    assert episode.message == "the recording breaks off: it ends within a record"
+    assert summary["damage"] == "it ends within a record"
+    assert 20 < summary["scans"] < 200  # type: ignore[operator]
+    assert not bridge.summary.is_whole
 
 
 def test_an_exception_in_the_middle_ends_it_and_leaves_the_network(network: FakeNetwork, bag: Path) -> None:
@@ -188,7 +215,18 @@ def test_odometry_that_begins_again_begins_a_part(network: FakeNetwork, tmp_path
 
 def test_true_poses_are_read_where_a_recording_has_them(bag: Path, tmp_path: Path) -> None:
     own = write_bag(tmp_path / "own", ROOM, rename={"/odom": "/ground_truth/odom"})
-    found = read_truth(own, "humble")
+    found = read_truth(open_drive(own), "humble")
     assert found is not None
     assert len(found.times) == len(ROOM.times)
-    assert read_truth(bag, "humble") is None
+    assert read_truth(open_drive(bag), "humble") is None
+
+
+def test_true_poses_before_the_end_of_a_truncated_recording_count(tmp_path: Path) -> None:
+    long = Drive(seconds=40.0, beams=2000)
+    own = write_bag(tmp_path / "own", long, rename={"/odom": "/ground_truth/odom"})
+    short = tmp_path / "short.mcap"
+    whole = next(own.glob("*.mcap")).read_bytes()
+    short.write_bytes(whole[: len(whole) * 9 // 10])
+    found = read_truth(open_drive(short, odometry="none"), "humble")
+    assert found is not None
+    assert 100 < len(found.times) < len(long.times)

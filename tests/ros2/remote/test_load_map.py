@@ -56,7 +56,7 @@ def test_a_goal_goes_on_on_another_map(navigate: Navigate, client: Client, tmp_p
         ),
         "for the map",
     )
-    episode = remote.wait_for_end(60.0)
+    episode = remote.wait_for_end()
     assert remote.bridge.drive is not None
     assert remote.bridge.drive.arrived, episode.message
     assert remote.robot.pose.distance_to(Pose2D(5.5, 2.5)) < 0.35
@@ -186,7 +186,7 @@ def test_maps_that_are_loaded_at_once_are_driven_on_in_turn(
     calls = [network.call("/map_server/load_map", one) for one in sent]
     wait_for(lambda: all(call.response is not None for call in calls), "for both answers")
     assert remote.bridge.mission.navigator.grid.origin.x == pytest.approx(0.1)
-    episode = remote.wait_for_end(60.0)
+    episode = remote.wait_for_end()
     assert remote.bridge.drive is not None
     assert remote.bridge.drive.arrived, episode.message
 

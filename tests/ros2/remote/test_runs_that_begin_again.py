@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from ros2.navigator_role.conftest import COVARIANT, Client, wait_for
+from ros2.navigator_role.conftest import COVARIANT, QUICK_S, Client, wait_for
 from ros2.remote.conftest import STAND, Remote
 from ros2.remote.test_load_map import LOAD, changed_room
 from trundle.geometry import Pose2D
@@ -30,7 +30,7 @@ def hold(remote: Remote) -> threading.Event:
     may_begin, take = threading.Event(), role._take_map
 
     def take_later() -> Any:
-        assert may_begin.wait(10.0)
+        assert may_begin.wait(QUICK_S)
         return take()
 
     role._take_map = take_later
@@ -95,12 +95,81 @@ def test_a_robot_that_drives_is_stopped_while_a_map_is_loaded(
     navigate: Navigate, client: Client, tmp_path: Path
 ) -> None:
     remote, may_begin, call = begin_to_load(navigate, client, tmp_path, (7.0, 2.3))
-    asked = time.monotonic()
-    wait_for(lambda: remote.robot.commands[-1][1] == STAND, "for a command to stand")
-    assert remote.robot.commands[-1][0] - asked < 1.0
+    assert remote.wait_until_standing() < 1.0
+    assert remote.robot.commands[-1][1] == STAND
     assert not call.response
     may_begin.set()
     wait_for(lambda: call.response, "for the answer")
+
+
+def lose(remote: Remote) -> None:
+    """Lose the other side, and find it again."""
+    transport: Any = remote.bridge.wire.transport
+    said = len(remote.said)
+    for lost, text in (("the child has died", "is lost: the child has died"), ("", "is back")):
+        transport.lost = lost
+        transport.wake()
+        wait_for(lambda text=text: any(text in line for line in remote.said[said:]), text)
+
+
+def pause(client: Client) -> None:
+    """Let a lifecycle manager pause the navigator, and go on."""
+    for command in (1, 2):
+        manage = "nav2_msgs/srv/ManageLifecycleNodes"
+        assert client.call("/lifecycle_manager_navigation/manage_nodes", manage, command=command).success
+
+
+def check_that_it_stands(remote: Remote) -> None:
+    """The next run drives nowhere, though nothing holds the robot."""
+    driver = remote.bridge.context.driver
+    wait_for(lambda: driver.steering.run == 2 and not remote.reasons, f"for the next run: {remote.reasons}")
+    begun, sent = driver.status.time, len(remote.robot.commands)
+    wait_for(lambda: driver.status.time > begun + 1.0, "for a second")
+    assert all(command == STAND for _, command in remote.robot.commands[sent:])
+    report = driver.status.steering
+    assert report is not None
+    assert not report.goals
+
+
+@pytest.mark.parametrize("stop", ["lost", "paused"])
+def test_a_stop_while_a_run_begins_again_ends_the_goal_that_waits_for_it(
+    navigate: Navigate, client: Client, stop: str
+) -> None:
+    remote = navigate(goal=None, has_services=True)
+    wait_for(lambda: not remote.reasons, "for the robot")
+    may_begin = hold(remote)
+    remote.put(Restart())
+    role: Any = remote.bridge._role
+    client.publish("/goal_pose", client.pose(6.0, 5.0))
+    wait_for(lambda: role._poses._newest, "for the goal")
+    lose(remote) if stop == "lost" else pause(client)
+    may_begin.set()
+    check_that_it_stands(remote)
+
+
+@pytest.mark.parametrize("by", ["topic", "action", "command line"])
+def test_a_loss_while_a_map_is_loaded_ends_the_drive_that_would_go_on(
+    navigate: Navigate, client: Client, tmp_path: Path, by: str
+) -> None:
+    remote = navigate(goal=(7.0, 2.3) if by == "command line" else None, has_services=True)
+    wait_for(lambda: not remote.reasons, "for the robot")
+    if by == "topic":
+        client.publish("/goal_pose", client.pose(7.0, 2.3))
+    elif by == "action":
+        client.send("/navigate_to_pose", "NavigateToPose", pose=client.pose(7.0, 2.3))
+    remote.wait_until_moving()
+    may_begin = hold(remote)
+    request = client.types.make(f"{LOAD}_Request", map_url=changed_room(tmp_path, "table"))
+    client.network.call("/map_server/load_map", client.types.encode(request))
+    wait_for(lambda: remote.bridge.context.driver.steering.is_restarting, "for the restart")
+    lose(remote)
+    may_begin.set()
+    if by == "command line":
+        remote.wait_for_end(10.0)
+        assert remote.bridge.drive is not None
+        assert remote.bridge.drive.message == "the other side is lost: the child has died"
+    else:
+        check_that_it_stands(remote)
 
 
 @pytest.mark.parametrize("localizer", ["odometry", "amcl", "tf"])

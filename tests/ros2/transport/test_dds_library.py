@@ -1,8 +1,11 @@
 """Whether Cyclone DDS is here, and what to do where it is not."""
 
+import re
+
 import pytest
 
 from trundle.errors import MissingExtraError, TransportError
+from trundle.extras import install_line
 from trundle.ros2.transport.dds import library
 from trundle.ros2.transport.dds.node import DdsTransport
 from trundle.ros2.transport.domain import Settings
@@ -21,7 +24,7 @@ def test_where_it_is_installed_it_can_be_used() -> None:
 @pytest.mark.usefixtures("without")
 def test_where_it_is_not_installed_the_line_that_installs_it_is_given(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(library, "lacks_wheels", lambda: False)
-    with pytest.raises(MissingExtraError, match=r'pip install ".*\[ros2\]"'):
+    with pytest.raises(MissingExtraError, match=re.escape(install_line("ros2"))):
         DdsTransport(Settings())
     assert "cyclonedds" in library.why_not()
 

@@ -262,6 +262,10 @@ COARSE = OccupancyGrid(np.zeros((90, 90), np.int8), 0.1)
         ((["office"], CARTER), {"count": 1}, InputError, "must be an OccupancyGrid, got str"),
         ((GRID, "nova_carter"), {"count": 1}, InputError, "Robot.load"),
         ((GRID, CARTER), {"count": 1, "lidar": "fromt"}, UnknownNameError, "Did you mean 'front'"),
+        ((GRID, CARTER), {"count": 1, "lidar": 3}, InputError, "lidar must be true, false, or names"),
+        ((GRID, CARTER), {"count": 1, "lidar": ["front", "front"]}, InputError, "'front' is chosen twice"),
+        ((None, CARTER), {"count": 1}, InputError, "maps must be an OccupancyGrid or a list"),
+        ((GRID, CARTER), {"count": 1, "recordings": None}, InputError, "recordings must be a list"),
         ((GRID, CARTER), {"count": 1, "device": "tpu"}, UnknownNameError, "unknown device"),
         ((GRID, CARTER), {"count": 1, "timestep": 0.0}, InputError, "timestep"),
         ((GRID, CARTER), {"count": 1, "threads": 0}, InputError, "threads"),
@@ -282,9 +286,22 @@ def test_without_warp_a_gpu_is_refused_with_the_install_line(monkeypatch):
     ("options", "text"),
     [
         ({"poses": np.zeros((2, 3))}, "poses need shape"),
+        ({"poses": [5.0]}, r"poses need shape \(3, 3\), or shape \(3,\) for all, got \(1,\)"),
+        ({"poses": 5.0}, "poses need shape"),
+        ({"poses": np.zeros((3, 1))}, "poses need shape"),
         ({"poses": (math.nan, 0.0, 0.0)}, "pose of robot 0 is not finite"),
         ({"maps": 1}, "robot 0 is to be on map 1; there are 1 maps"),
         ({"maps": [0, 0, -1]}, "robot 2"),
+        ({"maps": 0.9}, r"maps must be integers \(int64\), got 0.9"),
+        ({"maps": [0.0, 0.0, 0.5]}, "maps must be integers"),
+        ({"maps": math.nan}, "maps must be"),
+        ({"maps": True}, "maps must be integers"),
+        ({"maps": [0]}, r"maps need shape \(3,\), or one number for all, got \(1,\)"),
+        ({"seeds": 1.9}, r"seeds must be integers \(uint64\)"),
+        ({"seeds": np.array([-1, 0, 1])}, "seeds must be integers"),
+        ({"seeds": 2**64}, "seeds must be"),
+        ({"noise": [0.1, 0.1]}, r"noise need shape \(3,\)"),
+        ({"robots": [[0], [1, 2]]}, "robots must be indices"),
         ({"recordings": 0}, "there are 0 recordings"),
         ({"robots": [3]}, "different indices from 0 to 2"),
         ({"robots": [1, 1]}, "different indices"),
@@ -299,3 +316,19 @@ def test_a_bad_reset_is_refused_as_a_whole(options, text):
     with pytest.raises(InputError, match=text):
         batch.reset(**{"poses": (0.0, 4.0, 0.0), **options})
     assert np.array_equal(batch.poses, starts(3))
+
+
+@pytest.mark.parametrize("commands", [0.2, [0.1], [[0.1], [0.2], [0.3]], [[0.1, 0.2]], np.zeros((2, 2))])
+def test_commands_of_another_shape_move_no_robot(commands):
+    batch = BatchSimulator(GRID, CARTER, count=3)
+    batch.reset(starts(3))
+    with pytest.raises(InputError, match=r"commands need shape \(3, 2\), or shape \(2,\) for all"):
+        batch.step(commands, PERIOD)
+    assert np.array_equal(batch.poses, starts(3))
+
+
+def test_integers_may_be_any_that_fit():
+    batch = BatchSimulator(GRID, CARTER, count=3)
+    batch.reset(starts(3), maps=np.zeros(3, np.float32), recordings=np.int8(-1), seeds=[2**64 - 1, 0, 1])
+    batch.reset(starts(3), maps=[0, 0, 0], seeds=range(3))
+    assert batch.places.tolist() == [[0, -1]] * 3

@@ -220,6 +220,26 @@ def test_host_arrays_are_checked_as_on_the_processor(device):
         simulator.reset(starts(), maps=7)
 
 
+def test_host_arrays_beside_those_of_the_device_are_checked_too(device):
+    simulator, poses = make("cuda"), starts(9)
+    simulator.reset(starts())
+    before = simulator.poses.numpy().copy()
+    on_device = put(simulator, poses)
+    for given, text in (
+        ({"maps": 0.9}, "maps must be integers"),
+        ({"noise": [0.1]}, "noise need shape"),
+        ({"robots": [COUNT]}, "different indices"),
+    ):
+        with pytest.raises(InputError, match=text):
+            simulator.reset(on_device, **given)
+    with pytest.raises(InputError, match="commands need shape"):
+        simulator.step([0.1], 0.05, robots=put(simulator, np.ones(COUNT, bool)))
+    simulator.reset(on_device, robots=[0, 2])
+    simulator.synchronize()
+    chosen = np.isin(ROBOTS, [0, 2])
+    assert np.array_equal(simulator.poses.numpy(), np.where(chosen[:, None], poses, before))
+
+
 @pytest.mark.skipif(not is_missing_a_gpu(), reason="has a GPU")
 def test_a_gpu_that_is_not_there_is_named():
     with pytest.raises(InputError, match=r'device="cuda": this machine has no such GPU.*use device="cpu"'):

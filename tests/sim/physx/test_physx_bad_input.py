@@ -136,6 +136,10 @@ def test_no_floor_under_the_robot(tmp_path):
             "corrupted vertex data|/W/bad",
         ),
         (prim("Mesh", "bad", MESH.format(points="(0, 0, 0)", faces="0, 1, 2"), COLLIDER), "/W/bad"),
+        (
+            prim("Mesh", "bad", MESH.format(points="(5, 0, 0), (6, 0, 0), (7, 0, 0)", faces="0, 1, 2"), COLLIDER),
+            "/W/bad",
+        ),
         (cube("bad", (0.0, 1.0, 1.0), (5.0, 0.0, 0.5), COLLIDER), "/W/bad"),
         (cube("bad", (1.0, 1.0, 1.0), ("nan", 0.0, 0.5), COLLIDER).replace("'nan'", "nan"), "/W/bad"),
     ],
@@ -148,7 +152,8 @@ def test_a_collider_that_physx_refuses_is_one_warning(tmp_path, capfd, caplog, b
     ):
         assert not sim.reset(Pose2D(0.0, 0.0)).contacts
     assert len(told) == 1
-    assert not caplog.records  # nor from the resets, which read the stage again
+    # Nor from the resets, which read the stage again. (ovphysx itself advises once to install another package.)
+    assert not [record for record in caplog.records if record.name.startswith("trundle")]
     assert "\n" not in str(told[0].message)
     assert capfd.readouterr() == ("", "")
 

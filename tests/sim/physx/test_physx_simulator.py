@@ -13,7 +13,7 @@ pytest.importorskip("pxr")
 from support.physx import needs_physx
 from trundle.errors import InputError, SimulationError, WorldError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
-from trundle.geometry.solids import Box, Cylinder, OccupancyCells, Solid
+from trundle.geometry.solids import Box, Cylinder, Mesh, OccupancyCells, Solid
 from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.testing import Tolerances, check_simulator
@@ -186,6 +186,31 @@ def test_an_added_solid_is_seen_touched_and_gone_after_a_reset(boxes):
     states = drive(boxes, 100)
     assert not any(state.contacts for state in states)
     assert states[-1].pose.x > 1.5
+
+
+def far_mesh(size):
+    return Mesh(np.array([[0.0, 0.0, 0.0], [size, 0.0, 0.0], [0.0, size, 0.0]]), np.array([[0, 1, 2]]))
+
+
+@pytest.mark.parametrize(
+    ("shape", "reason"),
+    [
+        (far_mesh(1e300), "corrupted vertex data"),
+        (far_mesh(0.0), "Unable to create triangle mesh"),
+        (Box((1e-60, 1.0, 1.0)), "PxGeometry is not valid"),
+    ],
+)
+def test_nothing_stays_of_a_solid_that_physx_refuses(boxes, shape, reason):
+    boxes.reset(Pose2D(0.0, -2.0))
+    before = boxes.world
+    boxes.add_solid(box(1.5, -2.0, "added"))
+    for name in ("bad", "bad"):  # a name that was refused is free
+        with pytest.raises(WorldError, match=f"PhysX refuses the solid 'bad': .*{reason}"):
+            boxes.add_solid(Solid(name, shape, Pose3D((2.0, -2.0, 0.5))))
+    assert len(boxes._stage._handles) == 1
+    boxes.add_solid(box(3.0, -2.0, "farther"))
+    assert [solid.name for solid in boxes.world.solids[len(before.solids) :]] == ["added", "farther"]
+    assert {name for state in drive(boxes, 80) for name in others(state)} == {"added"}
 
 
 def test_a_placed_robot_keeps_its_wheels_time_and_odometry(boxes):

@@ -170,7 +170,7 @@ def navigate(
             bridge = BagBridge(
                 *(scenario, recorded, transport, types, names, how),
                 profile=names_of,
-                truth=read_truth(recorded.path, settings.distro),
+                truth=read_truth(recorded, settings.distro),
                 record=kept,
                 speed=factor,
                 driver=driver,
@@ -219,14 +219,14 @@ def _make_scenario(
                 "give the map: trundle ros2 navigate map.yaml …; without one, --localizer slam makes it as it drives"
             )
         # The fields of a scenario need a place; nothing of it is made for a robot that knows no map.
-        changes |= {"known_map": True, "lidar": True}
-    elif given.known_map:  # --no-map
-        changes["lidar"] = True
-    scenario = _with(given, changes).make(source or "lot", told, robot=robot)
+        changes["known_map"] = True
+    sensed = {"lidar": True}  # whether the robot has lidars is seen later, where it is driven
+    scenario = _with(given, changes).make(source or "lot", told, robot=robot, instead=sensed)
     if source is None:
         scenario = scenario.model_copy(update={"name": Path(scenario.robot).stem})
     if not by_tf and scenario.localizer is None:
-        scenario = _with(given, {**changes, "localizer": "amcl"}).make(source or "lot", nav2.Nav2Report(), robot=robot)
+        changes["localizer"] = "amcl"
+        scenario = _with(given, changes).make(source or "lot", nav2.Nav2Report(), robot=robot, instead=sensed)
     locates = "tf" if by_tf or scenario.localizer is None else scenario.localizer.name
     if locates == "slam" and scenario.known_map:
         raise InputError(f"--localizer slam makes a map of its own: leave {source} out, or give --no-map with it")

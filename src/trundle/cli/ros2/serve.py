@@ -88,7 +88,7 @@ def serve(
     target = running.recording_target(out, record=record, overwrite=overwrite)
     names_of = Profile.load(profile)
     told = nav2.Nav2Report()
-    scenario = given.make(source, told, robot=names_of.robot)
+    scenario = given.make(source, told, robot=names_of.robot, instead={"lidar": True})
     told.tell(quiet=quiet)
     with ends_as_by_ctrl_c(), ExitStack() as opened:
         opened.enter_context(isaac.start_for(scenario))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import cast, get_args
 
 from cyclopts import Parameter
@@ -76,7 +78,10 @@ _OPTIONS: tuple[OptionField, ...] = (
         "lidar_errors",
         f"An error of the lidars, for example noise=0.02 or {EXAMPLES['lidar_errors']}; repeatable.",
     ),
-    *_plugin("localizer", f"What estimates the robot's pose: odometry or {_PLUGIN}; default: none."),
+    *_plugin(
+        "localizer",
+        f"What estimates the robot's pose: amcl or slam (by its lidars), odometry or {_PLUGIN}; default: none.",
+    ),
     _field(
         "start_error",
         f"An error of the start that the localizer is told, for example {EXAMPLES['start_error']} [m], heading=10deg, "
@@ -136,18 +141,29 @@ _PAIRS = {
 
 _READ_APART = {"start", "goals", *PLUGINS, *_PAIRS}
 
+_NOTHING: Mapping[str, object] = MappingProxyType({})
+
 
 @Parameter(name="*")
 class ScenarioOptions(options_class(_OPTIONS)):
     """The options of a mission that were given, with an attribute for each of `_OPTIONS`."""
 
-    def make(self, source: str, report: nav2.Nav2Report | None = None, *, robot: str | None = None) -> Scenario:
+    def make(
+        self,
+        source: str,
+        report: nav2.Nav2Report | None = None,
+        *,
+        robot: str | None = None,
+        instead: Mapping[str, object] = _NOTHING,
+    ) -> Scenario:
         """Build the scenario from a map, a world by name or file, or another scenario.
 
         Args:
             source: The first argument.
             report: Where to put what became of --nav2-params; if None, it is printed.
             robot: The robot where neither the options nor the file of a scenario name one.
+            instead: Values of fields that are none or false by default, where neither options nor the file of a
+                scenario set them.
 
         Raises:
             InputError: If options are invalid; one line for each.
@@ -166,7 +182,8 @@ class ScenarioOptions(options_class(_OPTIONS)):
             if not (sources.looks_like_file(source) and sources.is_map(Path(source))):
                 raise InputError("--max-cells is for maps; in a scenario, write map_options: {max_cells: …}")
             world_options["max_cells"] = self.max_cells
-        base = self._with_nav2(_read(source, world_options, changes), changes, report)
+        base = _read(source, world_options, changes, instead)
+        base = self._with_nav2(base, {**{name: getattr(base, name) for name in instead}, **changes}, report)
         chosen = {
             name: choose(name, getattr(self, name), getattr(self, f"{name}_options"), getattr(base, name))
             for name in PLUGINS
@@ -232,19 +249,27 @@ DEFAULTS = ScenarioOptions()
 """The options if none is given."""
 
 
-def _read(source: str, world_options: dict[str, bool | int | float | str], changes: dict[str, object]) -> Scenario:
-    """Build a scenario from the first argument, with the changes of the options."""
+def _read(
+    source: str,
+    world_options: dict[str, bool | int | float | str],
+    changes: dict[str, object],
+    instead: Mapping[str, object],
+) -> Scenario:
+    """Build a scenario from the first argument, with the changes of the options; see `ScenarioOptions.make`."""
+    fresh = {**instead, **changes}
     if source in world_names():
-        return Scenario.make(world={"name": source, "options": world_options}, **changes)
+        return Scenario.make(world={"name": source, "options": world_options}, **fresh)
     if not sources.looks_like_file(source):
         raise UnknownNameError("world", source, world_names())
     if not sources.is_yaml(source) and not source.lower().endswith(".map"):
-        return Scenario.make(world={"name": source, "options": world_options}, **changes)
+        return Scenario.make(world={"name": source, "options": world_options}, **fresh)
     if sources.is_map(Path(source)):
         if world_options:
             check_options(source, "a map", world_options, list(MapOptions.model_fields))
-            changes = {"map_options": world_options, **changes}
-        return Scenario.make(map=source, **changes)
+            fresh = {"map_options": world_options, **fresh}
+        return Scenario.make(map=source, **fresh)
     if world_options:
         raise InputError(f"--set and --exclude are for worlds, by name or file; {source} is a scenario")
-    return Scenario.make(**{**Scenario.load(source).model_dump(), **changes})
+    loaded = Scenario.load(source).model_dump()
+    unset = {name: value for name, value in instead.items() if not loaded[name]}
+    return Scenario.make(**{**loaded, **unset, **changes})

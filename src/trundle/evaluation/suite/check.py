@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import json
 from collections.abc import Callable
 from typing import Any, cast
 
@@ -19,7 +20,10 @@ from trundle.evaluation.suite.plugin import PluginChoice
 from trundle.localization import create_localizer
 from trundle.maps import OCCUPIED, OccupancyGrid
 from trundle.mission.fields import MapOptions
+from trundle.mission.simulation import check_sees
+from trundle.navigation.agent import Agent
 from trundle.navigation.agents import create_agent
+from trundle.navigation.policies.policy import Policy
 from trundle.planning import create_planner, create_smoother
 from trundle.registry import keywords_taken
 from trundle.robots import Robot
@@ -70,13 +74,31 @@ def _check_plugins(suite: SuiteFields, robots: list[Robot]) -> None:
         for controller in suite.controllers:
             create_controller(controller, robot, grid)
         for agent in suite.agents:
-            create_agent(agent, robot, grid)
+            _check_sensed(create_agent(agent, robot, grid), suite)
         for localizer in suite.crossed().get("localizer", ()):
             if localizer is not None:
+                check_sees(localizer, robot)
                 create_localizer(localizer, walled, robot)
     for smoother in suite.smoothers:
         if smoother is not None:
             create_smoother(smoother)
+
+
+def _check_sensed(agent: Agent, suite: SuiteFields) -> None:
+    """Refuse a policy that needs scans which no simulator of the suite takes."""
+    if not isinstance(agent, Policy) or not agent.lidars:
+        return
+    for backend in suite.backends:
+        for lidars in suite.crossed().get("lidar", (False,)):
+            chosen = backend.options.get("lidar", False) if lidars is False else lidars
+            every = tuple(agent.lidars) if chosen is True else ()
+            names = (chosen,) if isinstance(chosen, str) else chosen if isinstance(chosen, list | tuple) else every
+            missing = [name for name in agent.lidars if name not in names]
+            if missing:
+                raise InputError(
+                    f"{agent.file.path}: the policy needs scans of the lidar {missing[0]}, and the suite has "
+                    f"lidar: {json.dumps(chosen)}; give lidar: true"
+                )
 
 
 def _check_lidars(names: bool | tuple[str, ...], robots: list[Robot]) -> None:

@@ -25,6 +25,7 @@ from trundle.localization.amcl.particle_cloud import ParticleCloud
 from trundle.localization.amcl.scene import Scene
 from trundle.localization.amcl.search import search_map, search_near
 from trundle.localization.amcl.seen_surfaces import SeenSurfaces
+from trundle.localization.blind_driving import BlindDriving
 from trundle.localization.localizer import Localizer, check_covariance
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import OCCUPIED_FROM
@@ -77,6 +78,7 @@ class AmclLocalizer(Localizer):
         self._picker = BeamPicker(robot, self.settings.max_beams, self.settings.laser_max_range)
         self._cloud = ParticleCloud(self._field, self.settings)
         self._bias = OdometryBias()
+        self._blind = BlindDriving(robot, "amcl")
         self._surfaces = SeenSurfaces(self._field)
         longest = self.settings.laser_max_range
         self._scene = Scene(math.inf if longest is None else longest)
@@ -126,6 +128,7 @@ class AmclLocalizer(Localizer):
     def _begin(self, pose: Pose2D, covariance: FloatArray, *, confirmed: bool, seed: int) -> None:
         self._cloud.seed(check_seed(seed))
         self._picker.reset()
+        self._blind.reset()
         self._scene.reset()
         self._tracks.start(pose, covariance, confirmed=confirmed)
         self._cloud.spread([pose], [covariance], [1.0])
@@ -151,7 +154,14 @@ class AmclLocalizer(Localizer):
         self._map_wait = _MAP_EVERY_S
 
     def update(self, observation: Observation) -> Estimate:
-        """Return where the robot is after one more observation; see `Localizer`."""
+        """Return where the robot is after one more observation; see `Localizer`.
+
+        Warns:
+            SensorWarning: If the robot drives without scans, or its scans or its odometry cannot be used.
+        """
+        return self._blind.judge(observation, self._follow(observation))
+
+    def _follow(self, observation: Observation) -> Estimate:
         if self._picker.follow(observation):
             self._bridge_jump(observation)
         if self._odometry is None:

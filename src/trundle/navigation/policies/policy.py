@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import cast
 
@@ -13,7 +14,7 @@ from trundle.control import GoalChecker
 from trundle.errors import InputError, PlanningError
 from trundle.geometry import Goal, Pose2D, Twist2D, wrap_angle
 from trundle.navigation.agent import CONTROL_PERIOD_S, Agent, AgentInfo, AgentReport
-from trundle.navigation.policies.policy_file import PolicyFile
+from trundle.navigation.policies.policy_file import SHORTEST_PERIOD_S, PolicyFile
 from trundle.navigation.progress import FollowedPath
 from trundle.navigation.status import FINAL, NavigationStatus
 from trundle.observation import Estimate, Observation, Scan
@@ -40,7 +41,8 @@ _TURNING_GAIN = 2.0  # [1/s]: a goal's yaw is reached without overshoot at contr
 class Policy(Agent):
     """Drives as a network says that observes what `trundle.gym` does: ranges, goal, velocity and path.
 
-    The network computes an action once in its own period, which is held in between. Near the goal its speed is limited
+    The network computes an action once in its own period, which is held in between. A period that physics steps do not
+    divide is kept on average. Near the goal its speed is limited
     to what lets the robot stop there. In the tolerance of the goal the robot stops, and turns to the goal's yaw where
     it has one.
 
@@ -53,6 +55,7 @@ class Policy(Agent):
 
     Attributes:
         file: The file's content.
+        lidars: The lidars whose scans it needs, by name.
         goal_checker: Says whether the goal is reached.
         status: DRIVING until it has ARRIVED; STUCK where it needs scans and gets none, or a path and has
             no map; NO_PATH where the planner finds none.
@@ -65,7 +68,7 @@ class Policy(Agent):
     def __init__(self, robot: Robot, *, file: str, navigator: Agent | None = None) -> None:
         self.file = PolicyFile.load(file)
         self._robot = robot
-        self._lidars = _choose_lidars(self.file, robot)
+        self.lidars: Mapping[str, Lidar] = _choose_lidars(self.file, robot)
         own = AgentInfo("policy") if navigator is None else navigator.info()
         self.goal_checker = GoalChecker() if own.goal_checker is None else own.goal_checker
         name = self.file.path.name
@@ -75,7 +78,7 @@ class Policy(Agent):
             raise InputError(f"{self.file.path}: the policy {_NO_MAP}: use it in a scenario whose map is known")
         planner = "none" if self._planner is None else own.planner
         self._info = replace(own, controller=name, planner=planner, goal_checker=self.goal_checker, plugins=())
-        self.dt = min(CONTROL_PERIOD_S, self.file.period)
+        self.dt = _control_period(self.file.period)
         self.reset()
 
     def __repr__(self) -> str:
@@ -141,7 +144,7 @@ class Policy(Agent):
 
     def _waits_for_scans(self, time: float) -> bool:
         """Whether a lidar that it needs has not measured yet; after a while that is an end."""
-        missing = [name for name in self._lidars if name not in self._scans]
+        missing = [name for name in self.lidars if name not in self._scans]
         if not missing:
             return False
         self._began_s = time if self._began_s is None else self._began_s
@@ -206,7 +209,7 @@ class Policy(Agent):
     def _ask(self, twist: Twist2D, pose: Pose2D, goal: Goal) -> Twist2D:
         values: dict[str, Floats] = {}
         if "ranges" in self.file.observations:
-            values["ranges"] = np.concatenate([self._ranges(name) for name in self._lidars])
+            values["ranges"] = np.concatenate([self._ranges(name) for name in self.lidars])
         dx, dy = goal.x - pose.x, goal.y - pose.y
         distance, direction = math.hypot(dx, dy), math.atan2(dy, dx) - pose.yaw
         values["goal"] = np.array(
@@ -226,9 +229,18 @@ class Policy(Agent):
     def _ranges(self, lidar: str) -> Floats:
         """Ranges of the policy's beams, each of the measured beam nearest in direction, up to its reach [m]."""
         scan, count = self._scans[lidar], self.file.beams
-        picked = _nearest_beams(scan, self._lidars[lidar].model_copy(update={"beams": count}).angles)
+        picked = _nearest_beams(scan, self.lidars[lidar].model_copy(update={"beams": count}).angles)
         ranges = np.where(np.isnan(scan.ranges), self.file.reach, scan.ranges)[picked]
         return np.clip(ranges, scan.range_min, self.file.reach).astype(np.float32)
+
+
+def _control_period(period: float) -> float:
+    """Return the longest control period of whole physics steps that divides a policy's period, else one step [s]."""
+    steps = round(period / SHORTEST_PERIOD_S)
+    if abs(steps * SHORTEST_PERIOD_S - period) > 1e-6:
+        return SHORTEST_PERIOD_S
+    most = round(CONTROL_PERIOD_S / SHORTEST_PERIOD_S)
+    return max(each for each in range(1, most + 1) if steps % each == 0) * SHORTEST_PERIOD_S
 
 
 def _choose_lidars(file: PolicyFile, robot: Robot) -> dict[str, Lidar]:

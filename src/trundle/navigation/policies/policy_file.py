@@ -24,6 +24,9 @@ OBSERVATIONS = ("ranges", "goal", "velocity", "path")
 """What a policy may observe; `ranges` has as many as its beams, `path` its points, and the others these sizes:"""
 _SIZES = {"goal": 3, "velocity": 2}
 
+SHORTEST_PERIOD_S = 0.005
+"""The physics step of the simulators [s], of which control periods are multiples."""
+
 _PREFIX = "trundle."
 _LARGEST_FILE = 512 << 20
 _MOST_BEAMS = 100_000
@@ -41,7 +44,7 @@ class PolicyFile:
     | `reach` | `12.0` | ranges are cut off here, and are this without a return [m] |
     | `path_points` | `8` | points of `path`, of the shape (1, points, 2), 0.5 m apart |
     | `lidars` | `front` | which lidars, in this order; without it the robot's first |
-    | `period` | `0.2` | time from one action to the next [s] |
+    | `period` | `0.2` | time from one action to the next [s], at least 0.005 |
     | `scale` | `0.8,0.7` | v [m/s] and w [rad/s] of an action of 1; actions are cut off at −1 and 1 |
     | `offset` | `0.0,0.0` | v and w of an action of 0; without it zeros |
     | `normalisation` | `{"ranges": [0.0, 12.0]}` | (mean, scale) of observations, numbers or lists: the network gets
@@ -110,7 +113,7 @@ class PolicyFile:
             reach=read.get("reach", _positive) if sees else 0.0,
             path_points=read.get("path_points", _count) if "path" in observations else 0,
             lidars=read.get("lidars", _names, ()),
-            period=read.get("period", _positive),
+            period=read.get("period", _period),
             scale=read.get("scale", _pair),
             offset=read.get("offset", _pair, np.zeros(2)),
             normalisation=read.get("normalisation", _normalisation, {}),
@@ -163,13 +166,10 @@ class PolicyFile:
                     f"{self.path}: the input {name!r} has the shape {shape}, and the observation {due}: "
                     f"correct the metadata (trundle.{key} is {has}), or export the policy again"
                 )
-        for name, (mean, scale) in self.normalisation.items():
-            for values in (mean, scale):
-                if name not in self.observations or values.size not in (1, sizes[name]):
-                    raise InputError(
-                        f"{self.path}: trundle.normalisation has {values.size} numbers for {name!r}; observations are "
-                        f"{', '.join(self.observations)}, and each needs one number or as many as it has values"
-                    )
+        try:
+            _check_normalisation(self.normalisation, {name: sizes[name] for name in self.observations})
+        except ValueError as error:
+            raise InputError(f"{self.path}: trundle.normalisation {error}") from None
         blank = {name: np.ones(wanted[name], dtype=np.float32) for name in self.observations}
         try:
             action, states = self.act(blank, self.zero_states())
@@ -290,6 +290,13 @@ def _positive(text: str) -> float:
     return value
 
 
+def _period(text: str) -> float:
+    value = float(text)
+    if not SHORTEST_PERIOD_S <= value <= 1e4:
+        raise ValueError(f"it must be from {SHORTEST_PERIOD_S:g}, the physics step of the simulators, to 10,000 s")
+    return value
+
+
 def _pair(text: str) -> npt.NDArray[np.float64]:
     values = np.array([float(part) for part in text.split(",")])
     if values.shape != (2,) or not (np.abs(values) < 1e3).all():
@@ -305,13 +312,28 @@ def _pairs(text: str) -> dict[str, str]:
 
 
 def _normalisation(text: str) -> dict[str, tuple[Floats, Floats]]:
+    return _read_normalisation(json.loads(text))
+
+
+def _read_normalisation(given: Mapping[str, tuple[object, object]]) -> dict[str, tuple[Floats, Floats]]:
     found: dict[str, tuple[Floats, Floats]] = {}
-    for name, (mean, scale) in json.loads(text).items():
+    for name, (mean, scale) in given.items():
         values = tuple(np.atleast_1d(np.array(part, dtype=np.float32)) for part in (mean, scale))
         if any(each.ndim != 1 or not np.isfinite(each).all() for each in values) or not (values[1] >= 1e-6).all():
             raise ValueError(f"mean and scale of {name} must be finite, and scale above 0, at least 1e-6")
         found[str(name)] = values[0], values[1]
     return found
+
+
+def _check_normalisation(given: Mapping[str, tuple[Floats, Floats]], sizes: Mapping[str, int]) -> None:
+    """Check that a normalisation is of observations, and has one number or as many as each has values."""
+    for name, parts in given.items():
+        for values in parts:
+            if name not in sizes or values.size not in (1, sizes[name]):
+                raise ValueError(
+                    f"has {values.size} numbers for {name!r}; observations are {', '.join(sizes)}, and each needs one "
+                    "number or as many as it has values"
+                )
 
 
 def metadata_for(
@@ -327,7 +349,12 @@ def metadata_for(
     normalisation: Mapping[str, tuple[object, object]],
     states: Mapping[str, str],
 ) -> dict[str, str]:
-    """Return the metadata of a policy as texts by key, for `metadata_props`; see `PolicyFile`."""
+    """Return the metadata of a policy as texts by key, for `metadata_props`; see `PolicyFile`.
+
+    Raises:
+        InputError: If `PolicyFile` would refuse the observations, states or normalisation.
+    """
+    sizes = {**_SIZES, "ranges": beams * len(lidars), "path": 2 * path_points}
     texts = {
         "observations": ",".join(observations),
         "beams": str(beams),
@@ -337,14 +364,24 @@ def metadata_for(
         "period": repr(float(period)),
         "scale": ",".join(repr(float(each)) for each in scale),
         "offset": ",".join(repr(float(each)) for each in offset),
-        "normalisation": json.dumps({name: [_plain(part) for part in parts] for name, parts in normalisation.items()}),
+        "normalisation": _normalisation_text(normalisation, {name: sizes[name] for name in observations}),
         "states": ",".join(f"{name}={after}" for name, after in states.items()),
     }
+    for key, read in {"observations": _names, "states": _pairs}.items():
+        try:
+            read(texts[key])
+        except ValueError as error:
+            raise InputError(f"{key} are {texts[key]!r:.80}: {error}") from None
     return {_PREFIX + key: text for key, text in texts.items() if text}
 
 
-def _plain(values: object) -> object:
-    numbers = np.asarray(values, dtype=np.float64)
-    if not np.isfinite(numbers).all():
-        raise InputError(f"a normalisation must be of finite numbers, got {values!r:.60}")
-    return numbers.tolist()
+def _normalisation_text(given: Mapping[str, tuple[object, object]], sizes: Mapping[str, int]) -> str:
+    try:
+        read = _read_normalisation(given)
+    except (ValueError, TypeError, AttributeError) as error:
+        raise InputError(f"normalisation is {given!r:.80}: {error}") from None
+    try:
+        _check_normalisation(read, sizes)
+    except ValueError as error:
+        raise InputError(f"normalisation {error}") from None
+    return json.dumps({name: [np.asarray(part, dtype=np.float64).tolist() for part in given[name]] for name in given})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -31,6 +32,8 @@ class PoseInputs:
     def __init__(self, kit: Kit, told: Callable[[], None]) -> None:
         self._kit, self._told = kit, told
         self._newest: _Goal | None = None
+        self._lock = threading.Lock()
+        """Held while a goal is given: what was dropped before is not given after."""
 
     def open(self) -> None:
         """Listen to both topics."""
@@ -50,17 +53,26 @@ class PoseInputs:
             return
         self._look_at_stamp(_GOAL, message)
         kit.tasks.drive.preempt("a goal came on /goal_pose")
-        self._newest = goal = _Goal(SetGoal(pose), self._give, self._refused(_GOAL))
+        goal = _Goal(SetGoal(pose), self._give, self._refused(_GOAL))
+        with self._lock:
+            self._newest = goal
         self._give(goal)
 
     def carry(self) -> None:
         """Let a drive to a goal of the topic go on in the next run, unless a newer goal comes."""
-        if self._newest is not None:
-            self._newest.is_carried = True
+        newest = self._newest
+        if newest is not None:
+            newest.is_carried = True
+
+    def drop(self) -> None:
+        """Give no later run the goal of the topic: the robot is stopped."""
+        with self._lock:
+            self._newest = None
 
     def _give(self, goal: _Goal) -> None:
-        if goal is self._newest:
-            self._kit.context.driver.steering.put(goal.directive, by=_GOAL, watcher=goal, waits=True)
+        with self._lock:
+            if goal is self._newest:
+                self._kit.context.driver.steering.put(goal.directive, by=_GOAL, watcher=goal, waits=True)
 
     def _pose(self, message: Any, source: str) -> None:
         if not self._kit.is_own_pose(message, source):

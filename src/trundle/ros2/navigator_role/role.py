@@ -193,8 +193,7 @@ class NavigatorRole:
     def lost(self, why: str) -> None:
         """Stop the robot, because whoever asked it to drive is out of reach."""
         if why:
-            self._context.driver.steering.put(Cancel(), by=NAVIGATOR)
-            self._kit.tasks.end(f"the other side is lost: {why}")
+            self._stop(f"the other side is lost: {why}")
 
     def close(self) -> None:
         """End what runs, and tell its clients."""
@@ -203,11 +202,17 @@ class NavigatorRole:
         self._kit.tasks.flush()
 
     def _change_state(self, refuses: str) -> None:
-        tasks = self._kit.tasks
-        tasks.refuses = refuses
+        self._kit.tasks.refuse("lifecycle", refuses)
         if refuses:
-            self._context.driver.steering.put(Cancel(), by=NAVIGATOR)
-            tasks.end(refuses)
+            self._stop(refuses)
+
+    def _stop(self, why: str) -> None:
+        """Stop the robot, and end what it was asked to do; so does a run that is about to begin again."""
+        try:
+            self._kit.tasks.end(why)
+            self._poses.drop()
+        finally:  # last: what ends may give the run something before
+            self._context.driver.steering.put(Cancel(), by=NAVIGATOR, waits=True)
 
     # Opening --------------------------------------------------------------------------------------------------------
 

@@ -147,6 +147,8 @@ class Slot:
         self._later, self._cancel = later, cancel
         self._status = lambda: context.mission.navigator.status
         self._current: Task | None = None
+        self._lock = threading.Lock()
+        """Held while a run is given what the one before has left: what has ended before is not given after."""
 
     def start(self, goal: ActionGoal, report: Report, directive: Directive, by: str) -> None:
         """Do what a goal asks for from now on; what runs is aborted."""
@@ -163,7 +165,8 @@ class Slot:
 
     def preempt(self, why: str) -> bool:
         """End what runs as aborted, and return whether something ran."""
-        task, self._current = self._current, None
+        with self._lock:
+            task, self._current = self._current, None
         if task is None or task.goal.is_over:
             return False
         task.preempt(TaskEnd("replaced", why, self._clock.now - self._clock.offset, self._status()))
@@ -179,15 +182,16 @@ class Slot:
 
     def resume(self) -> None:
         """Give the run that has begun what the one before has left."""
-        task = self._current
-        if task is None or not task.is_carried or task.goal.is_over:
-            return
-        task.is_carried = False
-        again = task.again()
-        if again is not None and not task.goal.cancel_requested:
-            self._steering.put(again[0], by=again[1], watcher=task)
-        else:
-            self._later(lambda: task.finish(task.cancelled, {}))
+        with self._lock:
+            task = self._current
+            if task is None or not task.is_carried or task.goal.is_over:
+                return
+            task.is_carried = False
+            again = task.again()
+            if again is not None and not task.goal.cancel_requested:
+                self._steering.put(again[0], by=again[1], watcher=task)
+            else:
+                self._later(lambda: task.finish(task.cancelled, {}))
 
     def cancel(self, goal: ActionGoal, by: str) -> bool:
         """End a goal as its client asks, and return whether it runs."""
@@ -217,7 +221,7 @@ class Tasks:
     Attributes:
         drive: A drive to a goal, through several, or along a path.
         behavior: A behavior.
-        refuses: Why goals are refused now; empty where they are taken.
+        refuses: Why goals are refused now; empty where no source has a reason.
         ends: End other goals as aborted, for a reason.
     """
 
@@ -227,8 +231,16 @@ class Tasks:
         self.drive = Slot(context, self.later, Cancel())
         self.behavior = Slot(context, self.later, Cancel("behavior"))
         self.refuses = ""
+        self._reasons: dict[str, str] = {}
+        self._lock = threading.Lock()
         self.ends: list[Callable[[str], None]] = []
         context.wire.every_round(self.flush)
+
+    def refuse(self, source: str, why: str) -> None:
+        """Refuse goals for a reason, or no longer for that of this source (""); any thread may call it."""
+        with self._lock:
+            self._reasons[source] = why
+            self.refuses = next((one for one in self._reasons.values() if one), "")
 
     def follow(self, step: Step) -> None:
         """Send feedback for a control period; in the thread that drives."""

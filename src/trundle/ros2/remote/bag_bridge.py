@@ -154,7 +154,7 @@ class _BagRole(NavigatorRole):
         """Begin to play the recording."""
         self._pose_output.begin()
         self._localizer.begin()
-        self._kit.tasks.refuses = NOTHING_DRIVES
+        self._kit.tasks.refuse("recording", NOTHING_DRIVES)
         options: SessionOptions = {"localizer": self._localizer, "latency": None, "monitor": False}
         outputs = NavigatorOutputs(self._kit, self._outputs, self._markers)
         return self._context.begin_session(self._context.mission.navigator, [*observers, outputs], seed, options)

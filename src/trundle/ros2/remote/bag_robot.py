@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Self
 
 import numpy as np
@@ -131,6 +130,7 @@ class BagRobot(Simulator):
             try:
                 step = next(self._steps, None)
                 if step is None:
+                    self.damage = self._drive.damage
                     return None
                 if step.begins_part:
                     self.parts += 1
@@ -167,14 +167,14 @@ class BagRobot(Simulator):
         return RobotState(time, pose, now.twist, _STILL, _STILL, now.odometry, scans=scans, odometry_twist=now.twist)
 
 
-def read_truth(path: Path, distro: Distro) -> OdometryTrack | None:
+def read_truth(drive: RecordedDrive, distro: Distro) -> OdometryTrack | None:
     """Return the true poses that trundle's own recordings have, over time; None where there are none.
 
-    What is damaged is left to whoever reads the scans: the poses before it count.
+    Of a bag that is cut off, the poses before count. Another one that is damaged is left to whoever reads the scans.
     """
     found = OdometrySamples()
     try:
-        with BagReader(path, distro=distro) as bag:
+        with BagReader(drive.recovered or drive.path, distro=distro) as bag:
             for _, _, message in bag.messages([topic for topic in bag.topics if topic.name == TRUTH]):
                 found.add(message)
     except InputError:

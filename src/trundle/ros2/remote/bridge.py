@@ -115,7 +115,7 @@ class RemoteBridge(NetworkRuns):
                 commands.others,
             ):
                 guard.add_rule(rule)
-            guard.add_rule(self._others_locate if locates else self._tf_silent)
+            guard.add_rule(inputs.map_odom.others if locates else inputs.map_odom.silence)
             inputs.open()
             self._role.open()
             StaticFrames(wire, profile, setting.robot, inputs, options.static_frames).open()
@@ -124,6 +124,8 @@ class RemoteBridge(NetworkRuns):
                 started.open()
                 self._role.use_start(started)
             self.drive = GoalDrive(options.goals, self.context, self.localizer, guard) if options.goals else None
+            if self.drive is not None:
+                self._role.use_drive(self.drive)
             wire.on_lost(self._role.lost)
         except BaseException:
             self.close()
@@ -135,7 +137,7 @@ class RemoteBridge(NetworkRuns):
     def _localizer(self, setting: Setting, options: RemoteOptions) -> RemoteLocalizer | TfLocalizer:
         inputs = self.inputs
         if options.localizer == TF:
-            return TfLocalizer(lambda: inputs.map_odom, options.start)
+            return TfLocalizer(inputs.map_odom, options.start)
         has_scans = bool(inputs.sensors)
         try:
             return make_localizer(setting, options, lambda: inputs.odometry is not None, has_scans=has_scans)
@@ -152,20 +154,6 @@ class RemoteBridge(NetworkRuns):
     def _connected(self, now: float) -> Reasons:
         lost = self.wire.transport.lost
         return {"connection lost": f"the other side is lost: {lost}"} if lost else {}
-
-    def _others_locate(self, now: float) -> Reasons:
-        stream = self.inputs.map_odom_stream
-        if not stream.count or (not self.inputs.map_odom_is_static and now - stream.last > max(1.0, stream.allowed_s)):
-            return {}
-        return {
-            "two localizers": "somebody else publishes map → odom, too: stop that, or give --localizer tf and take it"
-        }
-
-    def _tf_silent(self, now: float) -> Reasons:
-        if self.inputs.map_odom_is_static:
-            return {}
-        silent = self.inputs.map_odom_stream.silent_s(now)
-        return {"map → odom silent": f"map → odom: nothing new for {silent:.2f} s"} if silent else {}
 
 
 def _monitor(setting: Setting) -> CollisionMonitor | None:

@@ -181,10 +181,13 @@ class CommandOutput:
         twist = message.twist if message.__msgtype__ == _STAMPED else message
         heard = Twist2D(float(twist.linear.x), float(twist.angular.z))
         ours = self._sources.is_ours(source)
-        if heard == STAND or ours or (ours is None and heard in self._recent):
+        if heard == STAND or ours:
             return
+        who = self._wire.describe_source(source)
         with self._lock:
-            self._others[source] = clock.monotonic(), self._wire.describe_source(source)
+            if ours is None and heard in self._recent:
+                return
+            self._others[source] = clock.monotonic(), who
 
     def _look(self) -> None:
         """See who reads the commands; stop the robot where the navigator takes too long."""

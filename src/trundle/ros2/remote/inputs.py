@@ -23,6 +23,7 @@ from trundle.ros2.profile import Profile
 from trundle.ros2.remote.commands import Sources
 from trundle.ros2.remote.frames import FrameTree
 from trundle.ros2.remote.guard import Guard, Reasons
+from trundle.ros2.remote.map_odom import MapOdomInput
 from trundle.ros2.remote.mounts import Mounts
 from trundle.ros2.remote.outline import OutlineCheck
 from trundle.ros2.remote.readings import Odometry, read_odometry
@@ -64,8 +65,7 @@ class RobotInputs:
         clock: What time it is there.
         frames: The transforms.
         odometry: The newest odometry, or None.
-        map_odom: The newest map → odom from outside, or None.
-        map_odom_is_static: Whether it was sent once for good, on /tf_static.
+        map_odom: map → odom from outside.
         changed: Notified when a scan has arrived.
         outline: Whether the robot has the outline of its file.
     """
@@ -88,11 +88,9 @@ class RobotInputs:
         self.sensors = {name: one for name, one in profile.sensors_of(robot).items() if one.scan or one.points}
         self.clock, self.frames = RobotClock(), FrameTree()
         self.odometry: Odometry | None = None
-        self.map_odom: Pose2D | None = None
-        self.map_odom_is_static = False
+        self.map_odom = MapOdomInput()
         self.changed = threading.Condition()
         self.odometry_stream, self.tf_stream = Stream("odometry"), Stream("odometry of tf")
-        self.map_odom_stream = Stream("map → odom")
         self.scan_streams = {name: Stream(f"scans of {name}") for name in self.sensors}
         self.jumps = 0
         self._scans: deque[Scan] = deque(maxlen=MOST_SCANS)
@@ -162,6 +160,7 @@ class RobotInputs:
         """Forget what was before a jump, and let the robot stand: it has to be told where it is."""
         self.jumps += 1
         self._forget()
+        self.map_odom.doubt(text)
         self._guard.hold(kind, text, self._real())
 
     def _forget(self) -> None:
@@ -182,10 +181,10 @@ class RobotInputs:
         ours = self._sources.is_ours(source)
         if ours:
             return
-        moved = False
+        moved = located = False
         for one in message.transforms:
             parent, child = readers.read_frame(one.header.frame_id), readers.read_frame(one.child_frame_id)
-            if (parent, child) == (self._map, self._odom) and ours is None and self._is_own(one):
+            if (parent, child) == (self._map, self._odom) and ours is None and self.map_odom.is_own(one):
                 continue
             stamp = readers.read_stamp(one.header.stamp)
             try:
@@ -200,8 +199,7 @@ class RobotInputs:
                     self._contradicts(f"a transform {parent} → {child} is no part of one tree")
                 continue
             if (parent, child) == (self._map, self._odom):
-                self.map_odom_is_static = is_static
-                self._take_map_odom()
+                located = True
             elif child in self.frames.moved:
                 first, second = self.frames.moved.pop(child)
                 self._wire.warn(
@@ -213,6 +211,9 @@ class RobotInputs:
             moved |= not is_static and parent != self._map
         if moved:
             self._take_odometry_of_tf()
+        found = self.frames.find(self._map, self._odom) if located else None
+        if found is not None:  # after the odometry, which may have jumped: a message may have both anew
+            self.map_odom.take(found.pose, self._real(), is_static=is_static)
 
     def find_on_robot(self, frame: str) -> Pose2D | None:
         """Return where a frame is on the robot by tf, in the listening thread; None where nobody says that."""
@@ -222,22 +223,6 @@ class RobotInputs:
     def _contradicts(self, text: str) -> None:
         """Let the robot stand while two publishers of tf disagree where it is."""
         self._guard.hold("tf contradicts", f"{text}: stop one of its publishers", self._real())
-
-    published: Pose2D | None = None
-    """map → odom as it was last published here: the transport may send it back without saying whose it is."""
-
-    def _is_own(self, transform: Any) -> bool:
-        sent = self.published
-        if sent is None:
-            return False
-        at = transform.transform.translation
-        return abs(at.x - sent.x) < 0.5 and abs(at.y - sent.y) < 0.5
-
-    def _take_map_odom(self) -> None:
-        found = self.frames.find(self._map, self._odom)
-        if found is not None:
-            self.map_odom = found.pose
-            self.map_odom_stream.mark(self._real())
 
     def _take_odometry_of_tf(self) -> None:
         found = self.frames.find(self._odom, self._base)
@@ -306,6 +291,7 @@ class RobotInputs:
             fast, quick = JUMP_TIMES * limits.linear_speed * passed, JUMP_TIMES * limits.angular_speed * passed
             if moved > JUMP_M + fast or turned > JUMP_RAD + quick:
                 self._jumped("odometry jumped", f"the odometry has jumped by {moved:.2f} m and {turned:.2f} rad")
+                new = replace(new, twist=Twist2D())  # that of tf is the jump's
         with self.changed:
             self.odometry = new
 

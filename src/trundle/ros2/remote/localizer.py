@@ -14,6 +14,7 @@ from trundle.mapping.slam_localizer import SlamLocalizer
 from trundle.maps import OccupancyGrid
 from trundle.observation import Estimate, Observation, Scan
 from trundle.ros2.remote.map_fit import MapFit
+from trundle.ros2.remote.map_odom import MapOdomInput
 
 _NOWHERE = Pose2D(0.0, 0.0)
 
@@ -227,24 +228,27 @@ class TfLocalizer(Localizer):
     """The robot is where map → odom from outside puts it.
 
     Args:
-        find: Gives map → odom as it is now, or None.
+        map_odom: map → odom from outside.
         start: Where the robot is at first, for those who wait to be told; None where nobody is.
 
     Attributes:
-        is_located: Whether there is a map → odom.
+        is_located: Whether there is a map → odom that says where the robot is.
     """
 
-    def __init__(self, find: Callable[[], Pose2D | None], start: Pose2D | None = None) -> None:
-        self._find, self._start = find, start
-        self._known: Pose2D | None = None
+    def __init__(self, map_odom: MapOdomInput, start: Pose2D | None = None) -> None:
+        self._map_odom, self._start = map_odom, start
         self.is_located = False
         self.waits_for_pose = self.bridges_jumps = False
-        self.why = ""
+
+    @property
+    def why(self) -> str:
+        """Why it is not located."""
+        return self._map_odom.why
 
     @property
     def shown(self) -> Pose2D | None:
-        """Where the robot is at first, until map → odom says where it is."""
-        return None if self.is_located else self._start
+        """Where the robot is at first, until map → odom says where it is; after that, that is long ago."""
+        return self._start
 
     def begin(self) -> None:
         """Do nothing: where the robot is comes from outside."""
@@ -253,15 +257,13 @@ class TfLocalizer(Localizer):
         """Do nothing: the pose comes from outside."""
 
     def doubt(self) -> None:
-        """Wait for a new map → odom."""
-        self._known = None
-        self.is_located = False
+        """Do nothing: map → odom is in doubt since the jump."""
 
     def update(self, observation: Observation) -> Estimate:
         """Return where the robot is by map → odom."""
-        found = self._find()
-        self._known = self._known if found is None else found
-        if self._known is None:
+        found = self._map_odom.pose
+        self.is_located = found is not None
+        if found is None:
             return Estimate(observation.time, observation.odometry, state="lost")
-        self.is_located = True
-        return Estimate(observation.time, self._known @ observation.odometry, None, self._known)
+        self._start = None
+        return Estimate(observation.time, found @ observation.odometry, None, found)

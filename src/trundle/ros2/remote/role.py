@@ -11,9 +11,8 @@ from trundle.control.latency import Latency
 from trundle.errors import InputError, TrundleError
 from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
-from trundle.mission import Cancel, End, Episode, Observer, RunInfo, Session, SetGoal, SetGoals, Step, TaskEnd
+from trundle.mission import End, Episode, Observer, RunInfo, Session, SetGoal, SetGoals, Step, TaskEnd
 from trundle.mission.simulation import SessionOptions
-from trundle.ros2.navigator_role.context import NAVIGATOR
 from trundle.ros2.navigator_role.role import LoadedMap, NavigatorRole
 from trundle.ros2.outputs.output import Output
 from trundle.ros2.remote.guard import Guard, GuardedMonitor
@@ -99,6 +98,10 @@ class RemoteRole(NavigatorRole):
         """Let what is published on /initialpose not come back as a pose from others."""
         self._kit.is_own_pose = start.is_own
 
+    def use_drive(self, drive: GoalDrive) -> None:
+        """Let what stops the robot end a drive, too."""
+        self._kit.tasks.ends.append(drive.stop)
+
     def begin(self, observers: Sequence[Observer], seed: int | None) -> Session:
         """Begin a run where the robot is; it waits for goals."""
         loaded = self._take_map()
@@ -130,12 +133,6 @@ class RemoteRole(NavigatorRole):
         here = self._kit.beliefs.now.pose
         return here if bool(grid.contains(*grid.world_to_cell(here.x, here.y))) else None
 
-    def lost(self, why: str) -> None:
-        """Cancel what runs: whoever asked for it, and the robot, are out of reach."""
-        super().lost(why)
-        if why:
-            self._context.driver.steering.put(Cancel(), by=NAVIGATOR)
-
     def follow(self, step: Step) -> None:
         """Keep the time of the network, the latency, and whether goals are taken."""
         context = self._context
@@ -145,10 +142,7 @@ class RemoteRole(NavigatorRole):
         tasks, localizer = self._kit.tasks, self._localizer
         settles = system.monotonic() < self._settles_until and not localizer.waits_for_pose
         takes = localizer.is_located or settles
-        if not takes and not tasks.refuses:
-            tasks.refuses = NOT_LOCATED
-        elif takes and tasks.refuses == NOT_LOCATED:
-            tasks.refuses = ""
+        tasks.refuse("location", "" if takes else localizer.why or NOT_LOCATED)
         if step.state.time - self._looked_s >= _LATENCY_S:
             self._looked_s = step.state.time
             self._compensate()
@@ -168,7 +162,7 @@ class RemoteRole(NavigatorRole):
         self._monitor.set_latency(latency)
 
     def _note_map_odom(self) -> None:
-        self._inputs.published = self._kit.beliefs.now.map_odom
+        self._inputs.map_odom.published = self._kit.beliefs.now.map_odom
 
 
 class _First:
@@ -214,7 +208,9 @@ class GoalDrive:
     ) -> None:
         self._goals, self._context, self._localizer, self._guard = tuple(goals), context, localizer, guard
         self.waits_s = waits_s
-        self._given, self._left = False, self._goals
+        self._begun = self._given = False
+        self._left = self._goals
+        self._stopped = ""
         self._held_since: float | None = None
         self.arrived = False
         self.message = ""
@@ -227,6 +223,9 @@ class GoalDrive:
         if self.message:  # the run was about to begin again as the drive ended
             self._context.driver.steering.put(End(self.message), by="--goal")
             return
+        if self._stopped:
+            self._end(self._stopped)
+            return
         now = system.monotonic()
         if self._given and step.steering is not None:
             self._left = step.steering.goals[step.goal :]
@@ -234,7 +233,7 @@ class GoalDrive:
         if not reasons:
             self._held_since = None
             if not self._given:
-                self._given = True
+                self._begun = self._given = True
                 goals = self._goals
                 directive = SetGoal(goals[0]) if len(goals) == 1 else SetGoals(goals, through=False)
                 self._left = goals
@@ -247,6 +246,11 @@ class GoalDrive:
 
     def on_end(self, episode: Episode) -> None:
         """Do nothing."""
+
+    def stop(self, why: str) -> None:
+        """End a drive that was begun: the robot is stopped. Any thread may call it."""
+        if self._begun:
+            self._stopped = why
 
     def begin(self, time: float) -> None:
         """Do nothing: the run has taken up the goals."""
@@ -264,7 +268,7 @@ class GoalDrive:
             self._given, self._goals = False, self._left or self._goals
             return
         self.arrived = end.result == "succeeded"
-        self._end("arrived" if self.arrived else end.message or end.result)
+        self._end("arrived" if self.arrived else self._stopped or end.message or end.result)
 
     def _end(self, message: str) -> None:
         if not self.message:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -17,13 +17,16 @@ from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.robots import Lidar, Robot
 from trundle.sim.batch.recording import MoverRecording
 from trundle.sim.lidar import beam_angles
+from trundle.values import as_array, show_value
+
+_Item = TypeVar("_Item", bound=np.generic)
 
 
 def check_maps(maps: Sequence[OccupancyGrid], robot: Robot) -> None:
     """Check that a batch can use these maps.
 
     Raises:
-        InputError: If there are none, they have different resolutions, or the robot is larger than one of them.
+        InputError: If there are none, one is no map, their resolutions differ, or the robot is larger than one of them.
     """
     if not maps:
         raise InputError("a batch needs at least one map")
@@ -137,8 +140,10 @@ def check_recordings(recordings: Sequence[MoverRecording]) -> None:
     """Check that a batch can use these recordings.
 
     Raises:
-        InputError: If one is none, or they have different periods or numbers of samples.
+        InputError: If they are no list, one is none, or they have different periods or numbers of samples.
     """
+    if not isinstance(recordings, Sequence):
+        raise InputError(f"recordings must be a list of MoverRecordings, got {type(recordings).__name__}")
     for number, recording in enumerate(recordings):
         if not isinstance(recording, MoverRecording):
             raise InputError(f"recording {number} must be a MoverRecording, got {type(recording).__name__}")
@@ -148,6 +153,38 @@ def check_recordings(recordings: Sequence[MoverRecording]) -> None:
                 f"recording {number} has {recording.tracks.shape[1]} samples of {recording.period:g} s, recording 0 "
                 f"{first.tracks.shape[1]} of {first.period:g} s: those of a batch must be alike"
             )
+
+
+def spread(values: object, kind: type[_Item], shape: tuple[int, ...], what: str) -> npt.NDArray[_Item]:
+    """Return values as an array with a row for each robot; one row may be given for all of them.
+
+    Args:
+        values: Numbers, of this shape or of that of one row.
+        kind: Their type. Integers are not rounded.
+        shape: Rows first.
+        what: Their name in messages.
+
+    Raises:
+        InputError: If they have another shape, or are no numbers of this type.
+    """
+    array = as_array(values, kind, what) if issubclass(kind, np.floating) else _as_integers(values, kind, what)
+    if array.shape == shape:
+        return array
+    if array.shape != shape[1:]:
+        row = f"shape {shape[1:]}" if shape[1:] else "one number"
+        raise InputError(f"{what} need shape {shape}, or {row} for all, got {array.shape}")
+    return np.full(shape, array, dtype=kind)  # np.broadcast_to takes twice as long
+
+
+def _as_integers(values: object, kind: type[_Item], what: str) -> npt.NDArray[_Item]:
+    given = as_array(values, np.object_, what) if isinstance(values, list | tuple) else np.asarray(values)
+    if given.dtype == kind:
+        return np.array(given, dtype=kind, order="C")
+    with np.errstate(invalid="ignore"):  # NaN
+        array = as_array(given, kind, what)
+    if given.dtype == np.bool_ or not np.all(array == given):
+        raise InputError(f"{what} must be integers ({np.dtype(kind).name}), got {show_value(values)}")
+    return array
 
 
 def blocked_cells(grid: OccupancyGrid, *, unknown_is_solid: bool) -> npt.NDArray[np.bool_]:

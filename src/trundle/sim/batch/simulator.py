@@ -14,13 +14,13 @@ from trundle.extras import check_extra
 from trundle.geometry import FloatArray
 from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
-from trundle.sim.batch.arrays import BatchModel, blocked_cells, check_maps, check_recordings, make_model
+from trundle.sim.batch.arrays import BatchModel, blocked_cells, check_maps, check_recordings, make_model, spread
 from trundle.sim.batch.cpu import BatchEngine, CpuEngine, mask_of
 from trundle.sim.batch.crowds import RobotCrowds
 from trundle.sim.batch.recording import MoverRecording
-from trundle.sim.lidar import LidarChoice
+from trundle.sim.lidar import LidarChoice, choose_lidars
 from trundle.sim.ramp import count_steps
-from trundle.values import as_array, check_count, check_kind, check_number
+from trundle.values import check_count, check_kind, check_number
 
 NOTHING, CELL, MOVER = 0, 1, 2
 """What a robot touches: the first column of `BatchSimulator.contacts`."""
@@ -88,14 +88,17 @@ class BatchSimulator:
         check_kind(robot, Robot, "robot", "Robot.load(name) loads one")
         self._count = check_count("count", count, 1, _MOST_ROBOTS)
         self._timestep = check_number("timestep", timestep, 1e-6, 1.0, "s")
+        self._period = 0.0, 0  # of the last step [s], and its substeps
         if unknown not in ("solid", "free"):
             raise InputError(f"unknown must be solid or free, got {unknown!r}")
+        if not isinstance(maps, OccupancyGrid | Sequence):
+            raise InputError(f"maps must be an OccupancyGrid or a list of them, got {type(maps).__name__}")
         self._maps = (maps,) if isinstance(maps, OccupancyGrid) else tuple(maps)
         check_maps(self._maps, robot)
         check_recordings(recordings)
         self._recordings = tuple(recordings)
         self._robot = robot
-        names = _choose_lidars(robot, lidar)
+        names = choose_lidars(robot, lidar)
         chosen = [robot.lidars[name] for name in names]
         blocked = [blocked_cells(grid, unknown_is_solid=unknown == "solid") for grid in self._maps]
         workers = _choose_threads(threads)
@@ -180,19 +183,19 @@ class BatchSimulator:
         engine = self._engine
         if engine.takes(poses, robots, maps, recordings, seeds, noise, dropouts):
             given = {"poses": poses, "maps": maps, "recordings": recordings, "seeds": seeds}
-            engine.put(robots, noise=noise, dropouts=dropouts, **given)
+            engine.put(self._active(robots), noise=noise, dropouts=dropouts, **given)
             return
         chosen = self._choose(robots)
         count = self._count if chosen is None else len(chosen)
-        placed = _spread(as_array(poses, np.float64, "poses"), (count, 3), "poses")
+        placed = spread(poses, np.float64, (count, 3), "poses")
         lost = np.logical_not(np.abs(placed) < 1e9).any(axis=1)
         if lost.any():
             raise InputError(f"the pose of robot {_first(chosen, lost)} is not finite")
         map_of = self._check_range(maps, chosen, "map", 0, len(self._maps) - 1)
         recording_of = self._check_range(recordings, chosen, "recording", -1, len(self._recordings) - 1)
-        keys = _spread(as_array(seeds, np.uint64, "seeds"), (count,), "seeds")
-        sigma = _spread(as_array(noise, np.float64, "noise"), (count,), "noise")
-        shares = _spread(as_array(dropouts, np.float64, "dropouts"), (count,), "dropouts")
+        keys = spread(seeds, np.uint64, (count,), "seeds")
+        sigma = spread(noise, np.float64, (count,), "noise")
+        shares = spread(dropouts, np.float64, (count,), "dropouts")
         if not ((sigma >= 0.0) & (sigma <= 10.0) & (shares >= 0.0) & (shares <= 1.0)).all():
             raise InputError("noise must be from 0 to 10 m, and dropouts from 0 to 1")
         engine.put(chosen, poses=placed, maps=map_of, recordings=recording_of, seeds=keys, noise=sigma, dropouts=shares)
@@ -210,11 +213,13 @@ class BatchSimulator:
             InputError: If a command is not finite or has another shape, or `dt` is no such multiple; no robot has
                 moved then.
         """
-        substeps = count_steps(dt, self._timestep)
+        if not (isinstance(dt, float) and dt == self._period[0]):
+            self._period = dt, count_steps(dt, self._timestep)
+        substeps = self._period[1]
         if self._engine.takes(commands, robots):
-            self._engine.drive(commands, robots, substeps)
+            self._engine.drive(commands, self._active(robots), substeps)
             return
-        given = _spread(as_array(commands, np.float64, "commands"), (self._count, 2), "commands")
+        given = spread(commands, np.float64, (self._count, 2), "commands")
         finite = np.abs(given) < 1e9
         if not finite.all():
             first = int(np.argmin(finite.all(axis=1)))
@@ -231,7 +236,7 @@ class BatchSimulator:
             Ranges of all beams [m], one lidar after the other, infinite without a return; float32, shape (N, beams),
             a view. Robots that are not chosen keep the scan that they have.
         """
-        self._engine.scan(robots if self._engine.takes(robots) else self._mask(robots))
+        self._engine.scan(self._active(robots))
         return self._engine.ranges
 
     def scan_exactly(self) -> FloatArray:
@@ -279,7 +284,10 @@ class BatchSimulator:
         """Return the indices of robots, or None for all."""
         if robots is None:
             return None
-        array = np.asarray(robots)
+        try:
+            array = np.asarray(robots)
+        except ValueError:
+            raise InputError("robots must be indices, a bool for each robot, or None for all") from None
         if array.dtype == np.bool_:
             if array.shape != (self._count,):
                 raise InputError(f"robots as bools need shape ({self._count},), got {array.shape}")
@@ -301,11 +309,15 @@ class BatchSimulator:
         chosen = self._choose(robots)
         return None if chosen is None else mask_of(chosen, self._count)
 
+    def _active(self, robots: Any) -> Any:
+        """Return a bool for each robot, or None for all: an array of the device as it is given."""
+        return robots if self._engine.takes(robots) else self._mask(robots)
+
     def _check_range(
         self, values: npt.ArrayLike, chosen: npt.NDArray[np.int64] | None, what: str, least: int, most: int
     ) -> npt.NDArray[np.int64]:
         count = self._count if chosen is None else len(chosen)
-        array = _spread(as_array(values, np.int64, f"{what}s"), (count,), f"{what}s")
+        array = spread(values, np.int64, (count,), f"{what}s")
         bad = (array < least) | (array > most)
         if bad.any():
             number, robot = array[np.argmax(bad)], _first(chosen, bad)
@@ -316,25 +328,6 @@ class BatchSimulator:
 def _first(chosen: npt.NDArray[np.int64] | None, bad: npt.ArrayLike) -> int:
     first = int(np.argmax(bad))
     return first if chosen is None else int(chosen[first])
-
-
-def _spread(array: npt.NDArray[np.generic], shape: tuple[int, ...], what: str) -> npt.NDArray:
-    if array.shape == shape:  # np.broadcast_to takes ten times as long as a step of one robot's arithmetic
-        return np.ascontiguousarray(array)
-    try:
-        return np.ascontiguousarray(np.broadcast_to(array, shape))
-    except ValueError:
-        raise InputError(f"{what} need shape {shape}, or one value for all, got {array.shape}") from None
-
-
-def _choose_lidars(robot: Robot, choice: LidarChoice) -> tuple[str, ...]:
-    if isinstance(choice, bool):
-        return tuple(robot.lidars) if choice else ()
-    names = (choice,) if isinstance(choice, str) else tuple(choice)
-    for name in names:
-        if name not in robot.lidars:
-            raise UnknownNameError(f"lidar of {robot.name}", name, robot.lidars)
-    return names
 
 
 def _find_device(name: str, threads: int, crowds: RobotCrowds) -> Callable[[BatchModel, int], BatchEngine]:

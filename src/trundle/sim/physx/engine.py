@@ -31,6 +31,8 @@ _SCHEMAS = ("PhysxSchema", "OmniUsdPhysicsDeformableSchema")
 _LOG = "trundle.sim.physx.ovphysx"
 """Logger that gets the messages of the engine."""
 _LOG_TIMEOUT_NS = 1_000_000_000
+_NOT_MADE = "Unable to create"
+"""How a warning begins that a collider was left out: of a mesh whose triangles are all without an area, for one."""
 _PRIM = re.compile(r"(?<![\w./])/[A-Za-z_]\w*")
 """Where a message names a prim, also behind a colon."""
 
@@ -221,10 +223,19 @@ class Messages(logging.Handler):
         messages = self.errors if record.levelno >= logging.ERROR else self.warnings
         messages.append(text.partition(" , FILE ")[0].partition(", FILE ")[0])  # where in PhysX' sources
 
+    @property
+    def refused(self) -> list[str]:
+        """What says that a part of the stage was left out."""
+        return [*self.errors, *(text for text in self.warnings if text.startswith(_NOT_MADE))]
+
+    def reason(self) -> str:
+        """Return all errors; where there is none, what else says that a part was left out."""
+        return "; ".join(self.errors or self.refused)
+
     def told(self) -> str:
-        """Return the first error; the first message that names a prim, if there is one."""
-        named = (message for message in (*self.errors, *self.warnings) if _PRIM.search(message))
-        return next(named, self.errors[0])
+        """Return the first message of `refused`; the first one that names a prim, if there is one."""
+        named = (message for message in (*self.refused, *self.warnings) if _PRIM.search(message))
+        return next(named, self.refused[0])
 
 
 @contextmanager

@@ -73,9 +73,9 @@ class RunningStage:
                 self._attach()
                 self.centre_of_mass = self.attachment.centre_of_mass(self._scene.root)
         except (RuntimeError, ValueError, self._ovstage.OvstageError) as error:
-            reason = "; ".join(refused.errors) or str(error)
+            reason = refused.reason() or str(error)
             raise WorldError(f"{self._scene.source}: PhysX cannot simulate it: {reason}") from error
-        if refused.errors:
+        if refused.refused:
             more = f" (and {len(refused.errors) - 1} more)" if len(refused.errors) > 1 else ""
             warnings.warn(
                 f"{self._scene.source}: PhysX refuses a part of it, and the robot will pass through that: "
@@ -126,11 +126,19 @@ class RunningStage:
         refused = Messages()
         with collected_messages(refused):
             self._handles.append(self._population.add_usd_reference_from_string(self._stage, _as_usd(solid), path))
-            self._seal()
-            self._engine.wait_task(self._engine.update_from_ovstage(self._ordinal, self._ordinal))
-        if refused.errors:
-            raise WorldError(f"PhysX refuses the solid {solid.name!r}: {'; '.join(refused.errors)}")
+            self._update()
+        if refused.refused:
+            # Nothing of it stays in the stage.
+            self._population.remove_usd(self._stage, self._handles.pop())
+            with collected_messages(Messages()):
+                self._update()
+            raise WorldError(f"PhysX refuses the solid {solid.name!r}: {refused.reason()}")
         self.added[path] = solid.name
+
+    def _update(self) -> None:
+        """Give the running simulation what was changed in the stage."""
+        self._seal()
+        self._engine.wait_task(self._engine.update_from_ovstage(self._ordinal, self._ordinal))
 
     def _seal(self) -> None:
         """Make a version of the stage of what was changed in its USD."""

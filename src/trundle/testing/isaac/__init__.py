@@ -8,7 +8,7 @@ PhysX. What lies between them in Isaac Sim, the Kit application, is stood in for
   `omni.kit.app`);
 - `stage`: the open stage (`omni.usd`), the schemas' Python classes (`pxr.PhysxSchema`) and Fabric (`usdrt`);
 - `interfaces`, `scenes`: PhysX' callbacks and contact report (`omni.physics.core`, `omni.physx`), and the compiled part
-  of the simulation manager; `physics` runs PhysX itself;
+  of the simulation manager; `physics` runs PhysX itself, and `poses` keeps bodies of both in one place;
 - `tensors`: views of articulations and bodies (`omni.physics.tensors`);
 - `nothing`: everything else of `carb` and `omni`, which does nothing; the runner lists what was called of it.
 

@@ -30,6 +30,9 @@ RENAMED = {
 }
 """Names of Isaac Sim 4.2 and before, which 5.1 accepts; longer names first."""
 
+FLAT = ("omni.isaac.core.articulations", "omni.isaac.core.prims")
+"""Old packages whose modules were one class each: all of them are the present package."""
+
 RENAMED_CLASSES = {
     "omni.isaac.core.articulations": {"Articulation": "SingleArticulation", "ArticulationView": "Articulation"},
     "omni.isaac.core.prims": {
@@ -77,6 +80,8 @@ class Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
             raise ModuleNotFoundError(
                 f"No module named {fullname!r}: there is no renderer without Isaac Sim", name=fullname
             )
+        if top == "torch" and fullname not in self.known:
+            raise without_torch(fullname)
         if fullname in self.known or is_open(fullname) or new_name(fullname):
             return importlib.machinery.ModuleSpec(fullname, self, is_package=True)
         if fullname.startswith("isaacsim.") and fullname.count(".") == 1 and not _is_on(path, fullname):
@@ -92,6 +97,8 @@ class Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         renamed = new_name(spec.name)
         if renamed:
             return _Renamed(spec.name, importlib.import_module(renamed))
+        if spec.name == "torch":
+            return Torch(spec.name)
         if not is_open(spec.name):
             return ModuleType(spec.name)
         module = _Open(spec.name)
@@ -124,6 +131,15 @@ class _Open(ModuleType):
         return made
 
 
+class Torch(ModuleType):
+    """Stands in for PyTorch, which is not there: NVIDIA's modules import it, though few of their functions use it."""
+
+    def __getattr__(self, name: str) -> object:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        raise without_torch(f"{self.__name__}.{name}")
+
+
 class _Renamed(ModuleType):
     """An old name of a module."""
 
@@ -134,7 +150,23 @@ class _Renamed(ModuleType):
     def __getattr__(self, name: str) -> object:
         if name.startswith("__"):
             raise AttributeError(name)
-        return getattr(self._real, RENAMED_CLASSES.get(self.__name__, {}).get(name, name))
+        package = next((package for package in FLAT if f"{self.__name__}.".startswith(f"{package}.")), "")
+        return getattr(self._real, RENAMED_CLASSES.get(package, {}).get(name, name))
+
+
+def without_torch(name: str) -> ModuleNotFoundError:
+    """Return the error of a script that uses PyTorch."""
+    return ModuleNotFoundError(
+        f"No module named 'torch', for {name}: there is no PyTorch without Isaac Sim; use the backend numpy",
+        name="torch",
+    )
+
+
+def torch_members() -> dict[str, object]:
+    """Return what NVIDIA's modules ask of PyTorch when they are imported."""
+    jit = Torch("torch.jit")
+    vars(jit)["script"] = lambda function: function
+    return {"Tensor": type("Tensor", (), {}), "device": type("device", (), {}), "jit": jit}
 
 
 def is_open(name: str) -> bool:
@@ -147,7 +179,7 @@ def new_name(name: str) -> str | None:
     """Return the present name of a module of an old Isaac Sim; None for a present name."""
     for old, new in RENAMED.items():
         if name == old or name.startswith(f"{old}."):
-            return new + name.removeprefix(old)
+            return new if old in FLAT else new + name.removeprefix(old)
     return None
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import tempfile
 import types
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +13,10 @@ import ovphysx  # pyright: ignore[reportMissingImports]
 import ovstage  # pyright: ignore[reportMissingImports]
 from ovphysx import PhysX  # pyright: ignore[reportMissingImports]
 from ovphysx.types import ObjectScope, SimObjectType, TensorType  # pyright: ignore[reportMissingImports]
-from pxr import Gf, Plug, Sdf, Usd, UsdGeom, UsdPhysics
+from pxr import Gf, Plug, Sdf, Usd, UsdPhysics
 
 from trundle.testing.isaac.kit import App
+from trundle.testing.isaac.poses import Kept, Poses, restore
 from trundle.testing.isaac.stage import Context
 
 _KEPT = (
@@ -30,6 +29,18 @@ _KEPT = (
 )
 """State of an articulation that is carried over when the stage changes while it plays."""
 
+_KEPT_BODY = (TensorType.RIGID_BODY_POSE, TensorType.RIGID_BODY_VELOCITY)
+"""The same of a body that is no link."""
+
+_TARGETS = {
+    f"drive:{axis}:physics:target{kind}": f"joint{kind}Target"
+    for axis in ("angular", "linear") for kind in ("Velocity", "Position")
+}  # fmt: skip
+"""PhysX's quantities, in USD's units, of the attributes that a script may set at every step."""
+
+_VELOCITIES = {"physics:velocity": slice(0, 3), "physics:angularVelocity": slice(3, 6)}
+
+_PROXIES = Usd.TraverseInstanceProxies()
 _CONTACT = ("Type", "Collider", "OtherBody", "OtherCollider", "PointCount", "PointPosition")
 _CONTACT_TYPES = ("CONTACT_FOUND", "CONTACT_LOST", "CONTACT_PERSIST")
 
@@ -59,9 +70,9 @@ class Engine:
         self._stage: Any = None
         self._numbers: dict[str, int] = {}
         self._names: list[str] = []
-        self._changed = self._writing = False
-        self._targets: dict[str, float] = {}
-        self._moved: Sdf.Layer | None = None
+        self._changed = False
+        self._targets: dict[str, dict[str, float]] = {}
+        self._kept: Kept = {}
         self.runs = 0
         self.steps = 0
         context.watchers.append(self._watch)
@@ -91,8 +102,10 @@ class Engine:
         self._paths = ovstage.PathDictionary(self._stage)
         self._known: dict[int, str] = {}
         self._tokens: dict[int, str] = {}
-        self._frames = {path: _frame(stage, path, self._bodies) for path in self._bodies}
-        self._poses = self.bind(self._bodies, TensorType.RIGID_BODY_POSE) if self._bodies else None
+        self._links = set(self._of(SimObjectType.ARTICULATION_LINK, "mass"))
+        self._joints = set(self._of(SimObjectType.ARTICULATION_JOINT, "jointPosition"))
+        roots = {self._root_link(path): path for path in self._articulations()}
+        self._poses = Poses(stage, self._bodies, links=self._links, roots=roots, physics=self, kept=self._kept)
         self._changed = False
 
     def unload(self) -> None:
@@ -104,32 +117,26 @@ class Engine:
         self._stage = None
         stage = self._context.get_stage()
         if stage is not None:
-            with self._quietly():
-                self._results(stage).Clear()
+            restore(stage, self._kept)
 
     def flush(self) -> None:
         """Load the stage again if it was changed since, and let everything go on from where it is."""
         self._reload()
         targets, self._targets = self._targets, {}
-        for path in self._articulations() if targets and self.loaded else ():
-            binding = self.bind([path], TensorType.ARTICULATION_DOF_VELOCITY_TARGET)
-            values = self.read(path, TensorType.ARTICULATION_DOF_VELOCITY_TARGET)
-            for number, name in enumerate(binding.dof_names):
-                values[0, number] = targets.get(name, values[0, number])
-            binding.write(values)
-            binding.destroy()
+        for quantity, values in targets.items() if self.loaded else ():
+            self.set(SimObjectType.ARTICULATION_JOINT, quantity, values)
 
     def _reload(self) -> None:
         if not (self.loaded and self._changed):
             return
         self.synchronize()
-        roots = self._articulations()
-        kept = [(path, kind, self.read(path, kind)) for path in roots for kind in _KEPT]
+        kept = [(path, kind, self.read(path, kind)) for path in self._articulations() for kind in _KEPT]
+        kept += [(path, kind, self.read(path, kind)) for path in self._free() for kind in _KEPT_BODY]
         self._physx.wait_task(self._physx.detach_ovstage())
         self._stage.destroy()
         self._stage = None
         self.load()
-        left = set(self._articulations())
+        left = {*self._articulations(), *self._free()}
         for path, kind, value in (one for one in kept if one[0] in left):
             binding = self.bind([path], kind)
             if tuple(binding.shape) == value.shape:
@@ -162,33 +169,23 @@ class Engine:
         binding.destroy()
         return value
 
+    def set(self, kind: int, quantity: str, values: dict[str, Any]) -> None:
+        """Set one quantity of objects, by their paths."""
+        wanted = {self._paths.intern_path(path): value for path, value in values.items()}
+        with self._physx.write_sync(kind, quantity, prim_paths=list(wanted)) as session:
+            for group in session.groups:
+                first = group.prim_offset
+                paths = self._paths.get_paths(group.prim_list)[first : first + group.prim_count]
+                # Joints have an array each, as many rows as axes; bodies have one together.
+                arrays = [tensor.numpy() for tensor in group.tensors]
+                for path, array in zip(paths, arrays if len(arrays) == len(paths) else arrays[0], strict=True):
+                    array[...] = wanted[int(path)]
+                session.commit_sync(group)
+
     def synchronize(self) -> None:
         """Write the poses of bodies to the stage, as Kit does once a frame."""
-        stage = self._context.get_stage()
-        if not self.loaded or self._poses is None or stage is None:
-            return
-        poses = np.zeros(self._poses.shape, np.float32)
-        self._poses.read(poses)
-        world = dict(zip(self._poses.prim_paths, [_matrix(pose) for pose in poses], strict=True))
-        layer = self._results(stage)
-        with self._quietly(), Sdf.ChangeBlock():
-            for path, (above, between, scale) in self._frames.items():
-                if path not in world or not stage.GetPrimAtPath(path):
-                    continue
-                local = world[path] * (between * world.get(above, Gf.Matrix4d(1.0))).GetInverse()
-                prim = Sdf.CreatePrimInLayer(layer, path)
-                values = {
-                    "xformOp:translate": (Sdf.ValueTypeNames.Double3, local.ExtractTranslation()),
-                    "xformOp:orient": (Sdf.ValueTypeNames.Quatd, local.RemoveScaleShear().ExtractRotationQuat()),
-                    "xformOp:scale": (Sdf.ValueTypeNames.Double3, scale),
-                }
-                for name, (kind, value) in values.items():
-                    given = prim.attributes.get(name) or Sdf.AttributeSpec(prim, name, kind)
-                    given.default = value
-                order = prim.attributes.get("xformOpOrder") or Sdf.AttributeSpec(
-                    prim, "xformOpOrder", Sdf.ValueTypeNames.TokenArray, Sdf.VariabilityUniform
-                )
-                order.default = list(values)
+        if self.loaded and self._context.get_stage() is not None:
+            self._poses.write()
 
     def contact_report(self) -> tuple[list[types.SimpleNamespace], list[types.SimpleNamespace]]:
         """Return what touches since the last step: headers and points, as omni.physx does."""
@@ -250,66 +247,65 @@ class Engine:
             self._known[number] = self._paths.path_to_string(number) if number else ""
         return self._known[number]
 
-    def _articulations(self) -> list[str]:
-        """Roots of articulations that PhysX has."""
-        with self._physx.read_sync(SimObjectType.ARTICULATION, ["rootPosition"], scope=ObjectScope.ALL) as result:
+    def _of(self, kind: int, quantity: str) -> list[str]:
+        """Paths of all objects of a kind that PhysX has."""
+        with self._physx.read_sync(kind, [quantity], scope=ObjectScope.ALL) as result:
             return [path for group in result.groups for path in self._paths.get_path_strings(group.prim_list)]
 
-    def _results(self, stage: Usd.Stage) -> Sdf.Layer:
-        moved = self._moved
-        if moved is None or moved.identifier not in stage.GetSessionLayer().subLayerPaths:
-            moved = self._moved = Sdf.Layer.CreateAnonymous("moved.usda")
-            stage.GetSessionLayer().subLayerPaths.insert(0, moved.identifier)
-        return moved
+    def _articulations(self) -> list[str]:
+        return self._of(SimObjectType.ARTICULATION, "rootPosition")
 
-    @contextmanager
-    def _quietly(self) -> Iterator[None]:
-        self._writing = True
-        try:
-            yield
-        finally:
-            self._writing = False
+    def _free(self) -> list[str]:
+        """Bodies that forces move, and that are no links."""
+        stage = self._context.stage
+        return [
+            path for path in self._bodies
+            if path not in self._links and (prim := stage.GetPrimAtPath(path))
+            and not UsdPhysics.RigidBodyAPI(prim).GetKinematicEnabledAttr().Get()
+        ]  # fmt: skip
+
+    def _root_link(self, articulation: str) -> str:
+        """The root link of an articulation, whose path may be that of a prim above it."""
+        if articulation in self._links:
+            return articulation
+        binding = self.bind([articulation], TensorType.ARTICULATION_ROOT_POSE)
+        name, root = binding.body_names[0], Sdf.Path(articulation)
+        binding.destroy()
+        named = [link for link in self._links if link.rpartition("/")[2] == name]
+        return max(named, key=lambda link: len(str(root.GetCommonPrefix(link))), default=articulation)
 
     def _watch(self, notice: Usd.Notice.ObjectsChanged) -> None:
         """Note a change of the stage that concerns physics."""
-        if self._writing or not self.loaded:
+        if not self.loaded or self._poses.writing:
             return
         stage = self._context.stage
+        moved: list[Sdf.Path] = []
         for path in [*notice.GetResyncedPaths(), *notice.GetChangedInfoOnlyPaths()]:
             prim = stage.GetPrimAtPath(path.GetPrimPath())
             if not path.IsPropertyPath():
-                gone = not prim and any(Sdf.Path(body).HasPrefix(path) for body in self._bodies)
-                if gone or (prim and any(_is_physical(part) for part in Usd.PrimRange(prim))):
+                gone = [] if prim else [body for body in self._bodies if Sdf.Path(body).HasPrefix(path)]
+                for body in gone:
+                    self._kept.pop(body, None)
+                if gone or (prim and any(_is_physical(part) for part in Usd.PrimRange(prim, _PROXIES))):
                     self._changed = True
-            elif path.name == "drive:angular:physics:targetVelocity":
-                self._targets[prim.GetName()] = float(np.radians(stage.GetAttributeAtPath(path).Get() or 0.0))
+            elif path.name.startswith("xformOp"):
+                moved.append(path)
+            elif path.name in _TARGETS and str(prim.GetPath()) in self._joints:
+                value = float(stage.GetAttributeAtPath(path).Get() or 0.0)
+                self._targets.setdefault(_TARGETS[path.name], {})[str(prim.GetPath())] = value
+            elif path.name in _VELOCITIES and str(prim.GetPath()) in self._free():
+                self._set_velocity(str(prim.GetPath()), path.name, stage.GetAttributeAtPath(path).Get())
             elif path.name.startswith(("physics:", "physx", "drive:")):
                 self._changed = True
+        if moved and self._poses.follow(moved):
+            self._changed = True
 
-
-def _frame(stage: Usd.Stage, path: str, bodies: list[str]) -> tuple[str, Gf.Matrix4d, Gf.Vec3d]:
-    """The nearest body above a body, the transform from its parent to that (or to the world), and its scale."""
-    body = stage.GetPrimAtPath(path)
-    parent = body.GetParent()
-    above = next((name for name in map(str, Sdf.Path(path).GetParentPath().GetPrefixes()[::-1]) if name in bodies), "")
-    between = (
-        UsdGeom.Xformable(parent).ComputeLocalToWorldTransform(0) if parent.IsA(UsdGeom.Xformable) else Gf.Matrix4d(1.0)
-    )
-    if above:
-        between *= (
-            UsdGeom.Xformable(stage.GetPrimAtPath(above))
-            .ComputeLocalToWorldTransform(0)
-            .RemoveScaleShear()
-            .GetInverse()
-        )
-    local = UsdGeom.Xformable(body).GetLocalTransformation()
-    return above, between, Gf.Vec3d(*(local.GetRow3(axis).GetLength() for axis in range(3)))
-
-
-def _matrix(pose: Any) -> Gf.Matrix4d:
-    x, y, z, qx, qy, qz, qw = map(float, pose)
-    matrix = Gf.Matrix4d().SetRotate(Gf.Quatd(qw, qx, qy, qz))
-    return matrix.SetTranslateOnly(Gf.Vec3d(x, y, z))
+    def _set_velocity(self, body: str, name: str, value: Any) -> None:
+        velocity = self.read(body, TensorType.RIGID_BODY_VELOCITY)
+        velocity[0, _VELOCITIES[name]] = value if name == "physics:velocity" else np.radians(value)
+        binding = self.bind([body], TensorType.RIGID_BODY_VELOCITY)
+        binding.write(velocity)
+        binding.destroy()
 
 
 def _moves(prim: Usd.Prim) -> bool:

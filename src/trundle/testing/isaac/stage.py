@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-import fnmatch
+import re
 import types
 from collections.abc import Callable
 from typing import Any, Literal
@@ -203,15 +203,15 @@ class Context:
         }  # fmt: skip
 
     def match(self, pattern: str, kind: str = "") -> list[str]:
-        """Paths of prims that match a pattern, whose `*` does not go over a slash."""
+        """Paths of prims that match a pattern: `*` or `.*` is any text but a slash, others are [0-9] and (a|b)."""
         if self._stage is None:
             return []
         parts = pattern.strip("/").split("/")
         found = [self._stage.GetPseudoRoot()]
         for part in parts:
-            # A part may be a regular expression of the kind [0-9] or (a|b), which USD's names never contain.
+            expression = re.compile(part.replace(".*", "*").replace("*", ".*").replace("?", ".").replace("[!", "[^"))
             wanted = [prim.GetChild(part) for prim in found] if part.isidentifier() else [
-                child for prim in found for child in prim.GetChildren() if fnmatch.fnmatchcase(child.GetName(), part)
+                child for prim in found for child in prim.GetChildren() if expression.fullmatch(child.GetName())
             ]  # fmt: skip
             found = [prim for prim in wanted if prim]
         return [str(prim.GetPath()) for prim in found if not kind or _is_kind(prim, kind)]
@@ -324,11 +324,35 @@ class _Schema:
         return [name.replace("__INSTANCE_NAME__", self._instance) for name in names]
 
 
+class _JointSchema(_Schema):
+    """PhysxJointAPI of Isaac Sim 5; since 6 there is a schema for each axis of a joint, without a friction like its."""
+
+    schema = "PhysxJointAxisAPI"
+
+    def __init__(self, prim: Any = None, instance: str = "") -> None:
+        super().__init__(prim, instance)
+        self._instance = instance or (
+            "linear" if self._prim and self._prim.IsA(UsdPhysics.PrismaticJoint) else "angular"
+        )
+
+    @classmethod
+    def Apply(cls, prim: Usd.Prim, *instance: str) -> _Schema:
+        made = cls(prim, *instance)
+        prim.ApplyAPI(cls.schema, made._instance)
+        return made
+
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        if name.endswith("JointFrictionAttr"):
+            return getattr(Nothing("pxr.PhysxSchema.PhysxJointAPI"), name)
+        return super().__getattr__(name)
+
+
 def physx_schema() -> types.ModuleType:
     """Return a module like pxr.PhysxSchema, and make prims accept its classes."""
 
     class Module(types.ModuleType):
         Tokens = _Tokens()
+        PhysxJointAPI = _JointSchema
 
         def __getattr__(self, name: str) -> type[_Schema]:
             if name.startswith("__"):

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from trundle.testing.isaac.kit import App
-from trundle.testing.isaac.modules import Finder
+from trundle.testing.isaac.modules import Finder, torch_members
 from trundle.testing.isaac.nothing import Nothing
 
 HIDDEN = {5: ("isaacsim.robot.experimental",)}
@@ -83,13 +83,18 @@ def _start(app: App, finder: Finder) -> None:
         "isaacsim.core.experimental.prims.bindings": {"_prims_reader": Nothing("prims_reader")},
         **_replicator(),
         "isaacsim.storage": {}, "isaacsim.storage.native": _storage(app),
-        "torch": {"Tensor": type("Tensor", (), {}), "device": type("device", (), {})},
+        "torch": torch_members(),
     }  # fmt: skip
     for module, members in provided.items():
         finder.provide(module, members)
     context.new_stage()
     manager: Any = importlib.import_module("isaacsim.core.simulation_manager")
     manager.Extension().on_startup("isaacsim.core.simulation_manager")
+    # Of 5.1, which 6.2 has left out.
+    semantics: Any = importlib.import_module("isaacsim.core.utils.semantics")
+    semantics.add_update_semantics = lambda prim, semantic_label, type_label="class", suffix="": semantics.add_labels(
+        prim, [semantic_label], type_label + suffix
+    )
     app.physics_dt = manager.SimulationManager.get_physics_dt
     stop = app.events.observe_event("omni.timeline.stop", lambda _: engine.unload(), order=100)
     closing = app.events.observe_event("omni.usd.stage.closing", lambda _: app.timeline.stop())

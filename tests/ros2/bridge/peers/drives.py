@@ -40,7 +40,7 @@ def listen(kind, topic, qos=10):
     subscriptions[topic] = node.create_subscription(kind, topic, got[topic].append, qos)
 
 
-def spin(done, timeout=20.0):
+def spin(done, timeout=60.0):
     until = time.monotonic() + timeout
     while not done():
         if time.monotonic() > until:
@@ -92,10 +92,17 @@ spin(lambda: got["/odom"][-1].pose.pose.position.x > 0.2)
 node.destroy_timer(timer)
 moving = max(one.twist.twist.linear.x for one in got["/odom"])
 spin(lambda: abs(got["/odom"][-1].twist.twist.linear.x) < 1e-3)
+
+
+def clocks_apart():
+    return abs(seconds(node.get_clock().now().to_msg()) - seconds(got["/clock"][-1].clock))
+
+
+spin(lambda: clocks_apart() < 0.1)  # of the two that hear the clock, one may have more to catch up with
 cloud, scan = got["/front/lidar_points"][-1], got["/front/scan"][-1]
 found = {
     "moving": moving,
-    "sim_time": abs(seconds(node.get_clock().now().to_msg()) - seconds(got["/clock"][-1].clock)),
+    "sim_time": clocks_apart(),
     "scan": [scan.header.frame_id, len(scan.ranges)],
     "cloud": [cloud.header.frame_id, cloud.height, cloud.width, len(cloud.data)],
     "static": sorted(one.child_frame_id for one in got["/tf_static"][0].transforms),

@@ -26,7 +26,7 @@ def on_feedback(message):
     feedback.append(list(message.feedback.sequence))
 
 
-def wait(future, timeout=20.0):
+def wait(future, timeout=60.0):
     rclpy.spin_until_future_complete(node, future, timeout_sec=timeout)
     return future.result()
 

@@ -12,7 +12,7 @@ from trundle.messages import Distro
 from trundle.ros2.transport.dds.node import DdsTransport
 from trundle.ros2.transport.domain import Settings
 
-PATIENCE_S = 30.0
+PATIENCE_S = 120.0
 """Until a test gives up waiting: far longer than it takes, on any machine."""
 
 Open = Callable[..., DdsTransport]

@@ -1,7 +1,6 @@
 """Two nodes in this process, on a domain of their own."""
 
 import threading
-import time
 from functools import cache
 
 import pytest
@@ -182,11 +181,13 @@ def test_the_graph_is_read_only_where_it_has_changed(open_node: Open, monkeypatc
         monkeypatch.setattr(
             reader, "read", lambda *of, kind=kind, read=read, **how: (reads.append(kind), read(*of, **how))[1]
         )
-    time.sleep(0.2)
-    ours.graph()
-    reads.clear()
-    assert len(ours.graph().endpoints) == 1
-    assert not reads
+
+    def reads_nothing() -> bool:
+        reads.clear()
+        assert len(ours.graph().endpoints) == 1
+        return not reads
+
+    until(reads_nothing, "all to be read that came late")
     theirs.subscription("/map", TEXT, BEST_EFFORT)
     until(lambda: len(ours.graph().endpoints) == 2, "their subscription")
     assert set(reads) == {"subscription"}

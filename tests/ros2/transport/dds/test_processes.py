@@ -31,7 +31,7 @@ def started() -> Iterator[list[subprocess.Popen[str]]]:
 
 def start(started: list[subprocess.Popen[str]], *arguments: object) -> subprocess.Popen[str]:
     command = [sys.executable, str(PEERS / "node.py"), *map(str, arguments)]
-    started.append(subprocess.Popen(command, stdout=subprocess.PIPE, text=True))
+    started.append(subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True))
     return started[-1]
 
 
@@ -41,14 +41,14 @@ def test_a_process_that_is_ended_leaves_the_network_and_comes_back(
 ) -> None:
     node = open_node("ours")
     subscription = node.subscription("/peer", TEXT, Qos())
-    first = start(started, "peer", "localhost", domain, 600, "ours")
+    first = start(started, "peer", "localhost", domain, "ours")
     (sample, *_) = received(node, subscription, 1)
     assert Codec().decode(TEXT, sample.data).data == "peer"
     first.send_signal(end)
     first.wait(PATIENCE_S)
     until(lambda: subscription.matched == 0 and node.graph().nodes == ("/ours",), "the peer to leave")
     subscription.take()
-    start(started, "peer", "localhost", domain, 600, "ours")
+    start(started, "peer", "localhost", domain, "ours")
     (again, *_) = received(node, subscription, 1)
     assert again.source != sample.source
 
@@ -65,9 +65,9 @@ def test_a_process_that_ends_without_closing_does_not_hang(domain: int) -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def in_namespaces(range_: str, domain: int, seconds: float) -> dict:
-    command = [sys.executable, str(PEERS / "namespaces.py"), range_, str(domain), str(seconds)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=4 * PATIENCE_S)
+def in_namespaces(range_: str, domain: int, *names: str) -> dict:
+    command = [sys.executable, str(PEERS / "namespaces.py"), range_, str(domain), *names]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=2 * PATIENCE_S)
     if done.returncode == NO_NAMESPACES:
         pytest.skip(done.stdout.strip())
     assert done.returncode == 0, done.stderr
@@ -76,7 +76,7 @@ def in_namespaces(range_: str, domain: int, seconds: float) -> dict:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="network namespaces are Linux's")
 def test_on_localhost_nothing_leaves_the_machine(domain: int) -> None:
-    found = in_namespaces("localhost", domain, 5.0)
+    found = in_namespaces("localhost", domain, "one", "two")
     assert found["one"] == {"heard": ["two"], "nodes": ["/one", "/two"]}
     assert found["two"] == {"heard": ["one"], "nodes": ["/one", "/two"]}
     assert found["far"] == {"heard": [], "nodes": ["/far"]}
@@ -85,7 +85,7 @@ def test_on_localhost_nothing_leaves_the_machine(domain: int) -> None:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="network namespaces are Linux's")
 def test_in_the_subnet_other_machines_are_found(domain: int) -> None:
-    found = in_namespaces("subnet", domain, PATIENCE_S)
+    found = in_namespaces("subnet", domain, "one", "two", "far")
     for name, others in (("one", ["two", "far"]), ("two", ["one", "far"]), ("far", ["one", "two"])):
         assert found[name]["heard"] == others
     assert found["packets"] > 0

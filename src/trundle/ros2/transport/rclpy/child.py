@@ -131,7 +131,11 @@ class Outbox:
             self._changed.notify_all()
 
     def put_messages(self, messages):
-        """Send messages of topics, each with its stream: at once, where nothing waits."""
+        """Send messages of topics, each with its stream.
+
+        They are one write where nothing waits and none of them is too long; what the socket does not take of that waits
+        as a whole. Otherwise each is sent as by `put_message`.
+        """
         with self._changed:
             if not self._frames and not self._is_sending and not self._is_closed:
                 frames = [

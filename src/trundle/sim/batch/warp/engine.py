@@ -13,7 +13,7 @@ import warp as wp
 
 from trundle.errors import InputError
 from trundle.geometry import FloatArray
-from trundle.sim.batch.arrays import BatchModel
+from trundle.sim.batch.arrays import BatchModel, spread
 from trundle.sim.batch.cpu import mask_of
 from trundle.sim.batch.warp import beams, contacts, convert, motion
 from trundle.sim.batch.warp import model as shared
@@ -284,10 +284,11 @@ class WarpEngine:
         return self._some
 
     def _take(self, given: Any, out: Any, what: str) -> None:
-        """Write an array of the host or of the device, or one value for all, into one of ours."""
+        """Write an array of the host or of the device, or one row of the host for all, into one of ours."""
         source = self._here(given, what) if _is_on_device(given) else None
         if source is None:
-            values = np.ascontiguousarray(np.broadcast_to(given, out.shape), dtype=wp.dtype_to_numpy(out.dtype))
+            kind = wp.dtype_to_numpy(out.dtype)
+            values = given if kind is np.bool_ else spread(given, kind, out.shape, what)
             wp.copy(out, wp.array(values, dtype=out.dtype, device="cpu"))
         elif source.shape != out.shape:
             raise InputError(f"{what} on a device need shape {out.shape}, got {source.shape}")

@@ -1,7 +1,7 @@
-"""Nodes in two network namespaces that a cable joins, "one" and "two" here and "far" there: RANGE DOMAIN SECONDS.
+"""Nodes in two network namespaces that a cable joins, "one" and "two" here and "far" there: RANGE DOMAIN NAME ….
 
-Prints, as JSON, what each heard, and how many packets of IPv4 left the first namespace. Ends with 77 where there are
-no such namespaces.
+Waits until the nodes of these names have heard each other. Prints, as JSON, what each heard, and how many packets of
+IPv4 left the first namespace. Ends with 77 where there are no such namespaces.
 """
 
 # ruff: noqa: T201 - what it prints is for the test
@@ -13,6 +13,7 @@ import runpy
 import socket
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -20,9 +21,12 @@ HERE = Path(__file__).parent
 ONLY_LO = HERE.parents[4] / "scripts" / "only_lo.py"
 NODES = ("one", "two", "far")
 IPV4 = 0x0800
+PATIENCE_S = 120.0
+REST_S = 2.0
+"""By then what nobody is to hear would be heard."""
 
 
-def main(range_: str, domain: str, seconds: str) -> None:
+def main(range_: str, domain: str, *names: str) -> None:
     second: subprocess.Popen[str] | None = None
     try:
         try:
@@ -33,19 +37,43 @@ def main(range_: str, domain: str, seconds: str) -> None:
             raise SystemExit(77) from error
         inside = ["nsenter", "-t", str(second.pid), "-n"]
         packets = listen()
-        running = {name: start(name, inside if name == "far" else [], range_, domain, seconds) for name in NODES}
-        said = {name: process.communicate()[0].splitlines()[-1] for name, process in running.items()}
-        print(json.dumps({**{name: json.loads(line) for name, line in said.items()}, "packets": count(packets)}))
+        running = {name: Node(name, inside if name == "far" else [], range_, domain) for name in NODES}
+        until = time.monotonic() + PATIENCE_S
+        while any(not {*names} - {name} <= {*running[name].said["heard"]} for name in names):
+            if time.monotonic() > until:
+                break
+            time.sleep(0.05)
+        time.sleep(REST_S)
+        said = {name: node.end() for name, node in running.items()}
+        print(json.dumps({**said, "packets": count(packets)}))
     finally:
         if second is not None:
             second.kill()
             second.wait()
 
 
-def start(name: str, inside: list[str], *arguments: str) -> subprocess.Popen[str]:
-    others = [other for other in NODES if other != name]
-    command = [*inside, sys.executable, str(HERE / "node.py"), name, *arguments, *others]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+class Node:
+    """A node in a process, and what it has said."""
+
+    def __init__(self, name: str, inside: list[str], *arguments: str) -> None:
+        others = [other for other in NODES if other != name]
+        command = [*inside, sys.executable, str(HERE / "node.py"), name, *arguments, *others]
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.said: dict[str, list[str]] = {"heard": [], "nodes": []}
+        self._reading = threading.Thread(target=self._read)
+        self._reading.start()
+
+    def _read(self) -> None:
+        assert self._process.stdout is not None
+        for line in self._process.stdout:
+            self.said = json.loads(line)
+
+    def end(self) -> dict[str, list[str]]:
+        assert self._process.stdin is not None
+        self._process.stdin.close()
+        self._reading.join()
+        self._process.wait()
+        return self.said
 
 
 def join_second() -> subprocess.Popen[str]:
