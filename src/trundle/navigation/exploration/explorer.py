@@ -23,7 +23,7 @@ from trundle.robots import Robot
 _MOVED_M = 0.75
 """A goal is set again once its frontier has moved by this much [m]; each makes another plan."""
 _BLIND_S = 5.0
-"""Without a scan for this long at the start [s], there will be none; so long it also waits for scans that show floor."""
+"""Without a scan for this long at the start [s], there will be none; so long it also waits for scans of floor."""
 _NEARER_M = 0.3
 _PATHLESS_S = 1.0
 """A navigator waits for what blocks every path to move away; an explorer looks elsewhere meanwhile [s]."""
