@@ -234,6 +234,7 @@ def test_ctrl_c_leaves_nothing(trundle: Trundle, bags: Path, tmp_path: Path, mon
     [
         (["--resolution", "0"], "--resolution 0"),
         (["--origin", "1"], "--origin '1'"),
+        (["--origin", "1e9,0,0"], "x of the pose graph's origin must be a number from -1e+06"),
         (["--robot", "nova_cartr"], "nova_carter"),
         (["--posegraph", "graph.txt"], "posegraph"),
         (["-o", "map.png"], "map.png"),

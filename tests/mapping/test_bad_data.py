@@ -85,3 +85,21 @@ def test_an_origin_beyond_the_earth_is_refused(robot: Robot) -> None:
     graph = mapped(robot, [(0.0, 0.0)]).graph()
     with pytest.raises(InputError, match="x of the pose graph's origin must be a number from -1e"):
         move_pose_graph(graph, Pose2D(1e9, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda robot: Mapper(robot).grid(resolution=0), "resolution must be a number from 0.005 to 10 m, got 0"),
+        (lambda robot: Mapper(robot).grid(resolution=float("nan")), "resolution must be a number .* got nan"),
+        (lambda robot: Mapper(robot, max_range="x"), "max_range, .* must be a number of 0.01 or more m, got 'x'"),
+        (lambda robot: Mapper(robot, max_range=0.0), "max_range, or None for the lidar's own, must be a number"),
+        (lambda robot: Mapper(robot, seed="x"), "seed must be an integer .* got 'x'"),
+        (lambda robot: Mapper(robot).update(None), "an observation must be of type Observation, got NoneType"),
+        (lambda robot: Mapper.from_graph(3, robot), "a pose graph must be of type PoseGraph, got int"),
+        (lambda robot: Mapper(robot).relocate("here"), "pose"),
+    ],
+)
+def test_wrong_arguments_are_refused_with_what_is_allowed(robot: Robot, call, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        call(robot)

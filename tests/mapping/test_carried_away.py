@@ -45,6 +45,8 @@ def test_a_robot_that_is_carried_away_notices_it_within_two_scans_and_is_joined_
         before = [mapper.update(one).state for _, one in first]
         after = [(truth, mapper.update(one)) for truth, one in second]
     assert set(before) == {"localized"}
+    for _, estimate in after:
+        assert estimate.state == "localized" or estimate.covariance.diagonal().min() >= 1.0
     assert "lost" in [estimate.state for _, estimate in after[:4]]
     wrong = [truth.distance_to(one.pose) for truth, one in after[4:] if one.state == "localized"]
     assert max(wrong, default=0.0) < 0.1

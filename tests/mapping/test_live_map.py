@@ -11,6 +11,8 @@ from trundle.mapping.live_map import LiveMap
 from trundle.mapping.nodes import Nodes, make_surface
 from trundle.mapping.window import ScanWindow
 
+START = Pose2D(0.0, 0.0)
+
 
 @pytest.fixture(scope="module")
 def robot() -> Robot:
@@ -31,9 +33,9 @@ def graph_of(robot: Robot, poses: list[Pose2D]) -> Nodes:
 
 def test_a_correction_leaves_nothing_of_what_was_drawn_before(robot: Robot) -> None:
     nodes, live = graph_of(robot, [ring(share) for share in (0.0, 0.1, 0.2)]), LiveMap(0.05, robot)
-    before = live.draw(nodes)
+    before = live.draw(nodes, START)
     nodes.poses[1] = nodes.poses[1] + (0.3, -0.2, 0.1)
-    corrected, fresh = live.draw(nodes), LiveMap(0.05, robot).draw(nodes)
+    corrected, fresh = live.draw(nodes, START), LiveMap(0.05, robot).draw(nodes, START)
     assert corrected.origin == fresh.origin
     assert (corrected.data == fresh.data).all()
     assert before.shape != fresh.shape or (before.data != fresh.data).any()
@@ -41,18 +43,18 @@ def test_a_correction_leaves_nothing_of_what_was_drawn_before(robot: Robot) -> N
 
 def test_what_moves_by_less_than_a_cell_shows_is_not_drawn_again(robot: Robot) -> None:
     nodes, live = graph_of(robot, [ring(0.0), ring(0.1)]), LiveMap(0.05, robot)
-    before = live.draw(nodes)
+    before = live.draw(nodes, START)
     nodes.poses[1] = nodes.poses[1] + (0.004, 0.0, 0.0)
-    assert (live.draw(nodes).data == before.data).all()
+    assert (live.draw(nodes, START).data == before.data).all()
 
 
 def test_scans_of_a_node_are_added_once(robot: Robot) -> None:
     nodes, live = graph_of(robot, [ring(0.0), ring(0.1)]), LiveMap(0.05, robot)
-    live.draw(nodes)
+    live.draw(nodes, START)
     scan = Scan("laser", 2.0, Pose2D(0.0, 0.0), 0.3, ANGLES, cast(ring(0.12)), 0.05, 30.0)
     moved = ring(0.1).inverse() @ ring(0.12)
     nodes.add_scan(scan, moved, moved)
-    assert (live.draw(nodes).data == LiveMap(0.05, robot).draw(nodes).data).all()
+    assert (live.draw(nodes, START).data == LiveMap(0.05, robot).draw(nodes, START).data).all()
 
 
 def test_a_key_frame_leaves_the_window_after_forty_others() -> None:

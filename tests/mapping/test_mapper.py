@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mapping.rooms import SEGMENTS, drive, ring
-from trundle import Mapper, Pose2D, Robot, draw_map
+from trundle import Mapper, Observation, Pose2D, Robot, draw_map
 from trundle._core import label_components
 
 
@@ -72,6 +72,91 @@ def test_a_robot_that_was_carried_away_starts_a_part_which_is_joined(robot: Robo
     assert mapper.joined
     assert errors[-1] < 0.1
     assert len(np.unique(mapper.graph().parts)) == 2
+
+
+@pytest.fixture
+def in_two_parts() -> list[Observation]:
+    """A drive round three quarters of the rooms, and one from elsewhere, with the odometry from its own start."""
+    first = [one for _, one in drive([ring(i / 180) for i in range(140)])]
+    return first + [one for _, one in drive([ring(0.4 + i / 180) for i in range(60)], begin_s=100.0, seed=1)]
+
+
+def test_whoever_sees_the_map_is_told_when_another_part_is_shown_and_when_it_is_joined(
+    robot: Robot, in_two_parts: list[Observation]
+) -> None:
+    mapper, jumps = Mapper(robot), []
+    last, seen, origin = None, mapper.revision, None
+    for one in in_two_parts:
+        if one.time == 100.0:
+            mapper.new_part()
+        estimate = mapper.update(one)
+        if last is not None and last.T_map_odom.distance_to(estimate.T_map_odom) > 0.5:
+            jumps.append(one.time)
+            assert mapper.revision > seen, one.time
+        if origin is not None and mapper.grid().origin.distance_to(origin) > 3.0:
+            assert mapper.revision > seen, one.time
+        last, seen, origin = estimate, mapper.revision, mapper.grid().origin
+    assert len(jumps) == 2
+    assert mapper.joined
+
+
+def test_a_part_whose_loops_do_not_fit_stays_where_it_was(
+    robot: Robot, in_two_parts: list[Observation], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("trundle.mapping.mapper.is_true", lambda *_: False)
+    monkeypatch.setattr("trundle.mapping.mapper.fits", lambda _: False)
+    mapper = Mapper(robot)
+    for one in in_two_parts:
+        if one.time == 100.0:
+            mapper.new_part()
+        mapper.update(one)
+    graph = mapper.graph()
+    assert not (graph.edges[:, 2] == 1).any()
+    assert graph.poses[graph.parts == 1][0] == pytest.approx((0.0, 0.0, 0.0))
+
+
+def test_a_robot_that_is_told_where_it_is_keeps_its_map_and_goes_on_there(robot: Robot) -> None:
+    """Told by a hand that is off by 0.3 m and 4 degrees, from an odometry that begins anew."""
+    mapper = Mapper(robot)
+    mapper.reset(ring(0.0))
+    for _, observation in drive([ring(i / 180) for i in range(140)]):
+        mapper.update(observation)
+    nodes, before, revision = len(mapper.graph().times), mapper.grid(), mapper.revision
+    mapper.relocate(ring(0.3) @ Pose2D(0.2, -0.22, 0.07), np.diag((0.25, 0.25, 0.0685)))
+    assert mapper.revision > revision
+    estimates = []
+    for truth, observation in drive([ring(0.3 + i / 180) for i in range(60)], begin_s=10.0, seed=1):
+        estimates.append((truth, mapper.update(observation)))
+        assert len(mapper.graph().times) > nodes
+        if len(estimates) == 1:
+            known = before.data >= 0
+            assert (mapper.grid().data >= 0).sum() > 0.95 * known.sum()
+    assert {estimate.state for _, estimate in estimates} == {"localized"}
+    first, last = estimates[0], estimates[-1]
+    assert first[0].distance_to(first[1].pose) == pytest.approx(0.3, abs=0.05)
+    assert first[1].covariance[0, 0] > 0.25
+    assert last[0].distance_to(last[1].pose) < 0.1
+    assert last[1].covariance[0, 0] < 0.01
+    assert mapper.joined
+
+
+def test_a_robot_that_is_told_again_and_again_where_it_is_makes_no_parts_without_nodes(robot: Robot) -> None:
+    mapper = Mapper(robot)
+    for _, observation in drive([ring(i / 180) for i in range(5)]):
+        mapper.update(observation)
+    for _ in range(5):
+        mapper.relocate(ring(0.0))
+    for _, observation in drive([ring(i / 180) for i in range(5)]):
+        mapper.update(observation)
+    assert sorted(set(mapper.graph().parts.tolist())) == [0, 1]
+    assert draw_map(mapper.graph()) is not None
+
+
+def test_a_robot_that_is_told_where_it_is_before_its_first_scan_begins_there(robot: Robot) -> None:
+    mapper = Mapper(robot)
+    mapper.relocate(Pose2D(3.0, -2.0, 0.5))
+    _, observation = next(iter(drive([ring(0.0)])))
+    assert mapper.update(observation).pose.distance_to(Pose2D(3.0, -2.0)) < 1e-9
 
 
 def test_the_same_observations_give_the_same_map(robot: Robot) -> None:

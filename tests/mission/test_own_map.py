@@ -8,15 +8,17 @@ import pytest
 import trundle
 from support.marking_mapper import MarkingLocalizer
 from support.sensed_rooms import GOAL, ROBOT, START, block, room
-from trundle.errors import ScenarioError
-from trundle.geometry import Pose2D
+from trundle.errors import InputError, ScenarioError
+from trundle.geometry import Pose2D, Twist2D
 from trundle.localization import create_localizer
 from trundle.maps import OccupancyGrid
-from trundle.mission import Outcome, Scenario, Session
+from trundle.mission import Outcome, Scenario, Session, SetPose, Steering
 from trundle.mission.exploring import exploring
 from trundle.mission.own_map import Correction, describe_corrections
+from trundle.mission.start_error import StartError
 from trundle.navigation import Navigator
 from trundle.navigation.agents import CommandScript
+from trundle.observation import Observation
 from trundle.record.run_folder import RunFolder
 from trundle.sim import simulate
 
@@ -179,3 +181,71 @@ def test_what_no_lidar_sees_is_left_out_unless_it_is_asked_for(name, options, ke
     scenario = exploring(Scenario.make(world={"name": name, "options": options}))
     assert scenario.world.options["low_objects"] is kept
     assert (scenario.known_map, scenario.localizer.name, scenario.agent.name) == (False, "slam", "explorer")
+
+
+# Told where it is -----------------------------------------------------------------------------------------------------
+
+
+def test_a_pose_that_is_set_on_the_way_keeps_the_map_and_corrects_nothing():
+    agent, steering = Listener(3.0), Steering()
+    with (
+        simulate(room(block("box", 4.6, 2.5, 5.4, 3.5)), ROBOT, backend="kinematic", lidar=True) as sim,
+        Session(sim, agent, START, localizer="slam", steering=steering) as session,
+    ):
+        while session.time < 2.0:
+            step = session.step()
+        nodes, known = len(step.map_track.poses), (step.map.data >= 0).sum()
+        there = step.estimate.pose
+        steering.put(SetPose((there.x + 1.0, there.y, there.yaw)))
+        first = session.step()
+        while (step := session.step()) is not None:
+            last = step
+        episode = session.finish()
+    assert first.estimate.pose.x == pytest.approx(there.x + 1.0, abs=0.1)
+    assert any(corrected for _, corrected in agent.got)
+    assert len(last.map_track.poses) > nodes
+    assert (last.map.data >= 0).sum() >= known
+    assert episode.own_map.corrections == ()
+
+
+class Told:
+    """A localizer of another package, which keeps what it was told."""
+
+    def __init__(self):
+        self.told = []
+
+    def reset(self, pose):
+        self.told.append(("reset", pose))
+
+    def relocate(self, pose, *, covariance):
+        self.told.append(("relocate", pose, covariance))
+
+    def update(self, observation):
+        return observation.odometry
+
+
+def test_a_localizer_of_another_package_may_be_told_on_the_way_or_starts_over():
+    told = create_localizer(Told(), None, ROBOT)
+    told.relocate(START, covariance=np.eye(3), seed=1)
+    assert told.localizer.told[0][:2] == ("relocate", START)
+    other = create_localizer("odometry", None, ROBOT)
+    other.relocate(START)
+    assert other.update(Observation(1.0, Twist2D(), Pose2D(5.0, 5.0))).pose == START
+
+
+def test_how_often_the_map_changed_never_goes_back():
+    localizer = create_localizer("slam", None, ROBOT)
+    counts = [localizer.corrections]
+    for reset in (localizer.reset, localizer.reset, localizer.relocate):
+        reset(Pose2D(1.0, 2.0))
+        counts.append(localizer.corrections)
+    assert (np.diff(counts) > 0).all()
+
+
+def test_goals_need_a_known_start_where_the_localizer_makes_the_map():
+    with simulate(room(), ROBOT, backend="kinematic", lidar=True) as sim:
+        unknown = StartError(unknown=True)
+        for localizer in ("slam", MarkingLocalizer(ROBOT)):
+            with pytest.raises(InputError, match="goals need a known start"):
+                Session(sim, Navigator(None, ROBOT), START, GOAL, localizer=localizer, start_error=unknown)
+        Session(sim, Listener(1.0), START, localizer="slam", start_error=unknown).finish()

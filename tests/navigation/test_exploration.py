@@ -13,6 +13,7 @@ from trundle.maps import OccupancyGrid
 from trundle.navigation import NavigationStatus, Navigator
 from trundle.navigation.agents import create_agent
 from trundle.navigation.exploration import Explorer, ExplorerSettings, Frontier, find_frontiers
+from trundle.navigation.exploration.frontiers import shows_floor
 from trundle.navigation.exploration.targets import Targets
 from trundle.observation import Estimate, Observation, Scan
 from trundle.sim import simulate
@@ -170,6 +171,40 @@ def test_without_scans_it_is_stuck_and_says_why():
         assert explorer.update(observation, Estimate(observation.time, Pose2D(0.0, 0.0))) == Twist2D()
     assert explorer.status is NavigationStatus.STUCK
     assert "needs scans" in explorer.report().message
+
+
+def scans_of(ranges, seconds, explorer, pose):
+    """Let an explorer see the same ranges from one place, until it ends or the time is over."""
+    angles = np.linspace(-math.pi, math.pi, len(ranges), endpoint=False)
+    for k in range(round(seconds / 0.1)):
+        at = 0.1 * k
+        scan = Scan("lidar", at, Pose2D(0.0, 0.0), 0.3, angles, ranges, 0.1, 10.0)
+        command = explorer.update(Observation(at, Twist2D(), pose, (scan,)), Estimate(at, pose))
+        if explorer.status in (NavigationStatus.FINISHED, NavigationStatus.STUCK):
+            return at
+        assert command == Twist2D()
+    return None
+
+
+def test_a_robot_whose_scans_show_no_floor_has_not_finished_and_is_stuck_after_a_while():
+    explorer = Explorer(ROBOT, Navigator(None, ROBOT, layers=False, tracking=False))
+    assert scans_of(np.full(90, np.nan), 10.0, explorer, Pose2D(0.0, 0.0)) == pytest.approx(5.1, abs=0.6)
+    assert explorer.status is NavigationStatus.STUCK
+    assert explorer.report().message.startswith("the lidars see nothing from here")
+
+
+def test_a_robot_beside_the_map_has_not_finished():
+    explorer = Explorer(ROBOT, Navigator(None, ROBOT, layers=False, tracking=False))
+    explorer.set_map(OccupancyGrid(np.full((20, 20), -1, np.int8), EDGE), corrected=False)
+    assert scans_of(np.full(90, np.nan), 10.0, explorer, Pose2D(30.0, -20.0)) is not None
+    assert explorer.status is NavigationStatus.STUCK
+
+
+def test_floor_is_seen_where_the_robot_can_drive_on_it():
+    costmap = costmap_of(half_room())
+    assert shows_floor(costmap, Pose2D(1.5, 3.0))
+    assert not shows_floor(costmap, Pose2D(8.5, 3.0))
+    assert not shows_floor(costmap, Pose2D(50.0, 3.0))
 
 
 def test_a_reset_begins_anew():

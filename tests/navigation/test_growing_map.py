@@ -7,10 +7,10 @@ import pytest
 
 from support.sensed_rooms import GOAL, ROBOT, START, block, room
 from trundle.costmap import LETHAL, CostmapSettings
-from trundle.errors import InputError, MapError
-from trundle.geometry import Pose2D
+from trundle.errors import InputError, MapError, OutsideMapError
+from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
-from trundle.navigation import Navigator
+from trundle.navigation import NavigationStatus, Navigator
 from trundle.navigation.growing_map import GrowingMap
 from trundle.observation import Estimate
 from trundle.sim import simulate
@@ -97,6 +97,48 @@ def test_a_navigator_with_a_map_keeps_it():
     before = navigator.costmap
     navigator.set_map(OccupancyGrid(np.full((90, 90), 100, np.int8), EDGE))
     assert navigator.costmap is before
+
+
+def contains(navigator, x, y):
+    costmap = navigator.costmap
+    return bool(costmap.contains(*costmap.world_to_cell(x, y)))
+
+
+def test_goal_path_and_robot_stay_in_the_costmap_when_a_first_small_map_arrives():
+    """A map of a square metre far from all of them, as where nothing was met yet."""
+    navigator = Navigator(None, ROBOT)
+    navigator.set_goal(-4.0, -28.0)
+    path = navigator.plan((-8.0, -8.0, 0.0))
+    navigator.update((-8.0, -8.0, 0.0), Twist2D(), time=0.05)
+    navigator.set_map(grid_at(0.0, 0.0, np.full((20, 20), -1)))
+    assert contains(navigator, -4.0, -28.0)
+    assert all(contains(navigator, x, y) for x, y in path.poses[:, :2])
+    assert contains(navigator, -8.0, -8.0)
+    navigator.update((-8.0, -45.0, 0.0), Twist2D(), time=0.1)
+    navigator.set_map(grid_at(0.01, 0.0, np.full((20, 20), -1)))  # its cells lie elsewhere, so nothing of it is kept
+    assert contains(navigator, -8.0, -45.0)
+    assert contains(navigator, -4.0, -28.0)
+
+
+def test_a_goal_that_is_set_on_the_way_is_planned_to_though_it_lies_outside_of_the_costmap():
+    navigator = Navigator(None, ROBOT)
+    navigator.set_map(grid_at(0.0, 0.0, np.zeros((40, 40))))
+    navigator.set_goal(30.0, -20.0)
+    navigator.update((1.0, 1.0, 0.0), Twist2D(), time=0.05)
+    assert navigator.path is not None
+    assert (navigator.path.goal.x, navigator.path.goal.y) == pytest.approx((30.0, -20.0))
+
+
+@pytest.mark.parametrize("with_map", [True, False])
+def test_a_goal_that_is_too_far_away_is_outside_of_the_map(with_map):
+    navigator = Navigator(None, ROBOT)
+    if with_map:
+        navigator.set_map(grid_at(0.0, 0.0, np.zeros((40, 40))))
+    navigator.set_goal(1e4, 9e3)
+    with pytest.raises(OutsideMapError, match=r"too large.*nearer goal"):
+        navigator.plan((1.0, 1.0, 0.0))
+    assert navigator.update((1.0, 1.0, 0.0), Twist2D(), time=0.05) == Twist2D()
+    assert navigator.status is NavigationStatus.NO_PATH
 
 
 def test_another_run_begins_without_the_map():

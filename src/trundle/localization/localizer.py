@@ -55,8 +55,9 @@ class Localizer(Protocol):
     is none.
 
     Attributes:
-        corrections: How often what it has mapped before has been moved, such as by a loop that was closed. Whoever has
-            put something beside its map then forgets that. 0 where it makes no map.
+        corrections: How often what it has mapped before has been moved, such as by a loop that was closed, or its map
+            is another one. Whoever has put something beside its map then forgets that. It never goes back, and is 0
+            where the localizer makes no map.
     """
 
     corrections: int = 0
@@ -81,6 +82,13 @@ class Localizer(Protocol):
             InputError: If the time of the observation is not after the last one.
         """
         ...
+
+    def relocate(self, pose: Pose2D, *, covariance: FloatArray | None = None, seed: int = 0) -> None:
+        """Take in a run that the robot is at `pose`; see `reset`, which this is by default.
+
+        A localizer that makes its map keeps the map, and goes on there.
+        """
+        self.reset(pose, covariance=covariance, seed=seed)
 
     def reinitialize_global(self) -> None:
         """Forget the pose: the robot may be anywhere on the map. By default a localizer cannot.
@@ -160,9 +168,15 @@ class LocalizerAdapter(Localizer):
             raise InputError(f"localizer {name_of(self.localizer)!r} has no reinitialize_global(): it needs a start")
         self._time = None
         if self._reset is not None:
-            given = {"covariance": covariance, "seed": seed}
-            taken = keywords_taken(self._reset, tuple(given))
-            self._reset(pose, **{name: given[name] for name in taken})
+            _tell(self._reset, pose, covariance, seed)
+
+    def relocate(self, pose: Pose2D, *, covariance: FloatArray | None = None, seed: int = 0) -> None:
+        """Take in a run that the robot is at `pose`; see `Localizer`. One without `relocate` starts over there."""
+        if callable(own := getattr(self.localizer, "relocate", None)):
+            self._time = None
+            _tell(own, pose, covariance, seed)
+        else:
+            self.reset(pose, covariance=covariance, seed=seed)
 
     def reinitialize_global(self) -> None:
         """Forget the pose; see `Localizer`."""
@@ -206,6 +220,17 @@ class LocalizerAdapter(Localizer):
                 kind="localizer",
             )
         return found
+
+
+def _tell(call: Callable[..., Any], pose: Pose2D | None, covariance: FloatArray | None, seed: int) -> None:
+    """Call with a pose, and with those of the keywords that are taken."""
+    given = {"covariance": covariance, "seed": seed}
+    call(pose, **{name: given[name] for name in keywords_taken(call, tuple(given))})
+
+
+def makes_map(localizer: Localizer) -> bool:
+    """Whether a localizer makes a map while it drives: it has a `map` of its own."""
+    return getattr(localizer.map, "__func__", None) is not Localizer.map
 
 
 def check_covariance(value: object, of: str) -> FloatArray:

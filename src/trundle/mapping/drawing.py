@@ -15,6 +15,7 @@ from trundle.mapping.pose_graph import FARTHEST_M, Lidar, PoseGraph
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import FREE_UP_TO, MAX_CELLS, UNKNOWN
 from trundle.robots import Robot
+from trundle.values import check_number
 
 _SHORT_BY_CELLS = 2.0  # beams that graze a wall pass through its cells
 # Of the beams in a cell of a wall, many only graze it: with a share of 0.3, 78 % of the surface of a warehouse that was
@@ -26,6 +27,8 @@ _PADDING_M = 1.0
 _WIDEST_GAP_M = 0.3
 _WALL = 65
 _TILE_M = 8.0
+RESOLUTIONS_M = (0.005, 10.0)
+"""Edges of cells from the smallest to the largest [m]."""
 
 
 def draw_map(graph: PoseGraph, *, resolution: float = 0.05, robot: Robot | None = None) -> OccupancyGrid:
@@ -44,8 +47,7 @@ def draw_map(graph: PoseGraph, *, resolution: float = 0.05, robot: Robot | None 
     Raises:
         InputError: If there is no scan, or the map would be too large.
     """
-    if not (math.isfinite(resolution) and 0.005 <= resolution <= 10.0):
-        raise InputError(f"the resolution must be from 0.005 to 10 m, got {resolution:g}")
+    resolution = check_number("the map's resolution", resolution, *RESOLUTIONS_M, "m")
     canvas = Canvas(resolution, widest_gap_m(robot))
     roots = component_of(len(graph.times), graph.edges)
     places = graph.poses[np.array(roots, dtype=np.int64) == roots[0], :2] if len(roots) else graph.poses[:, :2]

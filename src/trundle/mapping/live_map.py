@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from trundle.geometry import FloatArray, wrap_angle
-from trundle.mapping.drawing import Canvas, place_beams, widest_gap_m
+from trundle.geometry import FloatArray, Pose2D, wrap_angle
+from trundle.mapping.drawing import RESOLUTIONS_M, Canvas, place_beams, widest_gap_m
 from trundle.mapping.nodes import Nodes
 from trundle.mapping.optimizer import component_of
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import UNKNOWN
 from trundle.robots import Robot
+from trundle.values import check_number
 
 _MOVED_M, _MOVED_RAD = 0.01, 0.001
+_BLANK_CELLS = 20
 
 
 class LiveMap:
@@ -24,14 +26,17 @@ class LiveMap:
     """
 
     def __init__(self, resolution: float, robot: Robot) -> None:
-        self.resolution = resolution
-        self._canvas = Canvas(resolution, widest_gap_m(robot))
+        self.resolution = check_number("the map's resolution", resolution, *RESOLUTIONS_M, "m")
+        self._canvas = Canvas(self.resolution, widest_gap_m(robot))
         self._drawn: dict[int, tuple[FloatArray, int]] = {}  # by node: from which pose, and how many of its scans
 
-    def draw(self, nodes: Nodes) -> OccupancyGrid:
-        """Return the map of what hangs together with the newest node."""
-        if not len(nodes):
-            return OccupancyGrid(np.full((20, 20), UNKNOWN, dtype=np.int8), self.resolution, surface="centre")
+    def draw(self, nodes: Nodes, start: Pose2D) -> OccupancyGrid:
+        """Return the map of what hangs together with the newest node; a square around the start where that is nothing.
+
+        Args:
+            nodes: The graph.
+            start: Where the robot began, map frame.
+        """
         roots = component_of(len(nodes), nodes.edges)
         for node in range(len(nodes)):
             scans, pose = nodes.scans_of(node), nodes.poses[node]
@@ -47,6 +52,11 @@ class LiveMap:
             if wanted:
                 self._count(nodes, scans, pose, 1)
                 self._drawn[node] = (pose.copy(), len(scans))
+        if self._canvas.is_empty:
+            row, col = (round(value / self.resolution) - _BLANK_CELLS // 2 for value in (start.y, start.x))
+            cells = np.full((_BLANK_CELLS, _BLANK_CELLS), UNKNOWN, dtype=np.int8)
+            origin = Pose2D(col * self.resolution, row * self.resolution)
+            return OccupancyGrid(cells, self.resolution, origin, surface="centre")
         drawn = [nodes.poses[node][:2] for node in self._drawn]
         return self._canvas.grid(np.array(drawn).reshape(-1, 2))
 

@@ -9,6 +9,7 @@ consistency: Mangelson, Dominic, Eustice and Vasudevan 2018).
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,6 +42,7 @@ _RIVAL, _NEARER_RIVAL, _THROUGH_COUNTS = 0.04, 0.08, 2.0
 _BESIDE_M, _BESIDE_RAD = 1.0, math.radians(3.0)  # where the poses say, about
 _MOST_THROUGH = 0.1  # of what parts saw that are joined, so much may contradict
 _LEAST_PART = 2  # key frames: what is seen from one place alone, such as a corner of a room, fits too many others
+_LAST_EVERY = 8  # key frames that are compared with old ones at the end
 _KEPT, _MOST_PENDING = 150, 100  # key frames, and matches
 _FARTHEST_M = 60.0  # between matches that are compared: over more the odometry proves nothing
 _FLOOR = np.diag((0.02**2, 0.02**2, math.radians(0.25) ** 2))
@@ -109,6 +111,16 @@ class LoopFinder:
             proven = self._prove(loop)
             found += [one for one in proven if one not in found]
         return found
+
+    def search_again(self) -> Iterator[Loop]:
+        """Return near loops of one in eight of all key frames; each is to be added before the next one is asked for."""
+        nodes = self._nodes
+        known = {(a, b) for a, b, _ in nodes.edges}
+        for node in range(0, len(nodes), _LAST_EVERY):
+            surface = nodes.key_surface(node)
+            if len(surface.points):
+                found = self.search(node, surface, surface, tries=0)
+                yield from (loop for loop in found if (loop.a, loop.b) not in known)
 
     def _match_near(self, node: int, surface: Surface, index: int, metres: float, radians: float) -> Loop | None:
         submap = self._submaps.all[index]

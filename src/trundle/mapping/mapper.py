@@ -14,36 +14,38 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from trundle.errors import InputError
-from trundle.geometry import FloatArray, Pose2D, wrap_angle
+from trundle.geometry import FloatArray, Pose2D
 from trundle.localization.amcl.beams import BeamPicker
+from trundle.localization.localizer import check_covariance
 from trundle.mapping.carried_away import CarriedAway
 from trundle.mapping.live_map import LiveMap
 from trundle.mapping.loops import Loop, LoopFinder
-from trundle.mapping.motion import motion_spread, turned
+from trundle.mapping.motion import Travel, doubt_of, motion_spread, turned
 from trundle.mapping.moving_things import MovingThings
-from trundle.mapping.nodes import MOST_POINTS, Floating, Nodes, Surface, make_surface, step_length
-from trundle.mapping.optimizer import component_of, fits, optimize
+from trundle.mapping.nodes import MOST_POINTS, Floating, Nodes, Surface, make_surface
+from trundle.mapping.optimizer import component_of, contradicts, fits, is_true, join_parts, nearest_joined, optimize
 from trundle.mapping.pose_graph import FARTHEST_M, FOLLOWS, LOOP, PoseGraph
 from trundle.mapping.pose_graph_file import load_pose_graph, save_pose_graph
 from trundle.mapping.recent_surfaces import RecentSurfaces
+from trundle.mapping.seen_places import SeenPlaces
 from trundle.mapping.submaps import Submaps
 from trundle.mapping.window import Match, ScanWindow
 from trundle.maps import OccupancyGrid
-from trundle.observation import Estimate, Observation, Scan
+from trundle.observation import Estimate, Observation
 from trundle.robots import Robot
-from trundle.values import check_kind
+from trundle.values import check_count, check_kind, check_number
 
 _LEAST_M, _LEAST_RAD = 0.02, math.radians(0.5)  # less motion than that is not worth a match
 _KEPT_M, _KEPT_RAD = 0.10, math.radians(5.0)  # scans that the map is drawn from
 _KEY_M, _KEY_RAD = 0.4, math.radians(20.0)
 _EDGE_FLOOR = np.diag((0.008**2, 0.008**2, math.radians(0.1) ** 2))
-_LOST_FIT, _GOOD_FIT, _MOST_DOUBT = 0.2, 0.8, 100.0
-_LOOP_EVERY, _LAST_EVERY = 2, 8  # key frames that are compared with old ones: while it drives, and at the end
+_LOST_FIT, _SHORTEST_M = 0.2, 0.01
+_LOOP_EVERY = 2  # key frames that are compared with old ones
 _LEAP_M = 100.0  # what was seen before and after a step of this length has nothing in common
-_TRUE_M, _TRUE_RAD, _MOST_LATE = 0.03, math.radians(0.3), 10
-# So many key frames from one place and in one direction are enough; a robot that circles adds no more.
-_PLACE_M, _SECTORS, _ENOUGH = 1.0, 8, 8
+_MOST_LATE = 10
+_BY_HAND = np.diag((0.25**2, 0.25**2, math.radians(5.0) ** 2))
+_LOST_VARIANCES = (1.0, 1.0, 1.0)  # [m², rad²]
+_NOTHING = Surface(*np.empty((3, 0, 2)))
 
 
 class Mapper:
@@ -55,16 +57,17 @@ class Mapper:
         max_range: The longest beams that are used [m]; None for as long as each lidar measures.
 
     Attributes:
-        revision: How often the poses of the graph were corrected.
+        revision: How often the map has changed by more than what is new: poses were corrected, a part was joined, or
+            another part began. It never goes back.
     """
 
     def __init__(self, robot: Robot, *, seed: int = 0, max_range: float | None = None) -> None:
         check_kind(robot, Robot, "a mapper's robot", "Robot.load(name) makes one")
-        if max_range is not None and not max_range > 0.0:
-            raise InputError(f"max_range must be above 0 m, got {max_range:g}; use None for the lidar's own")
+        if max_range is not None:
+            max_range = check_number("max_range, or None for the lidar's own,", max_range, _SHORTEST_M, math.inf, "m")
         self.robot = robot
-        self.seed = seed
-        self._max_range = max_range
+        self.seed = check_count("seed", seed, 0, 2**63 - 1)
+        self._longest = FARTHEST_M if max_range is None else min(max_range, FARTHEST_M)
         self.revision = 0
         self._begin(Nodes(robot), Pose2D(0.0, 0.0))
 
@@ -73,24 +76,26 @@ class Mapper:
         self._submaps = Submaps(nodes)
         self._loops = LoopFinder(nodes, self._submaps)
         self._live: LiveMap | None = None
-        self._picker = BeamPicker(self.robot, MOST_POINTS, min(self._max_range or FARTHEST_M, FARTHEST_M))
-        self._start = start
+        self._picker = BeamPicker(self.robot, MOST_POINTS, self._longest)
         self._key_frames = 0
         self._late = 0  # loops since the graph was solved
-        self._seen_from: dict[tuple[int, int, int], int] = {}
+        self._places = SeenPlaces()
         for node in range(len(nodes)):
-            place = _place_of(nodes.pose(node))
-            self._seen_from[place] = self._seen_from.get(place, 0) + 1
+            self._places.add(nodes.pose(node))
         self._part = max(nodes.parts, default=-1)
-        self._begin_part()
+        self._begin_part(start)
 
-    def _begin_part(self) -> None:
+    def _begin_part(self, start: Pose2D | None = None) -> None:
         self._part += 1
+        self._start = Pose2D(0.0, 0.0) if start is None else start  # of the window's frame
+        self._told: FloatArray | None = None  # covariance of a start on the map, until there is a node
+        self._off: FloatArray = np.zeros((3, 3))  # where the part lies on the map, until it recognises something
         self._is_apart = len(self._nodes) > 0  # what joins it to the first part has not been seen yet
+        self.revision += self._is_apart  # nothing lies where the robot believes it to be any more
         self._window = ScanWindow()
         self._moving = MovingThings(self.robot)
         self._recent = RecentSurfaces()
-        self._carried = CarriedAway(min(self._max_range or FARTHEST_M, FARTHEST_M))
+        self._carried = CarriedAway(self._longest)
         self._floats: Floating | None = None  # the last node, where it stands for many
         self._key: tuple[int, Pose2D] | None = None  # the last node, and its pose in the frame of the window
         self._last: tuple[Pose2D, Pose2D] | None = None  # the last match: odometry, and pose in the frame of the window
@@ -99,11 +104,12 @@ class Mapper:
         self._spread: FloatArray = np.diag((1e-6, 1e-6, 1e-6))
         self._poor = 0
         self._worst = 1.0  # fit since the last node
-        self._travelled = self._nodes.travelled[-1] if len(self._nodes) else 0.0
+        self._travel = Travel(self._nodes.travelled[-1] if len(self._nodes) else 0.0)
 
     @classmethod
     def from_graph(cls, graph: PoseGraph, robot: Robot, *, seed: int = 0, max_range: float | None = None) -> Mapper:
         """Continue a pose graph with a new part, which is joined when it recognises something."""
+        check_kind(graph, PoseGraph, "a pose graph", "load_pose_graph(path) returns one")
         mapper = cls(robot, seed=seed, max_range=max_range)
         mapper._begin(Nodes.from_graph(graph, robot), Pose2D(0.0, 0.0))
         return mapper
@@ -138,16 +144,30 @@ class Mapper:
             self._picker.reset()
             self._begin_part()
 
+    def relocate(self, pose: Pose2D, covariance: FloatArray | None = None) -> None:
+        """Take that the robot is at a pose of the map. What was mapped stays, and what follows is drawn from there.
+
+        What follows is a part that hangs together with the map by what was told, with its covariance of (x, y, yaw)
+        [m², rad²] besides that of a hand on a map, until it recognises something: then it is moved to where that is.
+        """
+        if not len(self._nodes):
+            self.reset(pose)
+            return
+        self._picker.reset()
+        self._part -= self._key is None  # a part without a node is none
+        self._begin_part(Pose2D.of(pose))
+        self._is_apart = False
+        self._told = self._off = _BY_HAND if covariance is None else _BY_HAND + check_covariance(covariance, "the pose")
+
     @property
     def anchor(self) -> tuple[int, Pose2D] | None:
         """A node, and the robot's pose seen from it: so a path can be corrected later. None before the first node."""
         if self._key is None or self._last is None:
             return None
-        seen = self._key[1].inverse() @ self._local
+        node, seen = self._key[0], self._key[1].inverse() @ self._local
         if self._floats is None:
-            return self._key[0], seen
-        stays = self._floats.anchor if self._floats.anchor is not None else self._floats.before[0]
-        return stays, self._nodes.pose(stays).inverse() @ self._nodes.pose(self._key[0]) @ seen
+            return node, seen
+        return self._floats.stays, self._nodes.pose(self._floats.stays).inverse() @ self._nodes.pose(node) @ seen
 
     @property
     def joined(self) -> bool:
@@ -163,27 +183,26 @@ class Mapper:
         Raises:
             InputError: If the time is not after that of the last one.
         """
+        check_kind(observation, Observation, "an observation", "a simulator's state has one")
         odometry = observation.odometry
         leapt = self._last is not None and self._last[0].distance_to(odometry) > _LEAP_M
         if (self._picker.follow(observation) or leapt) and self._key is not None:
             self._begin_part()
         if self._before is None:
-            self._before = odometry, self._start if not len(self._nodes) else Pose2D(0.0, 0.0)
+            self._before = odometry, self._start
         known, local = self._before if self._last is None else self._last
         self._local = local @ (known.inverse() @ odometry)
-        if observation.scans and self._has_moved(odometry):
+        has_moved = self._last is None or _is_far(self._last[0].inverse() @ odometry, _LEAST_M, _LEAST_RAD)
+        if observation.scans and has_moved:
             self._see(observation)
         return self._estimate(observation)
-
-    def _has_moved(self, odometry: Pose2D) -> bool:
-        if self._last is None:
-            return True
-        moved = self._last[0].inverse() @ odometry
-        return math.hypot(moved.x, moved.y) >= _LEAST_M or abs(moved.yaw) >= _LEAST_RAD
 
     def _see(self, observation: Observation) -> None:
         beams = self._picker.pick(observation)
         if beams is None:
+            return
+        if not len(beams):
+            self._see_nothing(observation)
             return
         surface = make_surface(beams.points, beams.sensors)
         surface = self._moving.leave_out(surface, observation)
@@ -194,7 +213,8 @@ class Mapper:
             return
         moved = self._last[0].inverse() @ odometry
         prior = motion_spread(moved)
-        match = self._window.match(surface, self._local, prior)
+        is_first = not len(self._window)  # the scans before met nothing, and there is nothing to match with
+        match = Match(self._local, prior, 1.0, 1.0) if is_first else self._window.match(surface, self._local, prior)
         answer = self._carried.judge(observation, moved, match.fit, len(surface.points))
         if answer == "carried away":
             self._picker.warn(
@@ -203,73 +223,79 @@ class Mapper:
                 "the robot was carried away, or its odometry has failed; another part begins",
             )
             self._begin_part()
-            self._before = odometry, Pose2D(0.0, 0.0)
+            self._before = odometry, self._start
         if answer != "here":
             return
         self._poor = self._poor + 1 if match.fit < _LOST_FIT else 0
         self._worst = min(self._worst, match.fit)
         self._local, self._spread = match.pose, match.covariance
-        self._travelled += step_length(np.array(moved.as_tuple()))
+        self._travel.to(odometry)
         self._last = odometry, match.pose
         since = self._key[1].inverse() @ match.pose
-        if math.hypot(since.x, since.y) >= _KEY_M or abs(since.yaw) >= _KEY_RAD:
+        if is_first or _is_far(since, _KEY_M, _KEY_RAD):
             self._add_key(observation, surface, match)
             return
         kept = since if self._kept is None else self._kept.inverse() @ since
-        if self._floats is None and (math.hypot(kept.x, kept.y) >= _KEPT_M or abs(kept.yaw) >= _KEPT_RAD):
+        if self._floats is None and _is_far(kept, _KEPT_M, _KEPT_RAD):
             self._kept = since
             self._add_scans(observation, since)
+
+    def _see_nothing(self, observation: Observation) -> None:
+        """Take scans that met nothing: they saw free space, and where the robot is the odometry alone says."""
+        if not any((scan.ranges >= min(scan.range_max, self._longest)).any() for scan in observation.scans):
+            return
+        if self._key is None or self._last is None:
+            self._add_key(observation, _NOTHING, None)
+            self._last = observation.odometry, self._local
+            return
+        since = self._key[1].inverse() @ self._local
+        if _is_far(since, _KEY_M, _KEY_RAD):
+            self._add_key(observation, _NOTHING, Match(self._local, motion_spread(since), 0.0, 0.0))
 
     def _add_key(self, observation: Observation, surface: Surface, match: Match | None) -> None:
         nodes, local = self._nodes, self._local
         pose, covariance = local, _EDGE_FLOOR
+        self._travel.to(observation.odometry)
         if match is not None and self._key is not None:
             pose = nodes.pose(self._key[0]) @ (self._key[1].inverse() @ local)
-            # What fits badly may be wrong by far more than its covariance says.
-            doubt = min(_MOST_DOUBT, max(1.0, _GOOD_FIT / max(self._worst, 1e-3)) ** 4)
-            covariance = doubt * (turned(match.covariance, -self._key[1].yaw) + _EDGE_FLOOR)
-        known = self._is_known(pose)
+            covariance = doubt_of(self._worst) * (turned(match.covariance, -self._key[1].yaw) + _EDGE_FLOOR)
+        known = self._places.is_known(pose)
         if known and self._floats is not None and self._key is not None:
             covariance = covariance + self._floats.covariance
             before = self._floats.before
-            self._remove_key()
+            self._loops.forget(self._key[0])
+            self._submaps.remove_last()
+            nodes.remove_last()
         else:
             before = self._key
-        node = nodes.add_node(observation.time, self._part, pose, observation.odometry, self._travelled)
+            self.revision += before is None and len(nodes) > 0  # the map is that of another part from now on
+        node = nodes.add_node(observation.time, self._part, pose, observation.odometry, self._travel.metres)
         if before is not None:
             nodes.add_edge(before[0], node, FOLLOWS, before[1].inverse() @ local, covariance)
+        elif self._told is not None:
+            near = nearest_joined(nodes, pose)
+            T_near_node, yaw = nodes.pose(near).inverse() @ pose, nodes.pose(near).yaw
+            nodes.add_edge(near, node, FOLLOWS, T_near_node, turned(self._told, -yaw))
+            self._told = None
         self._floats = Floating(before, covariance, None) if known and before is not None else None
         self._key, self._kept, self._worst = (node, local), None, 1.0
         if self._floats is None:
-            place = _place_of(pose)
-            self._seen_from[place] = self._seen_from.get(place, 0) + 1
+            self._places.add(pose)
             self._add_scans(observation, Pose2D(0.0, 0.0))
-        self._window.add(surface, local)
-        self._recent.add(local, surface)
         self._submaps.add(node)
         self._key_frames += 1
+        if not len(surface.points):
+            return
+        self._window.add(surface, local)
+        self._recent.add(local, surface)
         if self._key_frames % _LOOP_EVERY == 0:
             self._close_loops(node, surface)
 
-    def _is_known(self, pose: Pose2D) -> bool:
-        """Whether a place was seen from here often enough: the map does not get better by more of the same."""
-        return self._seen_from.get(_place_of(pose), 0) >= _ENOUGH
-
-    def _remove_key(self) -> None:
-        node = len(self._nodes) - 1
-        self._loops.forget(node)
-        self._submaps.remove_last()
-        self._nodes.remove_last()
-
     def _add_scans(self, observation: Observation, since: Pose2D) -> None:
         for scan in observation.scans:
-            first, last = self._scan_poses(scan, observation)
+            # Base_link at the first and at the last beam, seen from where it is now.
+            first, last = self._picker.scan_poses(scan, observation) or (Pose2D(0.0, 0.0), Pose2D(0.0, 0.0))
             self._nodes.add_scan(scan, since @ first, since @ last)
-
-    def _scan_poses(self, scan: Scan, observation: Observation) -> tuple[Pose2D, Pose2D]:
-        """Base_link at the first and at the last beam, seen from where it is now."""
-        placed = self._picker.scan_poses(scan, observation)
-        return placed if placed is not None else (Pose2D(0.0, 0.0), Pose2D(0.0, 0.0))
 
     def _close_loops(self, node: int, surface: Surface) -> None:
         loops = self._loops.search(node, surface, self._recent.together())
@@ -279,55 +305,36 @@ class Mapper:
     def _take(self, loops: list[Loop]) -> None:
         """Add loops to the graph, and correct its poses; take them out again if they do not fit."""
         nodes = self._nodes
-        first = len(nodes.edges)
-        self._join(loops[-1])
+        if self._off.any() and any(contradicts(nodes, loop, self._part, self._off) for loop in loops):
+            return  # the robot was told where it is: what looks like that elsewhere is another place
+        first, before = len(nodes.edges), nodes.poses
+        nodes.poses = join_parts(nodes, loops[-1])
         for loop in loops:
             nodes.add_edge(loop.a, loop.b, LOOP, loop.transform, loop.covariance)
         new = list(range(first, len(nodes.edges)))
-        if self._late < _MOST_LATE and all(self._is_true(loop) for loop in loops):
+        if self._late < _MOST_LATE and all(is_true(nodes, loop) for loop in loops):
             self._late += 1
             self._note(loops)
+            self.revision += nodes.poses is not before
             return
         self._late = 0
         poses, errors = optimize(nodes, free=new)
         if not fits(errors[new]):
             del nodes.edges[first:], nodes.transforms[first:], nodes.covariances[first:]
+            nodes.poses = before
             return
         self._note(loops)
-        self._correct(poses)
+        nodes.poses = list(poses)
+        self.revision += 1
 
     def _note(self, loops: list[Loop]) -> None:
         for loop in loops:
             self._submaps.tie(loop.a, loop.b)
         self._is_apart = self._is_apart and not self.joined
+        if any(self._nodes.parts[loop.a] != self._part for loop in loops):
+            self._off = np.zeros((3, 3))
         if self._floats is not None:
             self._floats = replace(self._floats, anchor=loops[-1].a)
-
-    def _is_true(self, loop: Loop) -> bool:
-        """Whether a loop says what the poses say already: then the graph need not be solved again."""
-        seen = self._nodes.pose(loop.a).inverse() @ self._nodes.pose(loop.b)
-        turn = abs(wrap_angle(seen.yaw - loop.transform.yaw))
-        return seen.distance_to(loop.transform) < _TRUE_M and turn < _TRUE_RAD
-
-    def _join(self, loop: Loop) -> None:
-        """Move the part of a key frame to where a loop says, if nothing joined it to the old place before."""
-        nodes = self._nodes
-        if nodes.parts[loop.a] == nodes.parts[loop.b]:
-            return
-        roots = component_of(len(nodes), nodes.edges)
-        if roots[loop.a] == roots[loop.b]:
-            return
-        # What holds the first node stays.
-        stays, moves = (loop.a, loop.b) if roots[loop.a] < roots[loop.b] else (loop.b, loop.a)
-        T_a_b = loop.transform if stays == loop.a else loop.transform.inverse()
-        shift = nodes.pose(stays) @ T_a_b @ nodes.pose(moves).inverse()
-        for i, root in enumerate(roots):
-            if root == roots[moves]:
-                nodes.poses[i] = np.array((shift @ nodes.pose(i)).as_tuple())
-
-    def _correct(self, poses: FloatArray) -> None:
-        self._nodes.poses = list(poses)
-        self.revision += 1
 
     def finish(self) -> None:
         """Look for loops once more, from all key frames, and correct all poses."""
@@ -338,17 +345,11 @@ class Mapper:
         apart = next((node for node, root in enumerate(roots) if root != roots[0]), None)
         if apart is not None:
             self.seek_loops(apart)
-        known = {(a, b) for a, b, _ in nodes.edges}
-        for node in range(0, len(nodes), _LAST_EVERY):
-            surface = nodes.key_surface(node)
-            if not len(surface.points):
-                continue
-            for loop in self._loops.search(node, surface, surface, tries=0):
-                if (loop.a, loop.b) not in known:
-                    nodes.add_edge(loop.a, loop.b, LOOP, loop.transform, loop.covariance)
-                    self._note([loop])
-        poses, _ = optimize(nodes, iterations=30)
-        self._correct(poses)
+        for loop in self._loops.search_again():
+            nodes.add_edge(loop.a, loop.b, LOOP, loop.transform, loop.covariance)
+            self._note([loop])
+        nodes.poses = list(optimize(nodes, iterations=30)[0])
+        self.revision += 1
         self._live = None  # small corrections are not drawn while the robot drives
 
     def seek_loops(self, first: int) -> None:
@@ -376,14 +377,15 @@ class Mapper:
             if self._last is not None:
                 covariance = covariance + motion_spread(self._last[0].inverse() @ observation.odometry) * 0.25
         T_map_odom = pose @ observation.odometry.inverse()
-        state = "lost" if self._poor >= 10 or self._is_apart else "localized"
-        return Estimate(observation.time, pose, covariance, T_map_odom, state)
+        is_lost = self._poor >= 10 or self._is_apart
+        covariance = covariance + (np.diag(_LOST_VARIANCES) if is_lost else self._off)
+        return Estimate(observation.time, pose, covariance, T_map_odom, "lost" if is_lost else "localized")
 
     def grid(self, *, resolution: float = 0.05) -> OccupancyGrid:
         """Return the map as far as it is known; only what is new or was corrected is drawn."""
         if self._live is None or self._live.resolution != resolution:
             self._live = LiveMap(resolution, self.robot)
-        return self._live.draw(self._nodes)
+        return self._live.draw(self._nodes, self._start)
 
     def graph(self) -> PoseGraph:
         """Return all that it knows."""
@@ -394,6 +396,5 @@ class Mapper:
         return self._nodes.track()
 
 
-def _place_of(pose: Pose2D) -> tuple[int, int, int]:
-    sector = round(pose.yaw / (2.0 * math.pi) * _SECTORS) % _SECTORS
-    return math.floor(pose.x / _PLACE_M), math.floor(pose.y / _PLACE_M), sector
+def _is_far(motion: Pose2D, metres: float, radians: float) -> bool:
+    return math.hypot(motion.x, motion.y) >= metres or abs(motion.yaw) >= radians

@@ -86,9 +86,18 @@ def move_pose_graph(graph: PoseGraph, origin: Pose2D) -> PoseGraph:
     Raises:
         InputError: If the origin is farther away than 1,000 km.
     """
+    check_origin(origin)
+    return replace(graph, poses=compose_poses(origin, graph.poses))
+
+
+def check_origin(origin: Pose2D) -> None:
+    """Check that a pose graph can be moved there.
+
+    Raises:
+        InputError: If that is farther away than 1,000 km.
+    """
     for name, value in (("x", origin.x), ("y", origin.y)):
         check_number(f"{name} of the pose graph's origin", value, -1e6, 1e6, "m")
-    return replace(graph, poses=compose_poses(origin, graph.poses))
 
 
 def compose_poses(outer: Pose2D, poses: FloatArray) -> FloatArray:

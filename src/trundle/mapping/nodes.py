@@ -60,6 +60,11 @@ class Floating:
     covariance: FloatArray
     anchor: int | None
 
+    @property
+    def stays(self) -> int:
+        """A node that it is seen from, and that is not replaced."""
+        return self.before[0] if self.anchor is None else self.anchor
+
 
 def make_surface(points: FloatArray, sensors: FloatArray) -> Surface:
     """Find the normals of points in the order of their beams."""

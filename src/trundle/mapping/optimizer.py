@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from trundle._core import solve_graph
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, Pose2D, wrap_angle
+from trundle.mapping.loops import Loop
 from trundle.mapping.nodes import Nodes
 from trundle.mapping.pose_graph import LOOP
 
+_TRUE_M, _TRUE_RAD = 0.03, math.radians(0.3)
 _WIDTH = 3.0  # standard deviations, from which on a loop counts less
 _WRONG = 25.0  # squared error of new loops that do not fit: about 4 standard deviations
 
@@ -45,6 +48,48 @@ def optimize(nodes: Nodes, *, iterations: int = 10, free: Sequence[int] = ()) ->
 def fits(errors: FloatArray) -> bool:
     """Whether the squared errors of new loops say that these are right."""
     return float(np.median(errors)) <= _WRONG
+
+
+def is_true(nodes: Nodes, loop: Loop) -> bool:
+    """Whether a loop says what the poses say already: then the graph need not be solved again."""
+    seen = nodes.pose(loop.a).inverse() @ nodes.pose(loop.b)
+    turn = abs(wrap_angle(seen.yaw - loop.transform.yaw))
+    return seen.distance_to(loop.transform) < _TRUE_M and turn < _TRUE_RAD
+
+
+def contradicts(nodes: Nodes, loop: Loop, part: int, covariance: FloatArray) -> bool:
+    """Whether a loop moves a part by more than is likely, for where that lies by this covariance."""
+    if nodes.parts[loop.b] != part:
+        return False
+    first = nodes.parts.index(part)
+    at = nodes.pose(first)
+    moved = nodes.pose(loop.a) @ loop.transform @ nodes.pose(loop.b).inverse() @ at
+    off = np.array((moved.x - at.x, moved.y - at.y, wrap_angle(moved.yaw - at.yaw)))
+    return bool(off @ np.linalg.solve(covariance, off) > _WRONG)
+
+
+def join_parts(nodes: Nodes, loop: Loop) -> list[FloatArray]:
+    """Return the poses with the part of a key frame moved to where a loop says, if nothing joins it to the other yet.
+
+    The same list comes back where nothing moves. What holds the first node stays.
+    """
+    if nodes.parts[loop.a] == nodes.parts[loop.b]:
+        return nodes.poses
+    roots = component_of(len(nodes), nodes.edges)
+    if roots[loop.a] == roots[loop.b]:
+        return nodes.poses
+    stays, moves = (loop.a, loop.b) if roots[loop.a] < roots[loop.b] else (loop.b, loop.a)
+    T_a_b = loop.transform if stays == loop.a else loop.transform.inverse()
+    shift = nodes.pose(stays) @ T_a_b @ nodes.pose(moves).inverse()
+    moved = [np.array((shift @ nodes.pose(i)).as_tuple()) for i in range(len(nodes))]
+    return [moved[i] if root == roots[moves] else nodes.poses[i] for i, root in enumerate(roots)]
+
+
+def nearest_joined(nodes: Nodes, pose: Pose2D) -> int:
+    """Return the node that is nearest to a pose, of those that hang together with the first one."""
+    roots = np.array(component_of(len(nodes), nodes.edges))
+    off = np.hypot(*(np.array(nodes.poses)[:, :2] - (pose.x, pose.y)).T)
+    return int(np.where(roots == roots[0], off, np.inf).argmin())
 
 
 def component_of(count: int, edges: Sequence[tuple[int, int, int]] | np.ndarray) -> list[int]:

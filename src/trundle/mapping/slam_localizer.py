@@ -30,6 +30,7 @@ class SlamLocalizer(Localizer):
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
+        self.mapper = Mapper(robot)
         self._blind = BlindDriving(robot, "slam")
         self.reset(None)
 
@@ -38,10 +39,16 @@ class SlamLocalizer(Localizer):
 
         A start that is off moves the whole map by as much: nothing but the start says where the map's frame is.
         """
+        before = self.mapper.revision
         self.mapper = Mapper(self._robot, seed=seed)
+        self.mapper.revision = before
         self.mapper.reset(Pose2D(0.0, 0.0) if pose is None else pose)
         self._has_scans = False
         self._blind.reset()
+
+    def relocate(self, pose: Pose2D, *, covariance: FloatArray | None = None, seed: int = 0) -> None:
+        """Go on at `pose` of the map that is there; see `Localizer` and `Mapper.relocate`."""
+        self.mapper.relocate(pose, covariance)
 
     def update(self, observation: Observation) -> Estimate:
         """Return where the robot is; see `Localizer`.
@@ -55,7 +62,7 @@ class SlamLocalizer(Localizer):
 
     @property
     def corrections(self) -> int:  # type: ignore[override]
-        """How often poses that were mapped before have been corrected."""
+        """How often the map has changed by more than what is new; see `Mapper.revision`."""
         return self.mapper.revision
 
     def map(self) -> OccupancyGrid | None:

@@ -21,7 +21,7 @@ _OFF_CELLS = 1e-3
 
 
 class GrowingMap:
-    """Holds the latest map within an extent that also has the robot, its goals, and room to grow.
+    """Holds the latest map within an extent that also has what it is asked to contain, and room to grow.
 
     What the map does not show is unknown, and may be driven as the settings say.
 
@@ -100,11 +100,7 @@ class GrowingMap:
         spare = math.ceil(_SPARE_M / edge)
         low, high = (low[0] - spare, low[1] - spare), (high[0] + spare, high[1] + spare)
         rows, cols = high[0] - low[0], high[1] - low[1]
-        if rows * cols > _MOST_CELLS:
-            raise MapError(
-                f"a costmap of {cols} x {rows} cells is too large; it has to contain the robot, its map and its goal: "
-                "choose a nearer goal, or larger cells"
-            )
+        check_size(rows, cols)
         cells = np.full((rows, cols), UNKNOWN, np.int8)
         if self._cells.size:
             row, col = old[0] - low[0], old[1] - low[1]
@@ -124,3 +120,16 @@ class GrowingMap:
             return last
         part = slice(int(rows[0]), int(rows[-1]) + 1), slice(int(cols[0]), int(cols[-1]) + 1)
         return last.update(*part, cells[part])
+
+
+def check_size(rows: int, cols: int) -> None:
+    """Check that a costmap without a map has not too many cells.
+
+    Raises:
+        MapError: If it has.
+    """
+    if rows * cols > _MOST_CELLS:
+        raise MapError(
+            f"a costmap of {cols} x {rows} cells is too large; it has to contain the robot, its map and its goal: "
+            "choose a nearer goal, or larger cells"
+        )

@@ -163,7 +163,8 @@ class NavigatorRequests(NavigatorAttributes):
             MapError: If it is too large.
         """
         check_kind(grid, OccupancyGrid, "a navigator's map", "a localizer's map() returns one")
-        self._sensed.grow(grid, corrected=corrected)
+        followed = self._replanner.followed
+        self._sensed.grow(grid, None if followed is None else followed.path, corrected=corrected)
 
     def set_sent_command(self, command: Twist2D) -> None:
         """Take what was sent to the robot instead of the last command, where something changed it on the way.
@@ -185,8 +186,6 @@ class NavigatorRequests(NavigatorAttributes):
             PlanningError: If there is no path.
         """
         here = Pose2D.of(start)
-        if self.target is not None:
-            self._sensed.contain(here, *(goal.pose for goal in self.ahead))
         made = self._replanner.plan(self._snapshot(self._time, here, _STAND), self._state)
         # The error goes to the caller: `error` is the one of a plan that a drive has made.
         self._apply(made._replace(error=None, clears_error=False))

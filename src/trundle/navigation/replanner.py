@@ -137,6 +137,8 @@ class Replanner:
         planner = self._choose_planner(now) if planner is None else planner
         began, self._routes.expansions = clock.perf_counter(), 0
         try:
+            if (extended := self._sensed.contain(now.pose, *(goal.pose for goal in state.ahead))) is not None:
+                now, self._checked = now._replace(costmap=extended), extended
             path = self._routes.plan(now.costmap, now.pose, state.ahead, state.first_number, planner, deadline_s)
             found = Decision(path=path, clears_error=True)
         except PlanningError as error:

@@ -13,12 +13,13 @@ import numpy.typing as npt
 from trundle.costmap import LETHAL, Costmap, CostmapSettings
 from trundle.costmap.doubted_map import without_unseen
 from trundle.costmap.layers import LayeredCostmap, LayersSettings
-from trundle.errors import SensorWarning
+from trundle.errors import MapError, OutsideMapError, SensorWarning
 from trundle.geometry import FloatArray, Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import UNKNOWN
-from trundle.navigation.growing_map import GrowingMap
+from trundle.navigation.growing_map import GrowingMap, check_size
 from trundle.observation import Estimate, Scan, Track
+from trundle.path import Path
 from trundle.robots import Robot
 from trundle.tracking import Tracker, TrackerSettings
 
@@ -66,6 +67,7 @@ class SensedMap:
         self._hits_noted_at = -math.inf
         self._reset_time = True
         self._grown: GrowingMap | None = None
+        self._wanted: list[tuple[float, float]] = []  # what the costmap was last asked to contain [m]
         self.reset()
 
     def begin_run(self) -> None:
@@ -75,11 +77,12 @@ class SensedMap:
         self.reset()
         self._hit = None
 
-    def grow(self, grid: OccupancyGrid, *, corrected: bool) -> None:
+    def grow(self, grid: OccupancyGrid, path: Path | None, *, corrected: bool) -> None:
         """Take the map that a localizer has made so far, where there is no other; see `Agent.set_map`.
 
-        What was sensed beside a map that has moved since is forgotten: it would lie where nothing is, and the scans
-        show it again.
+        The costmap also contains the robot, what it was asked to contain, and the path that is followed. What was
+        sensed beside a map that has moved since is forgotten: it would lie where nothing is, and the scans show it
+        again.
 
         Raises:
             InputError: If the map is turned.
@@ -89,7 +92,14 @@ class SensedMap:
             return
         if self._grown is None:
             self._grown = GrowingMap(self._robot, self._settings)
+        points = list(self._wanted)
+        if self._last_pose is not None:
+            points.append((self._last_pose.x, self._last_pose.y))
+        if path is not None:
+            points += (path.poses[:, :2].min(axis=0), path.poses[:, :2].max(axis=0))
         costmap = self._grown.take(grid)
+        if points:
+            costmap = self._grown.contain(np.array(points)) or costmap
         if corrected:
             self.clear_region("except", _NOTHING_M)
         self._put(costmap)
@@ -106,7 +116,7 @@ class SensedMap:
 
     def reset(self) -> None:
         """Forget what was sensed, but not which things on the map were hit."""
-        self.costmap = self._static
+        self.costmap: Costmap = self._static
         self._layered: LayeredCostmap | None = None
         self._hits_noted_at = -math.inf
         self._waiting: tuple[Scan, ...] = ()
@@ -177,6 +187,7 @@ class SensedMap:
         """Expect that the time may start over, and the robot be elsewhere: there is a new goal."""
         self._reset_time = True
         self._last_pose = self._T_map_odom = self._hit = self._awaiting_since = None
+        self._wanted = []
         if self._trusted is not None:
             self.replace_static(self._trusted)
 
@@ -194,10 +205,16 @@ class SensedMap:
         """Whether the costmap may come to contain a pose: there is no map, or the map contains it."""
         return not self._has_map or _contains(self._static, [(pose.x, pose.y)])
 
-    def contain(self, *poses: Pose2D) -> None:
-        """Extend the costmap to contain these poses where there is no map."""
-        if not self._has_map:
-            points = [(pose.x, pose.y) for pose in poses]
+    def contain(self, *poses: Pose2D) -> Costmap | None:
+        """Have the costmap contain these poses from now on where there is no map; return it if that has changed it.
+
+        Raises:
+            OutsideMapError: If they are so far away that it would have too many cells.
+        """
+        if self._has_map:
+            return None
+        points, before = [(pose.x, pose.y) for pose in poses], self.costmap
+        try:
             if self._grown is not None:
                 if (costmap := self._grown.contain(np.array(points))) is not None:
                     self._put(costmap)
@@ -205,6 +222,10 @@ class SensedMap:
                 self.costmap = self._layered.require(np.array(points)) or self.costmap
             elif not _contains(self.costmap, points):
                 self.costmap = self._static = self._blank(points)
+        except MapError as error:
+            raise OutsideMapError(str(error)) from None
+        self._wanted = points
+        return None if self.costmap is before else self.costmap
 
     def update(self, scans: Sequence[Scan], estimate: Estimate, goal: Goal | None, moved: FloatArray) -> None:
         """Put scans into the costmap.
@@ -295,6 +316,7 @@ class SensedMap:
         low, high = corners.min(axis=0) - _AROUND_M, corners.max(axis=0) + _AROUND_M
         low = np.floor(low / RESOLUTION_M) * RESOLUTION_M
         cols, rows = np.ceil((high - low) / RESOLUTION_M).astype(int).tolist()
+        check_size(rows, cols)
         cells = np.full((rows, cols), UNKNOWN, np.int8)
         grid = OccupancyGrid(cells, RESOLUTION_M, Pose2D(float(low[0]), float(low[1])))
         return self._settings.make_costmap(grid, self._robot)

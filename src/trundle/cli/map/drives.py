@@ -97,7 +97,9 @@ class MapOptions:
         if not 0.005 <= self.resolution <= 1.0:
             raise InputError(f"--resolution {self.resolution:g}: give a cell size from 0.005 to 1 m")
         if self.origin is not None:
-            options.parse_pose("--origin", self.origin)
+            from trundle.mapping.merging import check_origin
+
+            check_origin(options.parse_pose("--origin", self.origin))
         map_file = options.output_file(self.out, "map.yaml", (".yaml", ".yml"))
         graph = map_file.with_suffix(".posegraph") if self.posegraph is None else self.posegraph
         graph = options.output_file(graph, "map.posegraph", (".posegraph",))

@@ -96,7 +96,7 @@ class BeamPicker:
             warnings.warn(f"{message} (more of this kind are counted only)", SensorWarning, stacklevel=5)
 
     def pick(self, observation: Observation) -> Beams | None:
-        """Return the beams of the scans of an observation; None without any that can be used."""
+        """Return the beams of the scans of an observation that met something; None without a scan that can be used."""
         placed = [pair for scan in check_scans(observation.scans) if (pair := self._place(scan, observation))]
         if not placed:
             return None
@@ -110,8 +110,9 @@ class BeamPicker:
                 points.append(one[0])
                 sensors.append(one[1])
         if not points:
-            self.warn("no beam", f"no beam of the scans at {observation.time:g} s met anything: they tell nothing")
-            return None
+            when = f"no beam of the scans at {observation.time:g} s met anything"
+            self.warn("no beam", f"{when}: they do not tell where the robot is")
+            return Beams(np.empty((0, 2)), np.empty((0, 2)))
         if len(points) == 1:
             return Beams(points[0], sensors[0])
         return Beams(np.concatenate(points), np.concatenate(sensors))

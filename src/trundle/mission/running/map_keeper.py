@@ -85,6 +85,10 @@ class MapKeeper:
         graph = localizer.graph() if isinstance(localizer, _HasGraph) else None
         return OwnMap(grid, graph, self._largest)
 
+    def take_told(self, estimate: Estimate) -> None:
+        """Take that the localizer was told where the robot is: that moves the estimate, and corrects no map."""
+        self._last = estimate
+
     def _note(self, estimate: Estimate) -> None:
         """Keep a jump of the estimate if it is among the largest."""
         last, self._last = self._last, estimate

@@ -12,9 +12,9 @@ from trundle.control import CollisionMonitor, Intent
 from trundle.control.latency import Latency
 from trundle.errors import InputError
 from trundle.fault import check_result
-from trundle.geometry import Pose2D, Twist2D
+from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.localization import Localizer
-from trundle.localization.localizer import check_covariance
+from trundle.localization.localizer import check_covariance, makes_map
 from trundle.maps import OccupancyGrid
 from trundle.mission.observers import MonitorReport
 from trundle.mission.own_map import MapTrack, OwnMap
@@ -23,6 +23,7 @@ from trundle.mission.running.run_log import RunLog
 from trundle.mission.start_error import StartError
 from trundle.navigation import Agent, AgentReport, AssistedCommand
 from trundle.observation import Estimate, Observation, Scan
+from trundle.registry import name_of
 from trundle.robots import Robot
 from trundle.sim import RobotState
 
@@ -139,6 +140,18 @@ class RobotStack:
 
     # A run ----------------------------------------------------------------------------------------------------------
 
+    def check_goals(self, goals: Sequence[Goal]) -> None:
+        """Check that the robot can know where goals lie.
+
+        Raises:
+            InputError: If its localizer makes the map, and is not told the start: then its map begins at (0, 0, 0).
+        """
+        if goals and self._start_error.unknown and self._localizer is not None and makes_map(self._localizer):
+            raise InputError(
+                f"goals need a known start with the localizer {name_of(self._localizer)!r}: it makes its map, whose "
+                "frame is that of the start; leave out the goals, or start_error: unknown"
+            )
+
     def reset(self, start: Pose2D, *, seed: int) -> None:
         """Begin a run at this start; the agent has begun it already, as it has planned."""
         self._seed = seed
@@ -215,6 +228,8 @@ class RobotStack:
     def relocate(self, pose: Pose2D, covariance: Sequence[Sequence[float]] | None = None) -> None:
         """Tell the localizer where the robot is; it estimates the pose again, by what was observed last.
 
+        One that makes its map keeps that.
+
         Args:
             pose: Where it is.
             covariance: Of (x, y, yaw) [m², rad²]; None where the pose is exact.
@@ -224,8 +239,10 @@ class RobotStack:
         """
         localizer = self._need_localizer()
         known = None if covariance is None else check_covariance(covariance, "the pose")
-        localizer.reset(pose, covariance=known, seed=self._seed)
+        localizer.relocate(pose, covariance=known, seed=self._seed)
         self.estimate = self._locate(localizer)
+        if self._keeper is not None:
+            self._keeper.take_told(self.estimate)
 
     def reinitialize_global(self) -> None:
         """Tell the localizer that the robot may be anywhere; its next estimate says what it makes of that.

@@ -160,6 +160,7 @@ class Session:
                 log=self._log,
                 start_error=start_error,
             )
+            stack.check_goals(goals)
             driver.reset(seed=seed)
             driver.set_latency(latency)
             hands_over = through or any(tasks_of(goal) for goal in goals)

@@ -12,7 +12,7 @@ from trundle.maps import OccupancyGrid
 from trundle.navigation.agent import Agent, AgentInfo, AgentReport
 from trundle.navigation.behaviors import Behavior
 from trundle.navigation.command_check import AssistedCommand
-from trundle.navigation.exploration.frontiers import ExplorerSettings, Frontier, find_frontiers
+from trundle.navigation.exploration.frontiers import ExplorerSettings, Frontier, find_frontiers, shows_floor
 from trundle.navigation.exploration.targets import GivenUp, Targets, is_same
 from trundle.navigation.navigator import Navigator
 from trundle.navigation.status import FINAL, NavigationStatus
@@ -23,7 +23,7 @@ from trundle.robots import Robot
 _MOVED_M = 0.75
 """A goal is set again once its frontier has moved by this much [m]; each makes another plan."""
 _BLIND_S = 5.0
-"""Without a scan for this long at the start [s], there will be none."""
+"""Without a scan for this long at the start [s], there will be none; so long it also waits for scans of floor."""
 _NEARER_M = 0.3
 _PATHLESS_S = 1.0
 """A navigator waits for what blocks every path to move away; an explorer looks elsewhere meanwhile [s]."""
@@ -55,7 +55,7 @@ class Explorer(Agent):
     Attributes:
         navigator: What drives.
         settings: As given, or the defaults.
-        status: DRIVING until it has FINISHED; STUCK where it gets no scans.
+        status: DRIVING until it has FINISHED; STUCK where it gets no scans, or these show no floor around it.
         frontiers: Those that it has found last, map frame.
         target: The one that it drives to, or None.
     """
@@ -87,6 +87,7 @@ class Explorer(Agent):
         self._began_s: float | None = None
         self._looks_s = -math.inf
         self._has_scans = False
+        self._blind_since: float | None = None
         self._nearest, self._nearest_s = math.inf, 0.0
         self._pathless_s = math.inf
         self._shut_at = Pose2D(0.0, 0.0)
@@ -174,6 +175,10 @@ class Explorer(Agent):
     def _take(self, chosen: Frontier | None, now: float, pose: Pose2D, *, ended: bool) -> None:
         """Drive to a frontier from now on; end without one."""
         last, self.target = self.target, chosen
+        if not self.frontiers and not shows_floor(self.navigator.costmap, pose):
+            self._wait_for_floor(now)
+            return
+        self._blind_since = None
         if chosen is None:
             lost = self.given_up
             left = "nothing is left to see" if not lost else f"{len(lost)} frontiers are given up"
@@ -186,6 +191,14 @@ class Explorer(Agent):
             self.navigator.set_goal(*chosen.view)
             self._pathless_s = math.inf
             self._nearest, self._nearest_s = math.hypot(pose.x - chosen.view[0], pose.y - chosen.view[1]), now
+
+    def _wait_for_floor(self, now: float) -> None:
+        """Stand while the map shows no floor around the robot, for a while: it says nothing of what is left to see."""
+        if self._blind_since is None:
+            self._blind_since = now
+            self.navigator.cancel()
+        if now - self._blind_since > _BLIND_S:
+            self._end(NavigationStatus.STUCK, "the lidars see nothing from here: their scans show no floor around it")
 
     def _why(self, what: str) -> str:
         """A failure of the navigator in words, with what it says of it."""

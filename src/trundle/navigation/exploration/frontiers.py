@@ -133,6 +133,15 @@ def find_frontiers(costmap: Costmap, pose: Pose2D, settings: ExplorerSettings | 
     return found
 
 
+def shows_floor(costmap: Costmap, pose: Pose2D) -> bool:
+    """Whether a costmap shows free space that the robot can drive on from a pose, map frame."""
+    unseen = costmap.unknown_cells
+    row, col = (int(index) for index in costmap.world_to_cell(pose.x, pose.y))
+    if not costmap.contains(row, col) or unseen.all():
+        return False
+    return bool((np.isfinite(_reach(costmap, unseen, row, col)) & ~unseen).any())
+
+
 def _without_specks(unseen: _Mask, least: float) -> _Mask:
     """Return unknown cells without areas of fewer than `least` cells."""
     labels, table = label_components(np.ascontiguousarray(unseen).view(np.uint8), False)

@@ -22,7 +22,7 @@ _NO_SCAN = "the robot is not located yet: its localizer waits for odometry and s
 
 _CARRIED = (
     "nobody knows how the robot has moved: it drives on where it recognises its map. Drive it by hand to what the map "
-    "shows, or give its pose, which begins another map"
+    "shows, or give its pose on that map"
 )
 
 
@@ -212,8 +212,12 @@ class RemoteLocalizer(Localizer):
         self.is_located, self.why = False, _NO_SCAN
         if self._fit is not None:
             self._fit.reset()
+        self._before = {}
         try:
-            self._inner.reset(pose, covariance=covariance, seed=self._seed)
+            if self.is_told and pose is not None:
+                self._inner.relocate(pose, covariance=covariance, seed=self._seed)
+            else:
+                self._inner.reset(pose, covariance=covariance, seed=self._seed)
         except InputError:
             self.is_told = False
             raise
