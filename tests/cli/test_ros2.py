@@ -90,6 +90,35 @@ def wait_for_messages(network: FakeNetwork, topic: str = "/clock", least: int = 
     reader.close()
 
 
+@pytest.mark.parametrize("goals", [("1.2,0.5",), ("1.0,0.5", "1.4,0.7")])
+def test_serve_as_navigator_drives_to_its_goals(
+    trundle: Trundle, network: FakeNetwork, room_map: Path, caplog: pytest.LogCaptureFixture, goals: tuple[str, ...]
+) -> None:
+    given = [word for goal in goals for word in ("--goal", goal)]
+    run = ("ros2", "serve", room_map, *ROBOT, "--role", "navigator", "--speed", "max", "--json", "--time-limit", "20")
+    done = trundle(*run, "--start", "0.5,0.5,0", *given)
+    assert done.code == 0
+    assert "--goal: the robot has arrived" in caplog.text
+    assert json.loads(done.out.splitlines()[1])["distance_m"] > 0.4
+
+
+def test_serve_says_why_it_does_not_drive_to_its_goal(
+    trundle: Trundle, network: FakeNetwork, room_map: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    run = ("ros2", "serve", room_map, *ROBOT, "--role", "navigator", "--speed", "max", "--json", "--time-limit", "2")
+    trundle(*run, "--start", "0.5,0.5,0", "--goal=-1,1", "--planner-option", "goal_tolerance=0")
+    assert "--goal is refused: the goal (-1.00, 1.00" in caplog.text
+
+
+@pytest.mark.parametrize("role", ["simulator", "navigator"])
+def test_serve_refuses_a_start_where_the_robot_touches_something(
+    trundle: Trundle, network: FakeNetwork, room_map: Path, role: str
+) -> None:
+    done = trundle("ros2", "serve", room_map, *ROBOT, "--role", role, "--start=-1,1,0", "--time-limit", "1")
+    assert done.code == 2
+    assert "at its start (-1.00, 1.00, 0°) the robot would touch" in done.err
+
+
 def test_serve_publishes_the_robot_and_drives_it_by_commands(
     trundle: Trundle, network: FakeNetwork, meanwhile: Callable[..., list], room_map: Path
 ) -> None:

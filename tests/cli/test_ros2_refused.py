@@ -31,6 +31,8 @@ ROBOT = ("--robot", "turtlebot3_burger", "--backend", "kinematic")
         (("--distro", "iron"), "--distro"),
         (("-o", "wire.mcap"), "give --record with it"),
         (("--record", "-o", "wire.bag"), ".mcap"),
+        (("--goal", "1,1"), "--goal is for --role navigator"),
+        (("--role", "navigator", "--goal", "one"), "--goal"),
     ],
 )
 def test_what_cannot_be_served_is_named(

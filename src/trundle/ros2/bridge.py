@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from trundle.errors import InputError
 from trundle.geometry import Pose2D
 from trundle.mission import Mission, Observer, Scenario
 from trundle.mission.place import make_place
+from trundle.mission.scenario import Setting
 from trundle.mission.simulation import start_backend, wrap_backend
 from trundle.ros2.inlet import Record
 from trundle.ros2.names import Names
@@ -23,6 +25,7 @@ from trundle.ros2.runs import MakeObservers, NetworkRuns
 from trundle.ros2.simulator_role.role import SimulatorRole
 from trundle.ros2.simulator_role.services import SimulationServices
 from trundle.ros2.static_frames import StaticFramesMode
+from trundle.sim import Contact
 from trundle.sim.footprint import FootprintChecker
 
 if TYPE_CHECKING:
@@ -135,11 +138,23 @@ def build_mission(scenario: Scenario, profile: Profile) -> Mission:
     if "lidar" not in scenario.backend.options and not scenario.lidar:
         scenario = scenario.model_copy(update={"lidar": bool(place.robot.lidars)})
     setting = scenario.prepare(place)
-    if scenario.start is None and profile.start is not None:
+    if scenario.start is not None:
+        touched = _find_touched(setting, setting.start)
+        if touched:
+            start = setting.start
+            raise InputError(
+                f"at its start ({start.x:.2f}, {start.y:.2f}, {np.degrees(start.yaw):.0f}°) the robot would touch "
+                f"{touched[0].other}: give another --start, or none"
+            )
+    elif profile.start is not None:
         start = Pose2D.of(profile.start)
         is_inside = bool(setting.grid.contains(*setting.grid.world_to_cell(start.x, start.y)))
-        checker = FootprintChecker(setting.world, setting.robot)
-        if is_inside and not checker.find(np.array([start.as_tuple()])):
+        if is_inside and not _find_touched(setting, start):
             setting = scenario.model_copy(update={"start": start.as_tuple()}).prepare(place)
     sim = wrap_backend(setting.scenario, start_backend(setting.scenario, setting.world, setting.robot))
     return setting.with_simulator(sim)
+
+
+def _find_touched(setting: Setting, pose: Pose2D) -> tuple[Contact, ...]:
+    """Return what the robot would touch at a pose."""
+    return FootprintChecker(setting.world, setting.robot).find(np.array([pose.as_tuple()]))

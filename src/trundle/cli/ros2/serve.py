@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Parameter
 
 from trundle.cli.ros2 import network, running
 from trundle.cli.shared import isaac, nav2, options, scenario_options
 from trundle.cli.shared.termination import ends_as_by_ctrl_c
+from trundle.errors import InputError, TrundleError
+from trundle.geometry import Goal
+
+if TYPE_CHECKING:
+    from trundle.mission import SetGoal, SetGoals, TaskEnd
+    from trundle.ros2.wire import Wire
 
 app = App(
     name="serve",
@@ -72,6 +78,8 @@ def serve(
     Needs no ROS installation for topics. Services and actions go through the rclpy of a sourced ROS. Prints what is
     published, read and served. Only programs on this machine see it, unless --range subnet is given.
 
+    With --role navigator and --goal the robot drives there first, and then waits for other goals.
+
     Exit code 0: it was ended, by Ctrl-C, SIGTERM, the page or a time limit; 1: the simulator failed; 3: a plug-in
     raised. With --json it prints two lines: what is offered, as soon as it is, and how it ended.
 
@@ -83,6 +91,7 @@ def serve(
     from trundle.ros2.profile import Profile
 
     network.check_extra()
+    drive = _read_drive(given, role)
     factor = options.parse_speed(speed)
     settings, names = at.read(), Names(namespace=namespace, remaps=remap or ())
     target = running.recording_target(out, record=record, overwrite=overwrite)
@@ -113,6 +122,44 @@ def serve(
             static_frames=static_frames,
         )
         opened.enter_context(bridge)
+        if drive is not None:
+            bridge.context.driver.steering.put(drive, by="--goal", watcher=_DriveReport(bridge.wire))
         settings_of_run = {"role": role, "profile": profile, "speed": factor, **told.facts}
         episode = running.run(bridge, settings_of_run, bag, json=json, quiet=quiet)
     return running.report(episode, bridge.wire, bag, json=json)
+
+
+class _DriveReport:
+    """Says what becomes of the drive to --goal."""
+
+    def __init__(self, wire: Wire) -> None:
+        self._wire = wire
+
+    def begin(self, time: float) -> None:
+        """Do nothing: the robot drives."""
+
+    def refuse(self, error: TrundleError) -> None:
+        """Say why it does not."""
+        self._wire.warn("--goal: refused", f"--goal is refused: {error}")
+
+    def end(self, end: TaskEnd) -> None:
+        """Say how the drive has ended."""
+        has_arrived = end.result == "succeeded"
+        how = "the robot has arrived" if has_arrived else f"the drive has ended: {end.message or end.result}"
+        self._wire.warnings.note(f"--goal: {how}")
+
+
+def _read_drive(given: scenario_options.ScenarioOptions, role: str) -> SetGoal | SetGoals | None:
+    """Return the drive to --goal; None without that.
+
+    Raises:
+        InputError: If trundle does not drive, or a goal cannot be read.
+    """
+    from trundle.mission import SetGoal, SetGoals
+
+    if not given.goals:
+        return None
+    if role != "navigator":
+        raise InputError("--goal is for --role navigator: with --role simulator other programs drive the robot")
+    goals = tuple(Goal.of(options.parse_goal("--goal", text)) for text in given.goals)
+    return SetGoal(goals[0]) if len(goals) == 1 else SetGoals(goals, through=given.through)
