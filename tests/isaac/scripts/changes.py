@@ -9,6 +9,7 @@ import omni.usd
 from isaacsim.core.api import World
 from isaacsim.core.api.objects import DynamicCuboid, FixedCuboid
 from isaacsim.core.api.robots import Robot
+from isaacsim.core.prims import RigidPrim
 from isaacsim.core.utils.prims import create_prim
 from isaacsim.core.utils.stage import add_reference_to_stage
 from isaacsim.storage.native import get_assets_root_path
@@ -123,6 +124,18 @@ assert np.allclose(box.get_angular_velocity(), [0.0, 0.0, 3.0], atol=0.05)
 attribute("/World/box", "physics:velocity").Set(Gf.Vec3f(0.0, -1.0, 0.0))
 assert np.allclose(box.get_linear_velocity(), [0.0, -1.0, 0.0])
 assert np.allclose(box.get_angular_velocity(), [0.0, 0.0, 3.0], atol=0.05)
+
+# Gains and masses that are not in USD stay when something is added.
+controller = robots[0].get_articulation_controller()
+gains = controller.get_gains()
+controller.set_gains(kps=gains[0], kds=gains[1] + 7.0)
+RigidPrim("/World/box").set_masses(np.array([3.0]))
+FixedCuboid("/World/last", "last", position=np.array([20.0, 5.0, 0.5]))
+steps(1)
+assert np.allclose(controller.get_gains()[1], gains[1] + 7.0)
+assert np.allclose(RigidPrim("/World/box").get_masses(), [3.0])
+UsdPhysics.DriveAPI(stage.GetPrimAtPath("/World/first/joints/joint_wheel_left"), "angular").GetDampingAttr().Set(5.0)
+assert np.allclose(controller.get_gains()[1][robots[0].get_dof_index("joint_wheel_left")], np.degrees(5.0), rtol=1e-3)
 
 # At the end all is where it was, and the layer has nothing more than before.
 world.stop()

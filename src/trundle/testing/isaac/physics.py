@@ -32,11 +32,15 @@ _KEPT = (
 _KEPT_BODY = (TensorType.RIGID_BODY_POSE, TensorType.RIGID_BODY_VELOCITY)
 """The same of a body that is no link."""
 
-_TARGETS = {
-    f"drive:{axis}:physics:target{kind}": f"joint{kind}Target"
-    for axis in ("angular", "linear") for kind in ("Velocity", "Position")
+_DRIVE = {
+    f"drive:{axis}:physics:{name}": f"joint{quantity}"
+    for axis in ("angular", "linear")
+    for name, quantity in {
+        "targetVelocity": "VelocityTarget", "targetPosition": "PositionTarget", "damping": "Damping",
+        "stiffness": "Stiffness",
+    }.items()
 }  # fmt: skip
-"""PhysX's quantities, in USD's units, of the attributes that a script may set at every step."""
+"""PhysX's quantities, in USD's units, of attributes that a script may set at every step."""
 
 _VELOCITIES = {"physics:velocity": slice(0, 3), "physics:angularVelocity": slice(3, 6)}
 
@@ -72,7 +76,8 @@ class Engine:
         self._numbers: dict[str, int] = {}
         self._names: list[str] = []
         self._changed = False
-        self._targets: dict[str, dict[str, float]] = {}
+        self._drive: dict[str, dict[str, float]] = {}
+        self._own: set[tuple[str, int]] = set()
         self._kept: Kept = {}
         self.runs = 0
         self.steps = 0
@@ -116,6 +121,7 @@ class Engine:
         self.physx.wait_task(self.physx.detach_ovstage())
         self._stage.destroy()
         self._stage = None
+        self._own.clear()
         stage = self._context.get_stage()
         if stage is not None:
             restore(stage, self._kept)
@@ -123,8 +129,8 @@ class Engine:
     def flush(self) -> None:
         """Load the stage again if it was changed since, and let everything go on from where it is."""
         self._reload()
-        targets, self._targets = self._targets, {}
-        for quantity, values in targets.items() if self.loaded else ():
+        drive, self._drive = self._drive, {}
+        for quantity, values in drive.items() if self.loaded else ():
             self.set(SimObjectType.ARTICULATION_JOINT, quantity, values)
 
     def _reload(self) -> None:
@@ -133,11 +139,13 @@ class Engine:
         self.synchronize()
         kept = [(path, kind, self.read(path, kind)) for path in self._articulations() for kind in _KEPT]
         kept += [(path, kind, self.read(path, kind)) for path in self._free() for kind in _KEPT_BODY]
+        kept += [(path, kind, self.read(path, kind)) for path, kind in sorted(self._own)]
         self.physx.wait_task(self.physx.detach_ovstage())
         self._stage.destroy()
         self._stage = None
         self.load()
-        left = {*self._articulations(), *self._free()}
+        left = {*self._articulations(), *self._bodies}
+        self._own = {(path, kind) for path, kind in self._own if path in left}
         for path, kind, value in (one for one in kept if one[0] in left):
             binding = self.bind([path], kind)
             if tuple(binding.shape) == value.shape:
@@ -169,6 +177,11 @@ class Engine:
         binding.read(value)
         binding.destroy()
         return value
+
+    def keep(self, paths: list[str], kind: int) -> None:
+        """Carry this quantity of prims over when the stage changes: a script has set it, and it is not in the stage."""
+        if kind not in _KEPT and kind not in _KEPT_BODY:
+            self._own.update((path, kind) for path in paths)
 
     def set(self, kind: int, quantity: str, values: dict[str, Any]) -> None:
         """Set one quantity of objects, by their paths."""
@@ -291,9 +304,9 @@ class Engine:
                     self._changed = True
             elif path.name.startswith("xformOp"):
                 moved.append(path)
-            elif path.name in _TARGETS and str(prim.GetPath()) in self._joints:
+            elif path.name in _DRIVE and str(prim.GetPath()) in self._joints:
                 value = float(stage.GetAttributeAtPath(path).Get() or 0.0)
-                self._targets.setdefault(_TARGETS[path.name], {})[str(prim.GetPath())] = value
+                self._drive.setdefault(_DRIVE[path.name], {})[str(prim.GetPath())] = value
             elif path.name in _VELOCITIES and str(prim.GetPath()) in self._free():
                 self._set_velocity(str(prim.GetPath()), path.name, stage.GetAttributeAtPath(path).Get())
             elif path.name.startswith(("physics:", "physx", "drive:")):

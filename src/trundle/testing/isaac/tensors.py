@@ -113,6 +113,8 @@ class View:
         values = np.ascontiguousarray(to_numpy(data), np.dtype(str(binding.dtype))).reshape(binding.shape)
         chosen = None if indices is None else np.ascontiguousarray(to_numpy(indices), np.int32)
         binding.write(values, indices=chosen)
+        paths = self.prim_paths if chosen is None else [self.prim_paths[index] for index in chosen]
+        self._engine.keep(paths, TensorType[f"{self._prefix}_{self._names[quantity]}"])
         return True
 
     def apply_forces(self, data: Any, indices: Any, is_global: bool = True) -> bool:
