@@ -27,6 +27,8 @@ NAVIGATE = ("ros2", "navigate", "warehouse", *NETWORK)
         (("--start", "0,0,0", "--goal", "900,0"), "the goal (900, 0) lies outside of the map"),
         (("--backend", "kinematic"), "--backend is for simulated robots"),
         (("--odometry", "scale=0.1"), "--odometry is for simulated robots"),
+        (("--lidar-errors", "noise=0.02"), "--lidar-errors is for simulated robots"),
+        (("--agent", "a.py:f"), "--agent is for simulated robots"),
         (("--localizer", "amlc"), "There are: amcl, odometry, slam, tf"),
         (("--robot", "nova"), "nova_carter"),
         (("--localizer", "slam"), "leave warehouse out"),
@@ -41,6 +43,24 @@ def test_what_cannot_be_used_is_refused(trundle: Trundle, given: tuple[str, ...]
     ended = trundle(*NAVIGATE, *given)
     assert ended.code == 2
     assert message in ended.err
+
+
+def test_the_help_has_what_a_robot_that_is_not_simulated_takes(trundle: Trundle) -> None:
+    text = " ".join(trundle("ros2", "navigate", "--help").out.replace("│", " ").split())
+    assert "it waits for a pose on /initialpose" in text
+    assert "it waits for goals, until Ctrl-C" in text
+    assert "by seed" not in text
+    for option in (
+        "--backend",
+        "--lidar ",
+        "--lidar-errors",
+        "--odometry ",
+        "--map-errors",
+        "--start-error",
+        "--agent",
+    ):
+        assert option not in text
+    assert "--planner" in text
 
 
 def test_more_goals_than_a_drive_takes_are_refused(trundle: Trundle, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -72,6 +72,11 @@ def test_navigate_is_started_with_a_map_and_a_robot(launch):
     assert command == ["trundle", "ros2", "navigate", "map.yaml", "--robot", "robot.yaml", "--start=-1,2,0.5"]
 
 
+def test_navigate_is_started_without_a_map_that_slam_makes(launch):
+    command = launch("navigate.launch.py", robot="robot.yaml", options="--localizer slam --save-map map.yaml")
+    assert command[3:] == ["--robot", "robot.yaml", "--localizer", "slam", "--save-map", "map.yaml"]
+
+
 def test_the_package_installs_its_launch_files():
     package = ElementTree.parse(PACKAGE / "package.xml").getroot()
     name = package.findtext("name")

@@ -8,7 +8,7 @@ from launch.substitutions import LaunchConfiguration
 
 ARGUMENTS = {
     "trundle": ("trundle", "The program; that of a virtual environment is …/bin/trundle"),
-    "map": (None, "The YAML of the map"),
+    "map": ("", 'The YAML of the map; left out with options:="--localizer slam"'),
     "robot": (None, "The robot: a name, or the YAML or URDF of your own"),
     "start": ("", "Where it stands: X,Y,YAW [m, m, rad]"),
     "options": ("", 'Further options of trundle ros2 navigate, such as "--localizer amcl"'),
@@ -17,7 +17,7 @@ ARGUMENTS = {
 
 def start(context):
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    command = [given["trundle"], "ros2", "navigate", given["map"], "--robot", given["robot"]]
+    command = [given["trundle"], "ros2", "navigate", *filter(None, [given["map"]]), "--robot", given["robot"]]
     if given["start"]:
         command.append(f"--start={given['start']}")
     return [ExecuteProcess(cmd=[*command, *shlex.split(given["options"])], output="screen", name="trundle")]

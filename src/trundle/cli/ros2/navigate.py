@@ -37,6 +37,24 @@ app = App(
 _SIMULATED = ("backend", "lidar_errors", "odometry", "start_error", "map_errors", "isaac_options", "agent", "lidar")
 """Options of `trundle run` that say how a robot is simulated."""
 
+
+@Parameter(name="*")
+class NavigateOptions(
+    scenario_options.adapted_options(
+        {
+            "start": "Where the robot stands [m, m, rad or 90deg], map frame; default: it waits for a pose on "
+            "/initialpose, or of the page.",
+            "goals": "Where it drives, and then ends; repeat it for several goals in order; default: it waits for "
+            "goals, until Ctrl-C.",
+            "localizer": "What locates the robot: amcl, slam, odometry, tf for map → odom of others, or a plug-in: its "
+            "name, module:name or file.py:name; default: amcl.",
+        },
+        hidden=(*_SIMULATED, "agent_options"),
+    )
+):
+    """The options of a mission, of a robot that is not simulated."""
+
+
 _NO_SIMULATION = "restart", "box", "speed"
 """What a page cannot do with a robot that is somewhere else."""
 
@@ -46,7 +64,7 @@ def navigate(
     source: str | None = None,
     /,
     *,
-    given: scenario_options.ScenarioOptions = scenario_options.DEFAULTS,
+    given: NavigateOptions = NavigateOptions(),  # noqa: B008 - it is frozen
     profile: Annotated[
         str,
         Parameter(

@@ -30,12 +30,24 @@ app = App(
 )
 
 
+@Parameter(name="*")
+class ServeOptions(
+    scenario_options.adapted_options(
+        {
+            "goals": "With --role navigator: where the robot drives first; repeat it for several goals in order; "
+            "default: it waits for goals.",
+        }
+    )
+):
+    """The options of a mission, which waits for goals."""
+
+
 @app.default
 def serve(
     source: str = "warehouse",
     /,
     *,
-    given: scenario_options.ScenarioOptions = scenario_options.DEFAULTS,
+    given: ServeOptions = ServeOptions(),  # noqa: B008 - it is frozen
     role: Annotated[
         Literal["simulator", "navigator"],
         Parameter(

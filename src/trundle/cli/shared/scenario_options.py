@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from dataclasses import make_dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import cast, get_args
+from typing import Annotated, cast, get_args
 
 from cyclopts import Parameter
 from pydantic import BaseModel
@@ -248,6 +249,21 @@ def _of_obstacles(given: dict[str, object], kept: dict[str, object]) -> dict[str
 
 DEFAULTS = ScenarioOptions()
 """The options if none is given."""
+
+
+def adapted_options(texts: Mapping[str, str], *, hidden: Collection[str] = ()) -> type[ScenarioOptions]:
+    """Make the base of a class of the options, for a verb where some mean something else.
+
+    Args:
+        texts: Their texts in --help, by the fields of the options.
+        hidden: Those that --help does not show, as the verb refuses them with a reason.
+    """
+    changes = {**{name: Parameter(help=text) for name, text in texts.items()}, **dict.fromkeys(hidden, _HIDDEN)}
+    fields = [(name, Annotated[kind, changes[name]], default) for name, kind, default in _OPTIONS if name in changes]
+    return make_dataclass("Adapted", fields, bases=(ScenarioOptions,), frozen=True)
+
+
+_HIDDEN = Parameter(show=False)
 
 
 def _read(
