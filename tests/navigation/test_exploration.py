@@ -94,6 +94,29 @@ def test_a_robot_beside_the_map_finds_none():
 # Targets --------------------------------------------------------------------------------------------------------------
 
 
+def test_a_border_right_round_the_robot_comes_in_pieces_that_stay_where_the_map_grows():
+    def found(free_m, margin):
+        """Of a free square of this size, middle at (0, 0), with so many unknown cells round it."""
+        half = round(0.5 * free_m / EDGE)
+        cells = np.full((2 * (half + margin),) * 2, -1, np.int8)
+        cells[margin:-margin, margin:-margin] = 0
+        corner = -EDGE * (half + margin)
+        grid = OccupancyGrid(cells, EDGE, Pose2D(corner, corner))
+        costmap = CostmapSettings(unknown="costly").make_costmap(grid, ROBOT)
+        return find_frontiers(costmap, Pose2D(0.1, 0.1), ExplorerSettings(view_range=4.0))
+
+    frontiers = found(20.0, 60)
+    places = np.array([(one.x, one.y) for one in frontiers])
+    assert len(frontiers) >= 8
+    assert max(one.length for one in frontiers) <= 16.5
+    assert sum(one.length for one in frontiers) == pytest.approx(4 * 20.0, rel=0.05)
+    assert places.min(axis=0) == pytest.approx((-9.97, -9.97), abs=0.06)
+    assert places.max(axis=0) == pytest.approx((9.97, 9.97), abs=0.06)
+    assert np.array([(one.x, one.y) for one in found(20.0, 75)]) == pytest.approx(places)
+    (whole,) = found(7.0, 60)
+    assert whole.length == pytest.approx(4 * 7.0, rel=0.05)
+
+
 def test_near_frontiers_and_those_that_show_much_come_first():
     targets = Targets(ExplorerSettings())
     near, far, rich = frontier(5.0, distance=2.0), frontier(9.0, distance=8.0), frontier(20.0, distance=8.0, gain=50.0)

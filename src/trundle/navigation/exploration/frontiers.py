@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -31,6 +32,7 @@ _STEP, _WALL = 20, 255
 away, up to three times."""
 
 _Mask = npt.NDArray[np.bool_]
+_Cells = npt.NDArray[np.intp]
 
 
 class ExplorerSettings(Config):
@@ -105,17 +107,15 @@ def find_frontiers(costmap: Costmap, pose: Pose2D, settings: ExplorerSettings | 
     blocked |= mark_gaps(blocked, costmap.planar.least_width / edge)
     solid = blocked.view(np.bool_)
     border = ~unseen & ~solid & _beside(unseen & ~solid)
-    labels, table = label_components(border.view(np.uint8), True)
+    reach = _LOOK_M / edge
     found: list[Frontier] = []
-    for number in np.flatnonzero(table[:, 0] * edge >= settings.least_frontier).tolist():
-        _, first, end, left, right = table[number].tolist()
-        rows, cols = np.nonzero(labels[first:end, left:right] == number + 1)
-        reach = _LOOK_M / edge
+    x, y = (float(value) / edge for value in costmap.cell_to_world(0, 0))
+    for rows, cols in _pieces(border, (y, x), settings.least_frontier / edge, 2.0 * settings.view_range / edge):
         found_place = None
         # A part of a long one may lie behind a wall.
         order = np.argsort((rows - rows.mean()) ** 2 + (cols - cols.mean()) ** 2, kind="stable")
         for index in order[np.linspace(0, len(order) - 1, min(len(order), _PLACES)).astype(np.intp)].tolist():
-            at = first + int(rows[index]), left + int(cols[index])
+            at = int(rows[index]), int(cols[index])
             view = _place_to_look(blocked, roomy, at, reach) or _place_to_look(blocked, reached, at, reach)
             if view is not None:
                 found_place = at, view
@@ -140,6 +140,31 @@ def shows_floor(costmap: Costmap, pose: Pose2D) -> bool:
     if not costmap.contains(row, col) or unseen.all():
         return False
     return bool((np.isfinite(_reach(costmap, unseen, row, col)) & ~unseen).any())
+
+
+def _pieces(
+    border: _Mask, corner: tuple[float, float], least: float, longest: float
+) -> Iterator[tuple[_Cells, _Cells]]:
+    """Yield rows and columns of each stretch of the border, without those of fewer than `least` cells.
+
+    In a wide hall the border may be one line right round the robot. Where the box around one is longer than `longest`
+    [cells], it comes in pieces, one for each square of that size: each is looked at, or given up, for itself. As the
+    map may grow on all sides, `corner`, the place of its first cell [cells], says where squares begin.
+    """
+    labels, table = label_components(border.view(np.uint8), True)
+    for number in np.flatnonzero(table[:, 0] >= least).tolist():
+        _, first, end, left, right = table[number].tolist()
+        rows, cols = np.nonzero(labels[first:end, left:right] == number + 1)
+        rows, cols = rows + first, cols + left
+        if max(end - first, right - left) <= longest:
+            yield rows, cols
+            continue
+        down, across = (np.floor((a + b) / longest).astype(np.int64) for a, b in zip((rows, cols), corner, strict=True))
+        square = (down - down.min()) * (across.max() - across.min() + 1) + across - across.min()
+        for one in np.unique(square).tolist():
+            inside = square == one
+            if inside.sum() >= least:
+                yield rows[inside], cols[inside]
 
 
 def _without_specks(unseen: _Mask, least: float) -> _Mask:
