@@ -6,7 +6,6 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import FrameType
 
 import pytest
 from rosbags.highlevel import AnyReader
@@ -22,28 +21,8 @@ from trundle.ros2.bridge import Bridge
 ROBOT = ("--robot", "turtlebot3_burger", "--backend", "kinematic")
 
 
-_DROPS = ("_weakrefset.py", "weakref.py")
-
-
-def _is_dropped(frame: FrameType | None) -> bool:
-    """Whether Python would drop an exception that is raised here: in what the garbage collector calls."""
-    while frame is not None:
-        code = frame.f_code
-        if code.co_name in ("gc_callback", "__del__") or code.co_filename.endswith(_DROPS):
-            return True
-        frame = frame.f_back
-    return False
-
-
 def _press() -> None:
     signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
-
-
-def _interrupt(_number: int, frame: FrameType | None) -> None:
-    """Raise KeyboardInterrupt, a little later where Python would drop it."""
-    if not _is_dropped(frame):
-        raise KeyboardInterrupt
-    threading.Timer(0.05, _press).start()
 
 
 @pytest.fixture
@@ -66,7 +45,7 @@ def meanwhile() -> Iterator[Callable[[Callable[[], None]], list[Exception]]]:
         threads[-1].start()
         return errors
 
-    before = signal.signal(signal.SIGINT, _interrupt)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have it ignored
     yield prepare
     for thread in threads:
         thread.join()

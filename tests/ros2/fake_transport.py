@@ -272,6 +272,10 @@ class FakeSubscription(_End):
         writers = self.transport.network.publishers(self.topic, self.type_name)
         return sum(_compatible(one.qos, self.qos) for one in writers)
 
+    def count_waiting(self, sources: set[str]) -> int:
+        """How many messages of these publishers have arrived and were not taken."""
+        return sum(sample.source in sources for sample in self._samples.copy())
+
     def arrive(self, messages: list[bytes] | deque[bytes], source: str) -> None:
         for data in messages:
             self.dropped += len(self._samples) == QUEUE

@@ -48,6 +48,19 @@ class Lines:
             assert time.monotonic() < end, f"it said something else for {within_s:g} s, at last {str(found)[:200]}"
         return found
 
+    def rest(self, within_s: float = QUICK_S) -> list[str]:
+        """All lines until it ends, which may be this far apart."""
+        found: list[str] = []
+        while True:
+            try:
+                line = self._lines.get(timeout=within_s)
+            except queue.Empty:
+                said = "".join([*found, *self.errors])
+                raise AssertionError(f"it said no more for {within_s:g} s, and before that:\n{said}") from None
+            if line is None:
+                return found
+            found.append(line)
+
     def wait_for_error(self, words: str) -> None:
         """Wait until it complained so."""
         until = time.monotonic() + QUICK_S

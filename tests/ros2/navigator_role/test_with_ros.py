@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from ros2.conftest import JAZZY, KILTED, Ros
-from ros2.lines import Lines
+from ros2.lines import QUICK_S, Lines
 from ros2.navigator_role.conftest import Served, make_scenario, wait_for
 from trundle.messages import Codec
 from trundle.ros2.bridge import Bridge
@@ -44,10 +44,10 @@ def served(relay: RclpyTransport, room_file: str) -> Iterator[Served]:
 
 
 def run_script(ros: Ros, script: Path, *args: str) -> list[dict[str, Any]]:
-    process = ros.script(script, *args, PYTHONPATH=str(STAND_IN))
-    output, errors = process.communicate(timeout=180)
-    assert process.returncode == 0, f"{output}\n{errors}"
-    return [json.loads(line) for line in output.splitlines() if line.startswith("{")]
+    lines = Lines(ros.script(script, *args, PYTHONPATH=str(STAND_IN)))
+    said = lines.rest()
+    assert lines.process.wait(QUICK_S) == 0, "".join([*said, *lines.errors])
+    return [json.loads(line) for line in said if line.startswith("{")]
 
 
 @pytest.mark.parametrize("distro", JAZZY)

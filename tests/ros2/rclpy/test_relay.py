@@ -281,3 +281,12 @@ def test_a_child_that_does_not_leave_is_killed(stand_in: StandIn) -> None:
     transport.close()
     assert not is_alive(pid)
     transport.close()
+
+
+def test_closing_ends_where_ctrl_c_has_left_a_lock_held(stand_in: StandIn) -> None:
+    transport = open_stand_in(stand_in("hello()\nfor _ in frames: pass"))
+    pid, lock = transport.pid, transport._link.outbox._changed
+    lock.acquire()
+    transport.close()
+    assert not is_alive(pid)
+    lock.release()

@@ -20,6 +20,9 @@ from trundle.sim import simulate
 from trundle.worlds import World
 
 PERIOD_S = 0.02
+MOST_WAITING, TAKEN_WITHIN_S = 5, 0.2
+"""Where more messages of a topic wait for the navigator, the robot's time stands still, for so long [s] at most."""
+
 LATCHED = Qos(10, durability="transient_local")
 
 
@@ -79,6 +82,8 @@ def make_cloud(codec: Codec, points: Any, header: Any, kind: str = "<f4") -> Any
 class FakeRobot:
     """Simulates a robot in real time, and publishes what a robot does.
 
+    On a busy machine its time passes more slowly: it neither hurries to catch up, nor sends more than is taken.
+
     Attributes:
         habits: How it behaves.
         pose: Where it truly is.
@@ -102,6 +107,7 @@ class FakeRobot:
         self.twist = Twist2D()
         self.told: list[Any] = []
         self._carried: Pose2D | None = None
+        self._passed = 0.0
         self._ends = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
 
@@ -139,32 +145,46 @@ class FakeRobot:
             wheels = [self.make.transform(0.0, "base_link", name, pose) for name, pose in places]
             self.send("/tf_static", self.make.transforms([*self._mounts(), *wheels]), LATCHED)
         while not self._ends.is_set():
-            due += PERIOD_S
+            due = max(due + PERIOD_S, time.monotonic())
             time.sleep(max(0.0, due - time.monotonic()))
+            self._wait_until_taken()
             habits = self.habits
             for reader, kind in self._inputs:
                 for sample in reader.take():
                     message = self.codec.decode(kind, sample.data)
                     command = Twist2D(message.linear.x, message.angular.z)
-                    heard = time.monotonic()
-                    self.commands.append((heard, command))
+                    heard = self._passed
+                    self.commands.append((time.monotonic(), command))
             if self._poses is not None:
                 self.told += [self.codec.decode(self._poses[1], one.data) for one in self._poses[0].take()]
-            if time.monotonic() - heard > 0.5:
+            if self._passed - heard > 0.5:
                 command = Twist2D()
             if self._carried is not None:
                 self._sim.reset(self._carried)
                 self._carried = None
             if habits.by_hand is not None:
-                command, heard = habits.by_hand, time.monotonic()
+                command, heard = habits.by_hand, self._passed
             share = habits.speed_share if habits.listens and not (habits.waits_for_pose and not self.told) else 0.0
             state = self._sim.step(Twist2D(share * command.v, share * command.w), PERIOD_S)
             self.pose, self.twist, self.contacts = state.pose, state.twist, self.contacts + list(state.contacts)
             self.time += PERIOD_S
+            self._passed += PERIOD_S
             ticks += 1
             if habits.waits_for_pose and not self.told:
                 continue
-            self._publish(state, ticks, was_commanded=time.monotonic() - heard < 0.3)
+            self._publish(state, ticks, was_commanded=self._passed - heard < 0.3)
+
+    def _wait_until_taken(self) -> None:
+        """Wait for the navigator to take what was sent, unless it does not listen now."""
+        until = time.monotonic() + TAKEN_WITHIN_S
+        ours = {writer.source for writer in self._writers.values()}
+        readers = [
+            one for node in tuple(self.network.transports) if node.node == "/trundle" for one in node.subscriptions
+        ]
+        while any(one.count_waiting(ours) > MOST_WAITING for one in readers):
+            if time.monotonic() > until or self._ends.is_set():
+                return
+            time.sleep(0.001)
 
     def _publish(self, state: Any, ticks: int, *, was_commanded: bool) -> None:
         habits, make = self.habits, self.make

@@ -123,9 +123,11 @@ def test_a_robot_that_cannot_be_located_stands(navigate: Navigate, more: dict[st
     remote = navigate(goal=(5.0, 2.0), localizer="amcl", **more)
     drive = remote.bridge.drive
     assert drive is not None
+    why = "the scans do not fit the map where the robot was told to be"
+    wait_for(lambda: why in remote.bridge.guard.reasons.get("not located", ""), "for the reason")
     drive.waits_s = 1.5
     remote.wait_for_end()
-    assert "the scans do not fit the map where the robot was told to be" in drive.message
+    assert why in drive.message
     assert not [command for _, command in remote.robot.commands if command != STAND]
 
 

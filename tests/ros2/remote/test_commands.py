@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
+
+import pytest
 
 from ros2.fake_transport import FakeNetwork
 from ros2.remote.conftest import jazzy
 from trundle.geometry import Twist2D
-from trundle.messages import MessageMaker
+from trundle.messages import MessageMaker, Qos
 from trundle.ros2.names import Names
 from trundle.ros2.remote.commands import CommandOutput, Sources
+from trundle.ros2.transport.transport import Endpoint, Graph
 from trundle.ros2.types import Types
 from trundle.ros2.wire import Wire
 
@@ -49,3 +53,12 @@ def test_our_own_commands_that_come_back_are_nobodys() -> None:
     commands.send(Twist2D(0.1, 0.0))
     commands._hear(MessageMaker(jazzy()).twist(Twist2D(0.1, 0.0)), "")
     assert not commands.others(0.0)
+
+
+def test_a_publisher_whose_node_is_not_known_yet_is_looked_up_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    transport = FakeNetwork().transport("trundle")
+    found = Endpoint("publisher", "/cmd_vel", "geometry_msgs/msg/Twist", "", Qos(), "", "a1", ours=False)
+    seen = [found, replace(found, node="/trundle_2", ours=True)]
+    monkeypatch.setattr(transport, "graph", lambda: Graph((), (seen.pop(0),), ()))
+    sources = Sources(Wire(transport, Types(jazzy(), transport), Names()))
+    assert [sources.is_ours("a1") for _ in range(3)] == [None, True, True]

@@ -135,6 +135,15 @@ def test_loops_and_transforms_that_are_none_are_refused() -> None:
 # Time ---------------------------------------------------------------------------------------------------------------
 
 
+def test_a_transform_that_was_overtaken_is_left_out_and_one_of_a_time_that_was_reset_counts() -> None:
+    tree = FrameTree()
+    for x, time in ((1.0, 102.0), (2.0, 101.9), (3.0, 5.0)):
+        assert not tree.add("map", "odom", mount_matrix(x, 0.0, 0.0, 0.0), time)
+        found = tree.find("map", "odom")
+        assert found is not None
+        assert found.pose.x == (3.0 if x == 3.0 else 1.0)
+
+
 @pytest.mark.parametrize(("rate", "allowed"), [(50.0, 0.25), (10.0, 0.3), (5.0, 0.44), (2.0, 1.1)])
 def test_each_stream_is_silent_by_its_own_rate(rate: float, allowed: float) -> None:
     stream = Stream("scans")

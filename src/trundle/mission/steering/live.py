@@ -13,6 +13,7 @@ from trundle.mission.episode import Episode
 from trundle.mission.observers import SteeringReport
 from trundle.mission.running.session import Session
 from trundle.mission.steering.directives import Speed
+from trundle.mission.steering.interrupts import Interrupts
 from trundle.mission.steering.queue import Steering
 
 _HELD_S = 1.0
@@ -59,6 +60,8 @@ class LiveRun:
     Directives are applied as soon as they come, also while it waits for the next control period or is paused. Each run
     takes only its own; those that are given after its end or after a `Restart` are refused until the next one begins.
 
+    Ctrl-C ends the run between two control periods; see `Interrupts`.
+
     Args:
         make_session: Makes the session of each run, steered by `steering`, from its seed: None for the first run, and
             where a `Restart` keeps the seed.
@@ -77,6 +80,7 @@ class LiveRun:
         self._speed = Speed(speed)
         self._is_at_speed = True
         self._pace = Pace()
+        self._is_interrupted = False
         self.status = LiveStatus("idle", speed=self._speed.factor)
 
     def run(self) -> Episode:
@@ -98,7 +102,7 @@ class LiveRun:
                 self._steering.refuse_all("the run has ended")
                 self._show(session, "ended")
                 raise
-            if session.restart is None:
+            if session.restart is None or self._is_interrupted:
                 self._steering.refuse_all("the run has ended")
                 self._show(session, "ended")
                 return episode
@@ -113,23 +117,26 @@ class LiveRun:
         if not self._is_at_speed:
             self._steering.put(self._speed, by="start", applied=self._take_speed, run=run)
         try:
-            while session.outcome is None:
-                if not session.steer():
-                    pace.hold()
+            with Interrupts() as interrupts:
+                while session.outcome is None:
+                    interrupts.check()
+                    if not session.steer():
+                        pace.hold()
+                        report = session.steering
+                        self._show(session, "paused" if report is None or report.paused else "waiting")
+                        if session.outcome is None:
+                            self._steering.wait(_HELD_S)
+                        continue
                     report = session.steering
-                    self._show(session, "paused" if report is None or report.paused else "waiting")
-                    if session.outcome is None:
-                        self._steering.wait(_HELD_S)
-                    continue
-                report = session.steering
-                speed = math.inf if report is None or report.paused else report.speed
-                left_s = pace.left_s(session.time, speed)
-                if left_s > 0.0 and self._steering.wait(left_s):
-                    continue
-                session.drive()
-                pace.mark(session.time)
-                self._show(session, "running")
+                    speed = math.inf if report is None or report.paused else report.speed
+                    left_s = pace.left_s(session.time, speed)
+                    if left_s > 0.0 and self._steering.wait(left_s):
+                        continue
+                    session.drive()
+                    pace.mark(session.time)
+                    self._show(session, "running")
         except KeyboardInterrupt as error:  # between two periods
+            self._is_interrupted = True
             session.abort(error)
         return session.conclude()
 

@@ -46,6 +46,7 @@ class Sources:
     def __init__(self, wire: Wire) -> None:
         self._wire = wire
         self._known: dict[str, bool] = {}
+        self._nameless: set[str] = set()
 
     def is_ours(self, source: str) -> bool | None:
         """Return whether a publisher is ours; None where the transport does not know."""
@@ -54,12 +55,19 @@ class Sources:
         if source not in self._known:
             if len(self._known) > 1000:
                 self._known.clear()
+                self._nameless.clear()
+            graph = self._wire.look_around if source in self._nameless else self._wire.transport.graph
             try:
-                endpoints = self._wire.transport.graph().endpoints
+                endpoints = graph().endpoints
             except TrundleError:
                 return None
             found = next((one for one in endpoints if one.source == source), None)
             if found is None:
+                return None
+            if not (
+                found.ours or found.node
+            ):  # ROS hears of a node after its publishers; programs without ROS have none
+                self._nameless.add(source)
                 return None
             self._known[source] = found.ours
         return self._known[source]

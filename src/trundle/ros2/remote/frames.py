@@ -9,6 +9,10 @@ import numpy as np
 from trundle.geometry import FloatArray, Pose2D
 
 MOST_FRAMES = 2000
+
+OVERTAKES_S = 0.5
+"""A transform whose stamp is older than that of the one before by more than this is of a time that was reset [s]: what
+waited while the time was reset may come after that, with stamps of before."""
 """More frames than this are a fault, and are not kept: the largest robots have some hundreds."""
 
 
@@ -77,7 +81,7 @@ class FrameTree:
         if known is not None and known.parent != parent:
             self.moved[child] = known.parent, parent
         before = known.time if known is not None and known.parent == parent else None
-        if before is not None and time is not None and time < before:
+        if before is not None and time is not None and 0.0 < before - time <= OVERTAKES_S:
             return ""  # messages may overtake each other
         self._edges[child] = _Edge(parent, matrix, time)
         return ""

@@ -19,6 +19,8 @@ _logger = logging.getLogger(__name__)
 _START_S = 30.0
 _ANSWER_S = 10.0
 _END_S = 0.5
+_JOIN_S = 2.0
+"""How long `close` waits for the link's thread [s]: where Ctrl-C has left a lock held, it ends with the program."""
 
 
 @dataclass(slots=True)
@@ -109,7 +111,7 @@ class Link:
         self.outbox.flush(0.2)
         self.outbox.close()
         self._process.close()
-        self._reader.join()
+        self._reader.join(_JOIN_S)
 
     def _read(self) -> None:
         problem = ""

@@ -19,8 +19,8 @@ from trundle.ros2.transport.rclpy import child
 _logger = logging.getLogger(__name__)
 
 _LONGEST_LINE = 4096
-_LEAVE_S, _TERM_S = 1.3, 0.3
-"""How long it gets to leave after its socket is closed, and after SIGTERM."""
+_LEAVE_S, _TERM_S, _KILL_S = 1.3, 0.3, 2.0
+"""How long it gets to leave after its socket is closed, after SIGTERM, and after SIGKILL."""
 
 
 class RosProcess:
@@ -78,7 +78,7 @@ class RosProcess:
             self._process.terminate()
             if not self._has_ended.wait(_TERM_S):
                 kill_group(self._process)
-                self._has_ended.wait()
+                self._has_ended.wait(_KILL_S)
         self.socket.close()
 
     def _keep(self, command: list[str], environ: dict[str, str], theirs: socket.socket) -> None:
