@@ -141,6 +141,7 @@ class _BagRole(NavigatorRole):
     def __init__(self, context: BridgeContext, localizer: RemoteLocalizer) -> None:
         super().__init__(context)
         self._localizer = localizer
+        self._kit.tasks.refuse("recording", NOTHING_DRIVES)
 
     def use_map(self, path: Path) -> None:
         """Refuse another map: where the robot was on it, nobody knows.
@@ -154,7 +155,6 @@ class _BagRole(NavigatorRole):
         """Begin to play the recording."""
         self._pose_output.begin()
         self._localizer.begin()
-        self._kit.tasks.refuse("recording", NOTHING_DRIVES)
         options: SessionOptions = {"localizer": self._localizer, "latency": None, "monitor": False}
         outputs = NavigatorOutputs(self._kit, self._outputs, self._markers)
         return self._context.begin_session(self._context.mission.navigator, [*observers, outputs], seed, options)
