@@ -95,7 +95,7 @@ def test_a_robot_beside_the_map_finds_none():
 
 
 def test_a_border_right_round_the_robot_comes_in_pieces_that_stay_where_the_map_grows():
-    def found(free_m, margin):
+    def found(free_m, margin, in_pieces=True):
         """Of a free square of this size, middle at (0, 0), with so many unknown cells round it."""
         half = round(0.5 * free_m / EDGE)
         cells = np.full((2 * (half + margin),) * 2, -1, np.int8)
@@ -103,7 +103,7 @@ def test_a_border_right_round_the_robot_comes_in_pieces_that_stay_where_the_map_
         corner = -EDGE * (half + margin)
         grid = OccupancyGrid(cells, EDGE, Pose2D(corner, corner))
         costmap = CostmapSettings(unknown="costly").make_costmap(grid, ROBOT)
-        return find_frontiers(costmap, Pose2D(0.1, 0.1), ExplorerSettings(view_range=4.0))
+        return find_frontiers(costmap, Pose2D(0.1, 0.1), ExplorerSettings(view_range=4.0), in_pieces=in_pieces)
 
     frontiers = found(20.0, 60)
     places = np.array([(one.x, one.y) for one in frontiers])
@@ -113,8 +113,10 @@ def test_a_border_right_round_the_robot_comes_in_pieces_that_stay_where_the_map_
     assert places.min(axis=0) == pytest.approx((-9.97, -9.97), abs=0.06)
     assert places.max(axis=0) == pytest.approx((9.97, 9.97), abs=0.06)
     assert np.array([(one.x, one.y) for one in found(20.0, 75)]) == pytest.approx(places)
-    (whole,) = found(7.0, 60)
-    assert whole.length == pytest.approx(4 * 7.0, rel=0.05)
+    (short,) = found(3.5, 60)
+    assert short.length == pytest.approx(4 * 3.5, rel=0.1)
+    (whole,) = found(20.0, 60, in_pieces=False)
+    assert whole.length == pytest.approx(4 * 20.0, rel=0.05)
 
 
 def test_near_frontiers_and_those_that_show_much_come_first():
@@ -276,7 +278,7 @@ def observe(explorer, seconds, x=0.0, *, begin=0.0):
 
 def test_an_explorer_that_is_shut_in_waits_and_does_not_give_all_frontiers_up(monkeypatch):
     frontiers = [frontier(5.0 * k, 10.0, gain=20.0 - k) for k in range(8)]
-    monkeypatch.setattr("trundle.navigation.exploration.explorer.find_frontiers", lambda *_: frontiers)
+    monkeypatch.setattr("trundle.navigation.exploration.explorer.find_frontiers", lambda *_, **__: frontiers)
     navigator = ShutIn()
     explorer = Explorer(ROBOT, navigator)
     observe(explorer, 20.0)
@@ -289,7 +291,7 @@ def test_an_explorer_that_is_shut_in_waits_and_does_not_give_all_frontiers_up(mo
 
 def test_an_explorer_that_is_shut_in_for_good_ends(monkeypatch):
     frontiers = [frontier(5.0 * k, 10.0, gain=20.0 - k) for k in range(8)]
-    monkeypatch.setattr("trundle.navigation.exploration.explorer.find_frontiers", lambda *_: frontiers)
+    monkeypatch.setattr("trundle.navigation.exploration.explorer.find_frontiers", lambda *_, **__: frontiers)
     explorer = Explorer(ROBOT, ShutIn())
     explorer.navigator.cancel = lambda: None
     observe(explorer, 120.0)

@@ -93,6 +93,7 @@ class Explorer(Agent):
         self._shut_at = Pose2D(0.0, 0.0)
         self._shut_from: list[Frontier] = []
         self._has_waited = False
+        self._in_pieces = False
 
     @property
     def given_up(self) -> tuple[GivenUp, ...]:
@@ -159,12 +160,18 @@ class Explorer(Agent):
         if target is not None and status in _FAILED:
             self._has_waited = True
             self._targets.refuse(target, self._why(_FAILED[status]))
-        self.frontiers = find_frontiers(self.navigator.costmap, pose, self.settings)
+        self.frontiers = find_frontiers(self.navigator.costmap, pose, self.settings, in_pieces=self._in_pieces)
         if target is not None and status is NavigationStatus.ARRIVED:
             self._targets.refuse(target, "it shows nothing new from the nearest place", for_good=True)
         if target is not None and not any(is_same(one, target) for one in self.frontiers):
             self._targets.note_vanished(target)
-        self._take(self._targets.choose(self.frontiers, target), now, pose, ended=ended)
+        chosen = self._targets.choose(self.frontiers, target)
+        if chosen is None and self.frontiers and not self._in_pieces:
+            # In a hall wider than the lidars see, the border may be one line round all that was seen, given up as one.
+            self._in_pieces = True
+            self.frontiers = find_frontiers(self.navigator.costmap, pose, self.settings, in_pieces=True)
+            chosen = self._targets.choose(self.frontiers, target)
+        self._take(chosen, now, pose, ended=ended)
 
     def _wait_s(self) -> float:
         """How long it waits where no path leads to its target."""

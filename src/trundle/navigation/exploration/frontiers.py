@@ -84,7 +84,9 @@ class Frontier:
     gain: float
 
 
-def find_frontiers(costmap: Costmap, pose: Pose2D, settings: ExplorerSettings | None = None) -> list[Frontier]:
+def find_frontiers(
+    costmap: Costmap, pose: Pose2D, settings: ExplorerSettings | None = None, *, in_pieces: bool = False
+) -> list[Frontier]:
     """Return the frontiers that a robot can look at from places that it can reach through known free space.
 
     Whether its footprint fits through is judged by its inscribed circle; a planner has the last word.
@@ -93,6 +95,7 @@ def find_frontiers(costmap: Costmap, pose: Pose2D, settings: ExplorerSettings | 
         costmap: What is free, blocked and unknown; unknown cells must not block in it.
         pose: Where the robot is, map frame.
         settings: Which frontiers count.
+        in_pieces: Whether those longer than four times the view range come in pieces.
     """
     settings = ExplorerSettings() if settings is None else settings
     edge = costmap.resolution
@@ -110,7 +113,8 @@ def find_frontiers(costmap: Costmap, pose: Pose2D, settings: ExplorerSettings | 
     reach = _LOOK_M / edge
     found: list[Frontier] = []
     x, y = (float(value) / edge for value in costmap.cell_to_world(0, 0))
-    for rows, cols in _pieces(border, (y, x), settings.least_frontier / edge, 2.0 * settings.view_range / edge):
+    square = 2.0 * settings.view_range / edge if in_pieces else math.inf
+    for rows, cols in _stretches(border, (y, x), settings.least_frontier / edge, square):
         found_place = None
         # A part of a long one may lie behind a wall.
         order = np.argsort((rows - rows.mean()) ** 2 + (cols - cols.mean()) ** 2, kind="stable")
@@ -142,24 +146,23 @@ def shows_floor(costmap: Costmap, pose: Pose2D) -> bool:
     return bool((np.isfinite(_reach(costmap, unseen, row, col)) & ~unseen).any())
 
 
-def _pieces(
-    border: _Mask, corner: tuple[float, float], least: float, longest: float
+def _stretches(
+    border: _Mask, corner: tuple[float, float], least: float, side: float
 ) -> Iterator[tuple[_Cells, _Cells]]:
     """Yield rows and columns of each stretch of the border, without those of fewer than `least` cells.
 
-    In a wide hall the border may be one line right round the robot. Where the box around one is longer than `longest`
-    [cells], it comes in pieces, one for each square of that size: each is looked at, or given up, for itself. As the
-    map may grow on all sides, `corner`, the place of its first cell [cells], says where squares begin.
+    One longer than twice the side of a square [cells] comes in pieces, one for each square. As the map may grow on all
+    sides, `corner`, the place of its first cell [cells], says where squares begin.
     """
     labels, table = label_components(border.view(np.uint8), True)
     for number in np.flatnonzero(table[:, 0] >= least).tolist():
-        _, first, end, left, right = table[number].tolist()
+        count, first, end, left, right = table[number].tolist()
         rows, cols = np.nonzero(labels[first:end, left:right] == number + 1)
         rows, cols = rows + first, cols + left
-        if max(end - first, right - left) <= longest:
+        if count <= 2.0 * side:
             yield rows, cols
             continue
-        down, across = (np.floor((a + b) / longest).astype(np.int64) for a, b in zip((rows, cols), corner, strict=True))
+        down, across = (np.floor((a + b) / side).astype(np.int64) for a, b in zip((rows, cols), corner, strict=True))
         square = (down - down.min()) * (across.max() - across.min() + 1) + across - across.min()
         for one in np.unique(square).tolist():
             inside = square == one
