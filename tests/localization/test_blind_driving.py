@@ -55,7 +55,7 @@ def test_a_robot_that_stands_without_scans_stays_where_it_is(name):
     assert {localizer.update(seen(step)).state for step in range(100)} == {"localized"}
 
 
-def test_a_scan_ends_it_and_a_new_run_warns_anew():
+def test_a_scan_ends_it_and_a_new_run_warns_again():
     localizer = make("slam")
     for _ in range(2):
         localizer.reset(START)

@@ -116,7 +116,7 @@ def test_a_part_whose_loops_do_not_fit_stays_where_it_was(
 
 
 def test_a_robot_that_is_told_where_it_is_keeps_its_map_and_goes_on_there(robot: Robot) -> None:
-    """Told by a hand that is off by 0.3 m and 4 degrees, from an odometry that begins anew."""
+    """Told by a hand that is off by 0.3 m and 4 degrees, from an odometry that begins at zero again."""
     mapper = Mapper(robot)
     mapper.reset(ring(0.0))
     for _, observation in drive([ring(i / 180) for i in range(140)]):

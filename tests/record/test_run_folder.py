@@ -287,7 +287,7 @@ print(drive({str(tmp_path)!r}, press).outcome)
 
 @pytest.mark.slow
 def test_a_kill_at_any_moment_leaves_no_half_file(tmp_path):
-    # It is killed after so much of its own time as a share of the writing takes, however busy the machine is.
+    # It is killed after so much processor time as a share of the writing takes, however busy the machine is.
     code = f"""
 folder = Path({str(tmp_path)!r})
 began = []

@@ -229,7 +229,7 @@ def _tell(call: Callable[..., Any], pose: Pose2D | None, covariance: FloatArray 
 
 
 def makes_map(localizer: Localizer) -> bool:
-    """Whether a localizer makes a map while it drives: it has a `map` of its own."""
+    """Whether a localizer makes a map while it drives: it defines `map`."""
     return getattr(localizer.map, "__func__", None) is not Localizer.map
 
 

@@ -76,7 +76,7 @@ def test_the_map_is_saved_as_nav2s_saver_does(serve, client, tmp_path):
 
 
 def test_urls_of_other_machines_name_no_file():
-    assert str(read_url("file:///tmp/a%20b.yaml")) == "/tmp/a b.yaml"
+    assert str(read_url("file:///maps/a%20b.yaml")) == "/maps/a b.yaml"
     for url in ("http://host/map.yaml", "file://host/map.yaml", ""):
         with pytest.raises(InputError):
             read_url(url)

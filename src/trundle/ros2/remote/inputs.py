@@ -212,7 +212,7 @@ class RobotInputs:
         if moved:
             self._take_odometry_of_tf()
         found = self.frames.find(self._map, self._odom) if located else None
-        if found is not None:  # after the odometry, which may have jumped: a message may have both anew
+        if found is not None:  # after the odometry, which may have jumped: a message may have new ones of both
             self.map_odom.take(found.pose, self._real(), is_static=is_static)
 
     def find_on_robot(self, frame: str) -> Pose2D | None:

@@ -10,7 +10,7 @@ from trundle.ros2.remote.streams import Stream
 
 _SAME_M, _SAME_RAD = 1e-3, 1e-3
 """A map → odom that differs by less [m, rad] is the one before: AMCL and slam_toolbox repeat theirs until they have
-located the robot anew."""
+located the robot again."""
 
 _OWN_M = 0.5
 """One that is so near [m] to what was published here is our own."""
