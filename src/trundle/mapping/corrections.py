@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.geometry import Pose2D
-from trundle.mapping.optimizer import component_of
+from trundle.mapping.parts import component_of
 from trundle.mapping.pose_graph import FOLLOWS, LOOP, PoseGraph
 
 

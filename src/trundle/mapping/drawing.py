@@ -10,7 +10,7 @@ import numpy.typing as npt
 from trundle._core import count_beams, draw_cells, label_components
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D
-from trundle.mapping.optimizer import component_of
+from trundle.mapping.parts import component_of
 from trundle.mapping.pose_graph import FARTHEST_M, Lidar, PoseGraph
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import FREE_UP_TO, MAX_CELLS, UNKNOWN

@@ -7,7 +7,7 @@ import numpy as np
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
 from trundle.mapping.drawing import RESOLUTIONS_M, Canvas, place_beams, widest_gap_m
 from trundle.mapping.nodes import Nodes
-from trundle.mapping.optimizer import component_of
+from trundle.mapping.parts import component_of
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import UNKNOWN
 from trundle.robots import Robot

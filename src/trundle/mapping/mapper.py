@@ -23,7 +23,8 @@ from trundle.mapping.loops import Loop, LoopFinder
 from trundle.mapping.motion import Travel, doubt_of, motion_spread, turned
 from trundle.mapping.moving_things import MovingThings
 from trundle.mapping.nodes import MOST_POINTS, Floating, Nodes, Surface, make_surface
-from trundle.mapping.optimizer import component_of, contradicts, fits, is_true, join_parts, nearest_joined, optimize
+from trundle.mapping.optimizer import contradicts, fits, is_true, optimize
+from trundle.mapping.parts import component_of, join_parts, nearest_joined
 from trundle.mapping.pose_graph import FARTHEST_M, FOLLOWS, LOOP, PoseGraph
 from trundle.mapping.pose_graph_file import load_pose_graph, save_pose_graph
 from trundle.mapping.recent_surfaces import RecentSurfaces
@@ -40,9 +41,8 @@ _KEPT_M, _KEPT_RAD = 0.10, math.radians(5.0)  # scans that the map is drawn from
 _KEY_M, _KEY_RAD = 0.4, math.radians(20.0)
 _EDGE_FLOOR = np.diag((0.008**2, 0.008**2, math.radians(0.1) ** 2))
 _LOST_FIT, _SHORTEST_M = 0.2, 0.01
-_LOOP_EVERY = 2  # key frames that are compared with old ones
+_LOOP_EVERY, _MOST_LATE = 2, 10  # one in so many key frames is compared with old ones; loops that need no solving
 _LEAP_M = 100.0  # what was seen before and after a step of this length has nothing in common
-_MOST_LATE = 10
 _BY_HAND = np.diag((0.25**2, 0.25**2, math.radians(5.0) ** 2))
 _LOST_VARIANCES = (1.0, 1.0, 1.0)  # [m², rad²]
 _NOTHING = Surface(*np.empty((3, 0, 2)))

@@ -8,9 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from trundle._core import solve_graph
-from trundle.geometry import FloatArray, Pose2D, wrap_angle
+from trundle.geometry import FloatArray, wrap_angle
 from trundle.mapping.loops import Loop
 from trundle.mapping.nodes import Nodes
+from trundle.mapping.parts import first_of_components
 from trundle.mapping.pose_graph import LOOP
 
 _TRUE_M, _TRUE_RAD = 0.03, math.radians(0.3)
@@ -66,50 +67,3 @@ def contradicts(nodes: Nodes, loop: Loop, part: int, covariance: FloatArray) -> 
     moved = nodes.pose(loop.a) @ loop.transform @ nodes.pose(loop.b).inverse() @ at
     off = np.array((moved.x - at.x, moved.y - at.y, wrap_angle(moved.yaw - at.yaw)))
     return bool(off @ np.linalg.solve(covariance, off) > _WRONG)
-
-
-def join_parts(nodes: Nodes, loop: Loop) -> list[FloatArray]:
-    """Return the poses with the part of a key frame moved to where a loop says, if nothing joins it to the other yet.
-
-    The same list comes back where nothing moves. What holds the first node stays.
-    """
-    if nodes.parts[loop.a] == nodes.parts[loop.b]:
-        return nodes.poses
-    roots = component_of(len(nodes), nodes.edges)
-    if roots[loop.a] == roots[loop.b]:
-        return nodes.poses
-    stays, moves = (loop.a, loop.b) if roots[loop.a] < roots[loop.b] else (loop.b, loop.a)
-    T_a_b = loop.transform if stays == loop.a else loop.transform.inverse()
-    shift = nodes.pose(stays) @ T_a_b @ nodes.pose(moves).inverse()
-    moved = [np.array((shift @ nodes.pose(i)).as_tuple()) for i in range(len(nodes))]
-    return [moved[i] if root == roots[moves] else nodes.poses[i] for i, root in enumerate(roots)]
-
-
-def nearest_joined(nodes: Nodes, pose: Pose2D) -> int:
-    """Return the node that is nearest to a pose, of those that hang together with the first one."""
-    roots = np.array(component_of(len(nodes), nodes.edges))
-    off = np.hypot(*(np.array(nodes.poses)[:, :2] - (pose.x, pose.y)).T)
-    return int(np.where(roots == roots[0], off, np.inf).argmin())
-
-
-def component_of(count: int, edges: Sequence[tuple[int, int, int]] | np.ndarray) -> list[int]:
-    """Return the first node of what each node hangs together with."""
-    root = list(range(count))
-
-    def find(node: int) -> int:
-        while root[node] != node:
-            root[node] = root[root[node]]
-            node = root[node]
-        return node
-
-    pairs = edges.tolist() if isinstance(edges, np.ndarray) else edges
-    for a, b, _ in pairs:
-        first, second = find(a), find(b)
-        if first != second:
-            root[max(first, second)] = min(first, second)
-    return [find(node) for node in range(count)]
-
-
-def first_of_components(count: int, edges: np.ndarray) -> list[int]:
-    """Return the first node of each component."""
-    return sorted(set(component_of(count, edges)))
