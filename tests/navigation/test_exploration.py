@@ -289,6 +289,22 @@ def test_an_explorer_that_is_shut_in_waits_and_does_not_give_all_frontiers_up(mo
     assert explorer.given_up == ()
 
 
+def test_an_explorer_does_not_wait_where_its_targets_are_shut_in(monkeypatch):
+    frontiers = [frontier(5.0 * k, 10.0, gain=20.0 - k) for k in range(8)]
+    monkeypatch.setattr("trundle.navigation.exploration.explorer.find_frontiers", lambda *_, **__: frontiers)
+    navigator = ShutIn()
+    explorer = Explorer(ROBOT, navigator)
+    set_goal = navigator.set_goal
+
+    def refuse_goal(x, y):
+        set_goal(x, y)
+        navigator.error = NoPathError("the footprint gets to the goal from nowhere", pose=(x, y, 0.0))
+
+    navigator.set_goal = refuse_goal
+    observe(explorer, 16.0)
+    assert len(navigator.goals) >= 8
+
+
 def test_an_explorer_that_is_shut_in_for_good_ends(monkeypatch):
     frontiers = [frontier(5.0 * k, 10.0, gain=20.0 - k) for k in range(8)]
     monkeypatch.setattr("trundle.navigation.exploration.explorer.find_frontiers", lambda *_, **__: frontiers)
