@@ -175,6 +175,9 @@ class FakeTransport:
             ]
         return Graph(tuple(sorted(node.node for node in everyone)), tuple(endpoints), tuple(offers))
 
+    def endpoints(self, topic: str) -> tuple[Endpoint, ...]:
+        return tuple(one for one in self.graph().endpoints if one.topic == topic)
+
     def wait(self, timeout_s: float) -> bool:
         arrived = self._event.wait(timeout_s)
         self._event.clear()
@@ -248,7 +251,7 @@ class FakePublisher(_End):
 
     @property
     def matched(self) -> int:
-        return len(self._readers())
+        return sum(one.transport is not self.transport for one in self._readers())
 
     def write(self, data: bytes) -> None:
         with self.transport.network.lock:

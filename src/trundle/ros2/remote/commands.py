@@ -203,9 +203,10 @@ class CommandOutput:
         if now - self._looked >= LOOKS_S:
             self._looked = now
             try:
-                found = self._wire.look_around().subscriptions(self._topic)
+                ends = self._wire.transport.endpoints(self._topic)
             except TrundleError:
-                found = ()
+                ends = ()
+            found = [one for one in ends if one.kind == "subscription"]
             read = {one.type_name for one in found if not one.ours} & self._outlets.keys()
             self.readers = tuple(sorted({one.node or one.source for one in found if not one.ours}))
             # A robot that reads both types would take each command twice.

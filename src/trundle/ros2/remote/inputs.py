@@ -66,7 +66,7 @@ class RobotInputs:
         frames: The transforms.
         odometry: The newest odometry, or None.
         map_odom: map → odom from outside.
-        changed: Notified when a scan has arrived.
+        changed: Notified when scans have arrived: once for all that were heard at a time, as those of two lidars are.
         outline: Whether the robot has the outline of its file.
     """
 
@@ -93,6 +93,7 @@ class RobotInputs:
         self.odometry_stream, self.tf_stream = Stream("odometry"), Stream("odometry of tf")
         self.scan_streams = {name: Stream(f"scans of {name}") for name in self.sensors}
         self.jumps = 0
+        self._heard: list[Scan] = []
         self._scans: deque[Scan] = deque(maxlen=MOST_SCANS)
         self.outline = OutlineCheck(self.frames, self._base, robot)
         mounts = Mounts(wire, self.frames, self._base, robot)
@@ -117,6 +118,7 @@ class RobotInputs:
             wire.listen(topics.odom, "nav_msgs/msg/Odometry", AS_IT_COMES, self._take_odometry, wakes=False)
         for name, sensor in self.sensors.items():
             self._laser.listen(name, sensor)
+        wire.every_round(self._pass_on_scans)
         wire.every_round(self._laser.look)
         wire.every_round(self.outline.look)
 
@@ -165,6 +167,7 @@ class RobotInputs:
 
     def _forget(self) -> None:
         with self.changed:
+            self._heard.clear()
             self._scans.clear()
             self._laser.clear()
             self.frames.clear_moving()
@@ -314,9 +317,15 @@ class RobotInputs:
 
     def _take_scan(self, scan: Scan) -> None:
         self.scan_streams[scan.lidar].mark(self._real())
-        with self.changed:
-            self._scans.append(scan)
-            self.changed.notify_all()
+        self._heard.append(scan)
+
+    def _pass_on_scans(self) -> None:
+        """Let the one that drives take what was heard; each scan by itself would be a control period of its own."""
+        if self._heard:
+            with self.changed:
+                self._scans += self._heard
+                self._heard.clear()
+                self.changed.notify_all()
 
     # Stamps ---------------------------------------------------------------------------------------------------------
 

@@ -117,10 +117,11 @@ class StartPose:
             return
         self._looked = now
         try:
-            found = self._context.wire.look_around().subscriptions(self._outlet.topic)
+            ends = self._context.wire.transport.endpoints(self._outlet.topic)
         except TrundleError:
             return
-        listeners = {one.source or one.node for one in found if not one.ours and one.type_name == POSE}
+        others = [one for one in ends if one.kind == "subscription" and not one.ours and one.type_name == POSE]
+        listeners = {one.source or one.node for one in others}
         if listeners - self._told:
             self._sent = pose
             self._outlet.write(self._context.maker.pose_estimate(self._inputs.now, pose, None, self._frame))

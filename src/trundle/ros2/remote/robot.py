@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import time as system
 from collections.abc import Callable
-from dataclasses import replace
 
 from trundle.geometry import Pose2D, Twist2D
-from trundle.observation import Observation
+from trundle.observation import Observation, Scan, make_scan
 from trundle.robots import Robot, WheelSpeeds
 from trundle.ros2.remote.commands import CommandOutput
 from trundle.ros2.remote.guard import Reasons
@@ -182,7 +181,7 @@ class RemoteRobot(Simulator):
                 pose, twist = odometry.at(now), odometry.twist
             self._pose = self.T_run_odom @ pose
         offset = self._time.offset
-        scans = tuple(replace(scan, time=min(scan.time - offset, time)) for scan in taken)
+        scans = tuple(_at(scan, min(scan.time - offset, time)) for scan in taken)
         seen = Observation(time, twist, self._pose, scans)
         estimate = self._localizer.update(seen)
         return RobotState(time, estimate.pose, twist, _STILL, _STILL, self._pose, scans=scans, odometry_twist=twist)
@@ -219,3 +218,11 @@ class RemoteRobot(Simulator):
         if self._blind >= BLIND_TRIES or now < self._blind_until:
             return silent
         return {}
+
+
+def _at(scan: Scan, time: float) -> Scan:
+    """Return a scan, whose numbers were checked when it was read, at a time of the run [s]."""
+    return make_scan(
+        *(scan.lidar, time, scan.mount, scan.height, scan.angles, scan.ranges),
+        *(scan.range_min, scan.range_max, scan.time_increment),
+    )

@@ -173,6 +173,16 @@ class RclpyTransport:
         """
         return read_graph(self._link.call("graph"))
 
+    def endpoints(self, topic: str) -> tuple[Endpoint, ...]:
+        """Return the publishers and subscriptions that a topic has now.
+
+        Raises:
+            TransportError: If the child is gone.
+        """
+        report = self._link.call("endpoints", topic=topic)
+        ours = {full_name(*node) for node in report["ours"]}
+        return tuple(_endpoint(entry, ours) for entry in report["endpoints"])
+
     def wait(self, timeout_s: float) -> bool:
         """Wait until something arrived, `wake` was called or the child is gone; False if not in time."""
         has_arrived = self._arrived.wait(timeout_s)
