@@ -107,6 +107,8 @@ def test_the_graph_and_the_types_are_those_of_ros(ros: Ros, transport: RclpyTran
     known = ["nav_msgs/msg/Path", "sensor_msgs/msg/PointCloud2", "tf2_msgs/msg/TFMessage"]
     ros.script(PEERS / "types.py", *types_there, *known)
     mine = transport.publisher("/mine", "std_msgs/msg/String", Qos(3, "best_effort"))
+    own = transport.subscription("/mine", "std_msgs/msg/String", Qos(3, "best_effort"))
+    also = transport.subscription("/mine", "std_msgs/msg/String", Qos(3))
     messages: dict[str, Any] = {}
     for number, name in enumerate([*types_there, *known]):
         topic = f"/topic_{number}"
@@ -128,9 +130,11 @@ def test_the_graph_and_the_types_are_those_of_ros(ros: Ros, transport: RclpyTran
     assert types.constant("test_msgs/msg/Constants", "UINT16_CONST") == 2000
     graph = transport.graph()
     assert {"/trundle", "/types"} <= set(graph.nodes)
-    (own,) = graph.publishers("/mine")
-    assert (own.node, own.ours, own.qos.reliability) == ("/trundle", True, "best_effort")
-    assert mine.matched == 0
+    (writer,) = graph.publishers("/mine")
+    assert (writer.node, writer.ours, writer.qos.reliability) == ("/trundle", True, "best_effort")
+    assert set(transport.endpoints("/mine")) == {one for one in graph.endpoints if one.topic == "/mine"}
+    wait_for(transport, lambda: own.matched == 1)
+    assert (mine.matched, also.matched) == (0, 0)  # a node does not count what it reads itself
     with pytest.raises(InputError, match="nav_msgs of this ROS has no Nothing"):
         transport.publisher("/nothing", "nav_msgs/msg/Nothing", Qos())
     with pytest.raises(InputError, match=r"this ROS has no nope_msgs .*: apt install ros-"):
