@@ -39,14 +39,24 @@ def test_a_robot_is_driven_to_its_goal(navigate: Navigate, localizer: str) -> No
     ("habits", "remark"),
     [
         ({"stamps": False}, "odometry: stamp of 0"),
-        ({"ahead_s": 0.18, "clock_every": 5}, ""),
+        ({"ahead_s": 0.18}, "odometry: stamp ahead of /clock"),
+        ({"clock_every": 5}, "/clock: slow"),
         ({"speed_share": 0.5}, ""),
         ({"odometry": False}, ""),
         ({"tf": False, "static": False, "frame": "somewhere"}, ""),
         ({"clock": False, "stamps": False}, "odometry: stamp of 0"),
         ({"waits_for_pose": True, "when_commanded": True, "tf": False}, ""),
     ],
-    ids=["stamps of 0", "stamps ahead", "half speed", "only tf", "no tf", "wall time", "waits for its pose"],
+    ids=[
+        "stamps of 0",
+        "stamps ahead",
+        "slow clock",
+        "half speed",
+        "only tf",
+        "no tf",
+        "wall time",
+        "waits for its pose",
+    ],
 )
 @pytest.mark.slow
 def test_quirks_of_robots_are_taken_as_they_are(navigate: Navigate, habits: dict[str, object], remark: str) -> None:

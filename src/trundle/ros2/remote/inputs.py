@@ -157,6 +157,9 @@ class RobotInputs:
             self._jumped("clock jumped", f"the time of {self._profile.topics.clock} has jumped")
         elif is_first:  # what came before has times of another clock
             self._forget()
+        elif self.clock.is_slow:
+            text = f"{self._profile.topics.clock} goes on in steps of {self.clock.least_step:.2f} s"
+            self._wire.warn("/clock: slow", f"{text}: stamps tell the time in between")
 
     def _jumped(self, kind: str, text: str) -> None:
         """Forget what was before a jump, and let the robot stand: it has to be told where it is."""
@@ -351,6 +354,9 @@ class RobotInputs:
         if stamp < now - OLD_S:
             self._drop(what, "stamp in the past", f"its stamp {stamp:.3f} s is {now - stamp:.2f} s old", "")
             return None
+        if lead := self.clock.lead(what, stamp):
+            text = f"{what}: stamps are {lead:.2f} s ahead of /clock, and taken as they are"
+            self._wire.warn(f"{what}: stamp ahead of /clock", text)
         return stamp
 
     def _compare_clocks(self, what: str, ahead: float) -> None:
