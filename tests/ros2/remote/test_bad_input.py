@@ -128,6 +128,7 @@ def test_a_robot_that_cannot_be_located_stands(navigate: Navigate, more: dict[st
     drive.waits_s = 1.5
     remote.wait_for_end()
     assert why in drive.message
+    said_once(remote, why)
     assert not [command for _, command in remote.robot.commands if command != STAND]
 
 

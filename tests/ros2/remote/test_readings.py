@@ -25,7 +25,7 @@ from trundle.ros2.remote.commands import Sources
 from trundle.ros2.remote.frames import FrameTree
 from trundle.ros2.remote.guard import Guard
 from trundle.ros2.remote.inputs import RobotInputs
-from trundle.ros2.remote.mounts import Mount, mount_matrix
+from trundle.ros2.remote.mounts import Mount, Mounts, mount_matrix
 from trundle.ros2.remote.readings import read_scan
 from trundle.ros2.remote.robot import RunTime
 from trundle.ros2.remote.streams import RobotClock, Stream
@@ -49,7 +49,7 @@ def test_scans_that_are_heard_at_a_time_are_taken_together() -> None:
     transport, theirs = network.transport(), network.transport("robot")
     types = Types(jazzy(), transport)
     wire = Wire(transport, types, Names())
-    inputs = RobotInputs(wire, Profile.load("plain"), robot, Guard(wire.warn), Sources(wire))
+    inputs = RobotInputs(wire, Profile.load("plain"), robot, Guard(wire.warn, wire.warnings.note), Sources(wire))
     inputs.open()
     decode, taken = types.decode, list[int]()
 
@@ -68,6 +68,17 @@ def test_scans_that_are_heard_at_a_time_are_taken_together() -> None:
     driver.join()
     assert len(inputs.sensors) == 2
     assert taken == [2]
+
+
+def test_a_frame_of_scans_that_tf_lacks_is_remarked_on_once_tf_has_had_time() -> None:
+    transport = FakeNetwork().transport()
+    wire = Wire(transport, Types(jazzy(), transport), Names())
+    robot = Robot.load("jackal")
+    (sensor,) = Profile.load("plain").sensors_of(robot).values()
+    mounts = Mounts(wire, FrameTree(), "base_link", robot)
+    for now, said in ((0.0, 0), (1.0, 0), (3.0, 1)):
+        assert mounts.find("front", sensor, "velodyne", now).pose.x == robot.lidars["front"].x
+        assert wire.warnings.counts.get("scans of front: frame", 0) == said
 
 
 def test_a_range_of_0_is_no_measurement_and_one_out_of_range_is_too_close_or_free() -> None:

@@ -74,7 +74,7 @@ class RemoteBridge(NetworkRuns):
         profile = Profile.load(profile) if isinstance(profile, str) else profile
         super().__init__(transport, types, names, record=record, observers=observers, report=report)
         wire = self.wire
-        self.guard = guard = Guard(wire.warn)
+        self.guard = guard = Guard(wire.warn, wire.warnings.note)
         try:
             setting = prepare(scenario, profile, options)
             sources = Sources(wire)
