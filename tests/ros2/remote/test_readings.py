@@ -17,7 +17,7 @@ from trundle.geometry import Pose2D
 from trundle.messages import MessageMaker, Qos
 from trundle.observation import Scan
 from trundle.robots import Lidar, Robot
-from trundle.ros2.bad_input import BadInputError
+from trundle.ros2.bad_input import MOST_KINDS, BadInputError, Warnings
 from trundle.ros2.names import Names
 from trundle.ros2.profile import Profile
 from trundle.ros2.remote.clouds import Band, read_cloud
@@ -49,7 +49,7 @@ def test_scans_that_are_heard_at_a_time_are_taken_together() -> None:
     transport, theirs = network.transport(), network.transport("robot")
     types = Types(jazzy(), transport)
     wire = Wire(transport, types, Names())
-    inputs = RobotInputs(wire, Profile.load("plain"), robot, Guard(wire.warn, wire.warnings.note), Sources(wire))
+    inputs = RobotInputs(wire, Profile.load("plain"), robot, Guard(wire.warn), Sources(wire))
     inputs.open()
     decode, taken = types.decode, list[int]()
 
@@ -79,6 +79,15 @@ def test_a_frame_of_scans_that_tf_lacks_is_remarked_on_once_tf_has_had_time() ->
     for now, said in ((0.0, 0), (1.0, 0), (3.0, 1)):
         assert mounts.find("front", sensor, "velodyne", now).pose.x == robot.lidars["front"].x
         assert wire.warnings.counts.get("scans of front: frame", 0) == said
+
+
+def test_kinds_of_warnings_are_bounded_whatever_names_are_in_them() -> None:
+    said: list[str] = []
+    warnings = Warnings(said.append)
+    for number in range(1000):
+        warnings.warn(f"tf: junk{number}", f"junk{number} is dropped")
+    assert len(warnings.counts) == len(said) == MOST_KINDS + 1
+    assert sum(warnings.counts.values()) == 1000
 
 
 def test_a_range_of_0_is_no_measurement_and_one_out_of_range_is_too_close_or_free() -> None:

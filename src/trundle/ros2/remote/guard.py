@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import threading
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -18,11 +17,6 @@ STAND = Twist2D()
 
 HOLD_S = 1.0
 """After a jump the robot stands so long [s of real time]: the localizer sees new scans before it drives on."""
-
-MOST_TEXTS = 20
-"""So many texts of a kind are reported: names of nodes are in some."""
-
-_NUMBERS = re.compile(r"[\d.,-]+")
 
 Reasons = dict[str, str]
 """Why the robot must stand: the kind of each reason, and its text."""
@@ -41,16 +35,14 @@ class Guard:
 
     Args:
         warn: Counts a reason, and reports the first of each kind.
-        note: Reports a reason of a kind that was reported with another text.
 
     Attributes:
         reasons: What holds the robot now.
         counts: How often each kind began to hold it.
     """
 
-    def __init__(self, warn: Callable[[str, str], None], note: Callable[[str], None]) -> None:
-        self._warn, self._note = warn, note
-        self._told: dict[str, set[str]] = {}
+    def __init__(self, warn: Callable[[str, str], None]) -> None:
+        self._warn = warn
         self._rules: list[Callable[[float], Reasons]] = []
         self._holds: dict[str, _Hold] = {}
         self._lock = threading.Lock()
@@ -80,12 +72,6 @@ class Guard:
         for kind in found.keys() - before.keys():
             self.counts[kind] += 1
             self._warn(f"stands: {kind}", f"the robot stands: {found[kind]}")
-        for kind, text in found.items():
-            told, words = self._told.setdefault(kind, set()), _NUMBERS.sub("", text)
-            if words not in told and len(told) < MOST_TEXTS:
-                if told:  # a robot that waited for its scans, for example, does not fit the map by them
-                    self._note(f"the robot stands: {text}")
-                told.add(words)
         return found
 
 

@@ -21,7 +21,7 @@ from trundle.robots import Robot
 from trundle.ros2.bad_input import BadInputError
 from trundle.ros2.profile import Profile
 from trundle.ros2.remote.commands import Sources
-from trundle.ros2.remote.frames import FrameTree
+from trundle.ros2.remote.frames import MOST_FRAMES, FrameTree
 from trundle.ros2.remote.guard import Guard, Reasons
 from trundle.ros2.remote.map_odom import MapOdomInput
 from trundle.ros2.remote.mounts import Mounts
@@ -198,9 +198,9 @@ class RobotInputs:
             except InputError as error:
                 why = str(error)
             if why:
-                self._wire.warn(
-                    f"tf: {child}", f"a transform of {self._wire.describe_source(source)} is dropped: {why}"
-                )
+                kind = "tf: frames" if len(self.frames) >= MOST_FRAMES else f"tf: {child}"
+                text = f"a transform of {self._wire.describe_source(source)} is dropped: {why}"
+                self._wire.warn(kind, text)
                 if {parent, child} == {self._odom, self._base}:
                     self._contradicts(f"a transform {parent} → {child} is no part of one tree")
                 continue

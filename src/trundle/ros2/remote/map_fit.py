@@ -19,6 +19,9 @@ Clutter that is not on the map hides walls: it costs agreement, and lets no beam
 mirrored scans do both.
 """
 
+MISFIT = "the scans do not fit the map"
+"""So begins why a robot stands that is not where it was told to be."""
+
 SCANS = 5
 """So many scans are judged, the latest ones: the localizer refines a pose that it was told with the first of them."""
 
@@ -59,7 +62,7 @@ class MapFit:
         if agree >= LEAST_AGREE and through <= MOST_THROUGH:
             return ""
         return (
-            f"the scans do not fit the map where the robot was told to be: {100 * agree:.0f} % of the beams agree, and "
+            f"{MISFIT} where the robot was told to be: {100 * agree:.0f} % of the beams agree, and "
             f"{100 * through:.0f} % of what can be compared go through walls. Is it the map of this site, is the pose "
             "right, and do the angles of the scans run the right way?"
         )
