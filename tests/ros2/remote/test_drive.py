@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
+from ros2.fake_transport import FakePublisher
 from ros2.navigator_role.conftest import wait_for
 from ros2.remote.conftest import STAND, START, Remote
 from trundle.geometry import Pose2D
@@ -72,6 +75,26 @@ def test_a_robot_that_locates_itself_is_told_where_it_starts(navigate: Navigate)
     check_arrival(remote)
     (told,) = remote.robot.told
     assert told.pose.pose.position.x == pytest.approx(START.x)
+
+
+@pytest.mark.slow
+def test_a_robot_is_told_where_it_starts_once_it_can_hear_it(navigate: Navigate, monkeypatch: Any) -> None:
+    matched, opens = FakePublisher.matched.fget, time.monotonic() + 3.0  # pyright: ignore[reportAttributeAccessIssue]
+
+    def late(publisher: FakePublisher) -> int:
+        return 0 if publisher.topic == "/initialpose" and time.monotonic() < opens else matched(publisher)
+
+    monkeypatch.setattr(FakePublisher, "matched", property(late))
+    written = FakePublisher.write
+
+    def write(publisher: FakePublisher, data: bytes) -> None:
+        if publisher.topic != "/initialpose" or publisher.matched:
+            written(publisher, data)
+
+    monkeypatch.setattr(FakePublisher, "write", write)
+    remote = navigate(habits={"waits_for_pose": True})
+    check_arrival(remote)
+    assert len(remote.robot.told) == 1
 
 
 def test_what_came_before_the_clock_is_not_taken_for_newer(navigate: Navigate) -> None:

@@ -70,10 +70,11 @@ def test_a_silent_map_to_odom_stops_the_robot(navigate: Navigate) -> None:
     remote.wait_until_moving()
 
 
-def test_a_second_map_to_odom_stops_the_robot(navigate: Navigate) -> None:
+@pytest.mark.parametrize("apart", [Pose2D(0.0, 0.0), Pose2D(0.1, 0.1)], ids=["told", "near"])
+def test_a_second_map_to_odom_stops_the_robot(navigate: Navigate, apart: Pose2D) -> None:
     remote = navigate(goal=FAR)
     remote.wait_until_moving()
-    remote.habits.map_odom = START
+    remote.habits.map_odom = START @ apart
     check_stop(remote, "two localizers")
 
 
