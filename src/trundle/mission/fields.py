@@ -16,8 +16,7 @@ from trundle.files.yaml_config import Config
 from trundle.geometry import Footprint
 from trundle.maps.cells import MOST_CELLS
 from trundle.mission.goal_fields import GoalFields
-from trundle.mission.map_errors import MapErrors
-from trundle.mission.obstacles import MoverChoice, Unmapped
+from trundle.mission.obstacles import MapErrors, MoverChoice, Unmapped
 from trundle.mission.start_error import StartError, read_unknown
 from trundle.navigation import NavigatorSettings
 from trundle.robots import Limits, Robot

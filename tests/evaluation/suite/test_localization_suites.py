@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from trundle.evaluation.suite import Suite
-from trundle.mission.map_errors import MapErrors
+from trundle.mission.obstacles import MapErrors
 from trundle.mission.start_error import StartError
 
 SUITES = Path(__file__).parents[3] / "benchmarks" / "localization" / "suites"
