@@ -11,9 +11,8 @@ from trundle.files.choice import Choice
 from trundle.localization import create_localizer
 from trundle.localization.localizer import LocalizerLike
 from trundle.maps import OccupancyGrid
-from trundle.mission.fields import BY_SCANS, Rules, ScenarioFields
+from trundle.mission.fields import BY_SCANS, Rules, ScenarioFields, StartError
 from trundle.mission.running.robot_stack import SomeMonitor
-from trundle.mission.start_error import StartError
 from trundle.robots import Robot
 from trundle.sim import Simulator, simulate
 from trundle.sim.wrapper import SimulatorWrapper

@@ -15,7 +15,7 @@ from trundle.geometry import Pose2D, Twist2D
 from trundle.localization import create_localizer
 from trundle.localization.localizer import LocalizerLike
 from trundle.mission.episode import Episode, Outcome
-from trundle.mission.fields import Rules
+from trundle.mission.fields import Rules, StartError
 from trundle.mission.metrics import Measure, measure_truth
 from trundle.mission.observers import Observer, Observers, RunInfo, SteeringReport, Step
 from trundle.mission.running.control_loop import ControlLoop
@@ -33,7 +33,6 @@ from trundle.mission.running.preparation import (
 )
 from trundle.mission.running.robot_stack import RobotStack, SomeMonitor
 from trundle.mission.running.run_log import RunLog
-from trundle.mission.start_error import StartError
 from trundle.mission.steering.directive_executor import DirectiveExecutor
 from trundle.mission.steering.directives import GivenDirective, Restart
 from trundle.mission.steering.queue import Steering
