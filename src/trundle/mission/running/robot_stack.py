@@ -18,8 +18,7 @@ from trundle.localization.localizer import check_covariance, makes_map
 from trundle.maps import OccupancyGrid
 from trundle.mission.fields import StartError
 from trundle.mission.observers import MonitorReport
-from trundle.mission.own_map import MapTrack, OwnMap
-from trundle.mission.running.map_keeper import MapKeeper
+from trundle.mission.own_map import MapKeeper, MapTrack, OwnMap
 from trundle.mission.running.run_log import RunLog
 from trundle.navigation import Agent, AgentReport, AssistedCommand
 from trundle.observation import Estimate, Observation, Scan
