@@ -14,7 +14,7 @@ from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.maps.ros_writer import choose_mode, save_map
 from trundle.messages.codec import DEFAULT, DISTROS, Distro
 from trundle.mission import Scenario
-from trundle.mission.place import Place, make_place
+from trundle.mission.setup import Place, make_place
 from trundle.nav2.controllers import write_controllers
 from trundle.nav2.costmaps import write_costmaps
 from trundle.nav2.draft import Block, Draft, note_leftovers
