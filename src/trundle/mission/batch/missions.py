@@ -16,8 +16,14 @@ from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
 from trundle.costmap import LETHAL
 from trundle.errors import PlanningError
 from trundle.geometry import FloatArray, Pose2D, Twist2D
-from trundle.mission.batch.drives import ARRIVED, Planned, drive_by_controller, drive_checked, drive_together
-from trundle.mission.batch.meetings import find_meetings
+from trundle.mission.batch.drives import (
+    ARRIVED,
+    Planned,
+    drive_by_controller,
+    drive_checked,
+    drive_together,
+    find_meetings,
+)
 from trundle.mission.batch.needs import CONTROLLERS, world_needs_python
 from trundle.mission.batch.sensing import BatchDrive, Sensing, monitors
 from trundle.mission.episode import Episode, Outcome
