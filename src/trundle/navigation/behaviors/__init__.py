@@ -9,8 +9,7 @@ from trundle.navigation.behaviors.behavior import (
     create_behavior,
     describe_behaviors,
 )
-from trundle.navigation.behaviors.drive_clear import DriveClear
-from trundle.navigation.behaviors.motions import BackUp, DriveOnHeading, Spin
+from trundle.navigation.behaviors.motions import BackUp, DriveClear, DriveOnHeading, Spin
 from trundle.navigation.behaviors.standing import ClearCostmap, Replan, ReplanWith, Wait
 
 __all__ = [

@@ -21,7 +21,7 @@ BEHAVIORS: Registry[Behavior] = Registry(
     {
         "back_up": "trundle.navigation.behaviors.motions:BackUp",
         "clear_costmap": "trundle.navigation.behaviors.standing:ClearCostmap",
-        "drive_clear": "trundle.navigation.behaviors.drive_clear:DriveClear",
+        "drive_clear": "trundle.navigation.behaviors.motions:DriveClear",
         "drive_on_heading": "trundle.navigation.behaviors.motions:DriveOnHeading",
         "replan": "trundle.navigation.behaviors.standing:Replan",
         "replan_with": "trundle.navigation.behaviors.standing:ReplanWith",
