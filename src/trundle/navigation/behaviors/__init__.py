@@ -5,12 +5,15 @@ from trundle.navigation.behaviors.behavior import (
     BehaviorContext,
     BehaviorResult,
     BehaviorRun,
+    ClearCostmap,
+    Replan,
+    ReplanWith,
+    Wait,
     behavior_names,
     create_behavior,
     describe_behaviors,
 )
 from trundle.navigation.behaviors.motions import BackUp, DriveClear, DriveOnHeading, Spin
-from trundle.navigation.behaviors.standing import ClearCostmap, Replan, ReplanWith, Wait
 
 __all__ = [
     "BackUp",
