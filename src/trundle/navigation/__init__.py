@@ -7,7 +7,7 @@ from trundle.navigation.agents import AgentLike, CommandScript, agent_names, cre
 from trundle.navigation.command_check import AssistedCommand
 from trundle.navigation.navigator import Navigator
 from trundle.navigation.navigator_settings import NavigatorSettings
-from trundle.navigation.status import NavigationStatus
+from trundle.navigation.state import NavigationStatus
 from trundle.navigation.waypoint import Waypoint
 
 __all__ = [

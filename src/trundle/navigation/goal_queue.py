@@ -10,8 +10,7 @@ from trundle.navigation.behaviors import Behavior
 from trundle.navigation.behaviors.behavior import ASKED_FOR
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.replanner import Replanner
-from trundle.navigation.state import NOTHING, Decision, DriveState, Snapshot
-from trundle.navigation.status import NavigationStatus
+from trundle.navigation.state import NOTHING, Decision, DriveState, NavigationStatus, Snapshot
 from trundle.navigation.waypoint import Route, tasks_of
 
 _STAND = Twist2D()

@@ -33,8 +33,7 @@ from trundle.navigation.replanner import Replanner
 from trundle.navigation.retreat import Retreat
 from trundle.navigation.route_planner import RoutePlanner
 from trundle.navigation.sensing import SensedMap, SensedTracks
-from trundle.navigation.state import Decision, Snapshot
-from trundle.navigation.status import NavigationStatus
+from trundle.navigation.state import Decision, NavigationStatus, Snapshot
 from trundle.observation import Estimate, Observation, Scan
 from trundle.planning import create_planner, create_smoother
 from trundle.planning.planner import PlannerLike

@@ -21,8 +21,7 @@ from trundle.navigation.navigator_settings import NavigatorSettings
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.route_planner import RoutePlanner
 from trundle.navigation.sensing import SensedMap
-from trundle.navigation.state import DriveState
-from trundle.navigation.status import NavigationStatus
+from trundle.navigation.state import DriveState, NavigationStatus
 from trundle.observation import Track
 from trundle.path import Path
 from trundle.planning import PathCheck, Planner, Smoother, create_planner, create_smoother

@@ -12,8 +12,7 @@ from trundle.navigation.progress import PathProgress, Retries
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.retreat import Retreat
 from trundle.navigation.sensing import SensedMap
-from trundle.navigation.state import NOTHING, Decision, DriveState, Snapshot
-from trundle.navigation.status import NavigationStatus
+from trundle.navigation.state import NOTHING, Decision, DriveState, NavigationStatus, Snapshot
 
 _STAND = Twist2D(0.0, 0.0)
 _WAIT = Decision(_STAND, status=NavigationStatus.BLOCKED, restarts_progress=True)

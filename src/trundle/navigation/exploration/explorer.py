@@ -23,7 +23,7 @@ from trundle.navigation.exploration.frontiers import (
     shows_floor,
 )
 from trundle.navigation.navigator import Navigator
-from trundle.navigation.status import FINAL, NavigationStatus
+from trundle.navigation.state import FINAL, NavigationStatus
 from trundle.observation import Estimate, Observation
 from trundle.path import Path
 from trundle.robots import Robot

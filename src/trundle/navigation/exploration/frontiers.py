@@ -1,4 +1,4 @@
-"""`find_frontiers`: where reachable free space borders on unknown space (Yamauchi, CIRA 1997); `Targets`: which is next."""
+"""`find_frontiers`: where free space borders on unknown space (Yamauchi, CIRA 1997); `Targets`: which is next."""
 
 from __future__ import annotations
 
