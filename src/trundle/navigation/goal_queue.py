@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from trundle.geometry import Goal, Pose2D, Twist2D
-from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import Behavior
 from trundle.navigation.behaviors.behavior import ASKED_FOR
-from trundle.navigation.recovery import Recovery
+from trundle.navigation.recovery import BehaviorRunner, Recovery
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.state import NOTHING, Decision, DriveState, NavigationStatus, Snapshot
 from trundle.navigation.waypoint import Route, tasks_of
