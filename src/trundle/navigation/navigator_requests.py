@@ -13,6 +13,7 @@ from trundle.maps import OccupancyGrid
 from trundle.navigation.agent import AgentInfo, AgentReport
 from trundle.navigation.behaviors import Behavior
 from trundle.navigation.behaviors.behavior import check_behavior_kind
+from trundle.navigation.goal_queue import Route
 from trundle.navigation.inputs import read_goal
 from trundle.navigation.navigator_attributes import NavigatorAttributes
 from trundle.navigation.progress import FollowedPath
@@ -20,7 +21,6 @@ from trundle.navigation.recovery import Recovery
 from trundle.navigation.relocalization import Relocalization
 from trundle.navigation.sensing import SensedTracks
 from trundle.navigation.state import NOTHING, Decision, DriveState, NavigationStatus, Snapshot
-from trundle.navigation.waypoint import Route
 from trundle.path import Path
 from trundle.values import check_kind
 

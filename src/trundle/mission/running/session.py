@@ -39,7 +39,7 @@ from trundle.mission.steering.queue import Steering
 from trundle.navigation import Agent
 from trundle.navigation.agent import CONTROL_PERIOD_S
 from trundle.navigation.agents import AgentLike, create_agent
-from trundle.navigation.waypoint import tasks_of
+from trundle.navigation.goal_queue import tasks_of
 from trundle.observation import Estimate
 from trundle.sim import RobotState
 from trundle.sim.simulator import SomeSimulator, as_simulator
