@@ -18,7 +18,7 @@ from trundle.geometry import FloatArray, Pose2D
 from trundle.localization.amcl.beams import BeamPicker
 from trundle.localization.localizer import check_covariance
 from trundle.mapping.carried_away import CarriedAway
-from trundle.mapping.live_map import LiveMap
+from trundle.mapping.drawing import LiveMap
 from trundle.mapping.loops import Loop, LoopFinder
 from trundle.mapping.motion import Travel, doubt_of, motion_spread, turned
 from trundle.mapping.moving_things import MovingThings
