@@ -1,4 +1,4 @@
-"""`Rows`: where the robot of a bag was, how it moved and what it was told, at times in common."""
+"""`Rows`: where a bag's robot was and how it moved, at times in common; `Beliefs`: what its localizer believed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`RunTopics`: the topics of a recorded run, and the messages of its steps."""
+"""`RunTopics`: the topics of a recorded run, and the messages of its steps; `BeliefTopics`: those of a localizer."""
 
 from __future__ import annotations
 

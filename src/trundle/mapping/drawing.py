@@ -1,4 +1,4 @@
-"""`draw_map`: the map of a pose graph from all of its scans and all of their beams; `Canvas` for a map that grows."""
+"""`draw_map`: the map of a pose graph from all of its scans; `LiveMap`: the same while the graph grows."""
 
 from __future__ import annotations
 

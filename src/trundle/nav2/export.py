@@ -1,4 +1,4 @@
-"""`export_nav2`: a folder with which Nav2 drives a robot as trundle does."""
+"""`export_nav2`: a folder with which Nav2 drives a robot as trundle does, with its launch file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`ScanFilter`: which scans a layer may use, and where their sensor was."""
+"""`ScanFilter`: which scans a layer may use; `LoneHits`: what single beams return too soon, as from dust and rain."""
 
 from __future__ import annotations
 

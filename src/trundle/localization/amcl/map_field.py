@@ -1,4 +1,4 @@
-"""`MapField`: a map as localisation needs it: a signed distance field, and tables for particles and for the search."""
+"""`MapField`: a map as localisation needs it; `SeenSurfaces`: where lidars see its surfaces."""
 
 from __future__ import annotations
 
@@ -139,6 +139,11 @@ _TRUST = np.array((_DEEPEST_M, _MAP_IS_RIGHT_M, _RISE_M, _BELIEVED, _HALF_AFTER)
 
 class SeenSurfaces:
     """Mean distances of what is seen from what the map draws, by patches of its surface.
+
+    A map draws what lies in a band of heights, in whole cells; a lidar sees one height. Walls are up to a cell off, and
+    what is under a shelf a decimetre or more. Where a robot knows its place, each patch of the map's surface is given
+    the mean distance at which beams ended from it; scan matching then expects them there. A part of the distance is
+    never believed, so that the map keeps the estimate from drifting.
 
     Args:
         field: The map.
