@@ -10,7 +10,7 @@ import pytest
 
 from mapping.rooms import SEGMENTS, drive, ring
 from trundle import Mapper, Observation, Pose2D, Robot
-from trundle.mapping.contradictions import seen_through
+from trundle.mapping.loops import seen_through
 from trundle.mapping.nodes import Nodes
 from trundle.mapping.submaps import Submaps
 
