@@ -26,8 +26,7 @@ from trundle.mapping.optimizer import contradicts, fits, is_true, optimize
 from trundle.mapping.parts import component_of, join_parts, nearest_joined
 from trundle.mapping.pose_graph import FARTHEST_M, FOLLOWS, LOOP, PoseGraph
 from trundle.mapping.pose_graph_file import load_pose_graph, save_pose_graph
-from trundle.mapping.recent_surfaces import RecentSurfaces
-from trundle.mapping.seen_places import SeenPlaces
+from trundle.mapping.recent_surfaces import RecentSurfaces, SeenPlaces
 from trundle.mapping.submaps import Submaps
 from trundle.mapping.window import Match, ScanWindow
 from trundle.maps import OccupancyGrid
