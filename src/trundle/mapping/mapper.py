@@ -17,10 +17,10 @@ import numpy.typing as npt
 from trundle.geometry import FloatArray, Pose2D
 from trundle.localization.amcl.beams import BeamPicker
 from trundle.localization.localizer import check_covariance
+from trundle.mapping.doubtful_scans import CarriedAway, MovingThings
 from trundle.mapping.drawing import LiveMap
 from trundle.mapping.loops import Loop, LoopFinder
 from trundle.mapping.motion import Travel, doubt_of, motion_spread, turned
-from trundle.mapping.moving_things import CarriedAway, MovingThings
 from trundle.mapping.nodes import MOST_POINTS, Floating, Nodes, Surface, make_surface
 from trundle.mapping.optimizer import contradicts, fits, is_true, optimize
 from trundle.mapping.parts import component_of, join_parts, nearest_joined

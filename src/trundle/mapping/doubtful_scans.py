@@ -1,4 +1,4 @@
-"""`MovingThings`: which points of a scan are on people and vehicles, and must not be matched."""
+"""`MovingThings` and `CarriedAway`: what of a scan, and which scans, must not be matched and mapped."""
 
 from __future__ import annotations
 
