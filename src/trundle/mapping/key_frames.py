@@ -1,4 +1,4 @@
-"""`RecentSurfaces`: what the last key frames saw: together they tell a place better than one scan does."""
+"""`RecentSurfaces` and `SeenPlaces`: what the last key frames saw, and where enough of them were taken."""
 
 from __future__ import annotations
 
