@@ -1,4 +1,4 @@
-"""`Arrays`: what NumPy and PyTorch call differently, so that an environment's step is written once for both."""
+"""`Arrays`: what NumPy and PyTorch call differently, and random numbers that are the same in both."""
 
 from __future__ import annotations
 
@@ -51,6 +51,10 @@ class Arrays:
 
 
 HOST = Arrays()
+
+
+# Random numbers depend on a robot's seed, its episode and what they are for, and on nothing else. They are computed in
+# int64, which wraps: PyTorch has no arithmetic of uint64.
 
 
 def mix(values: Any) -> Any:

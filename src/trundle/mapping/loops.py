@@ -1,4 +1,4 @@
-"""`LoopFinder`: places that the robot has come back to.
+"""`LoopFinder`: places that the robot has come back to; `seen_through`: whether such a match can be true.
 
 A key frame is compared with old submaps, within what the drift since then leaves open: correlative search where that is
 little, branch and bound where it is much (Hess, Kohler, Rapp and Andor 2016). One match in a large window proves
@@ -300,6 +300,9 @@ class _Beams:
 
 def seen_through(nodes: Nodes, submaps: Submaps, a: int, b: int, transform: Pose2D) -> float:
     """Return the share of points that the other place's beams pass through, of those that they reach; 1 without any.
+
+    Rooms that look alike fit each other, but not to the last thing in them: beams of one pass through what the other
+    saw.
 
     In an office with six people, it was at most 0.11 for 9 right matches, and at least 0.10 for 52 wrong ones, of which
     48 were above 0.13.

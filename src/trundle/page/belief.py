@@ -1,4 +1,4 @@
-"""What a robot believes of its pose, as the page draws it: particles, the 95 % ellipse, other places and the state."""
+"""What a robot believes, as the page draws it: particles, ellipse, other places, the state, and its own map."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`Hub`: knows who is connected and who drives, and passes on what pages ask for."""
+"""`Hub`: knows who is connected, passes on what pages ask for, and by its `DriverLock` lets one of them drive."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Camera placement: fixed views of a world and views that follow a robot."""
+"""Camera placement: fixed views of a world, views that follow a robot, and a video's from its front quarter."""
 
 from __future__ import annotations
 

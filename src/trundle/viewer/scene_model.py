@@ -1,4 +1,4 @@
-"""`SceneModel`: a MuJoCo model of a robot in a world with its movers and their trails, for rendering."""
+"""`SceneModel`: a MuJoCo model of a robot in a world with movers and trails, and how maps look in it."""
 
 from __future__ import annotations
 
