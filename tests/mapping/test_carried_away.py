@@ -11,7 +11,7 @@ import pytest
 from mapping.rooms import SEGMENTS, drive, ring
 from trundle import Mapper, Observation, Pose2D, Robot, Twist2D
 from trundle.mapping.carried_away import CarriedAway
-from trundle.mapping.contradictions import seen_through
+from trundle.mapping.loops import seen_through
 from trundle.mapping.nodes import Nodes
 from trundle.mapping.submaps import Submaps
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from trundle.mapping.drawing import Beams, Canvas, _close_gaps, widest_gap_m
-from trundle.mapping.live_map import LiveMap
+from trundle.mapping.drawing import Beams, Canvas, LiveMap, _close_gaps, widest_gap_m
 from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
 

@@ -13,8 +13,7 @@ from trundle.maps import OccupancyGrid
 from trundle.navigation import NavigationStatus, Navigator
 from trundle.navigation.agents import create_agent
 from trundle.navigation.exploration import Explorer, ExplorerSettings, Frontier, find_frontiers
-from trundle.navigation.exploration.frontiers import shows_floor
-from trundle.navigation.exploration.targets import Targets
+from trundle.navigation.exploration.frontiers import Targets, shows_floor
 from trundle.observation import Estimate, Observation, Scan
 from trundle.sim import simulate
 from trundle.worlds import World
