@@ -98,6 +98,18 @@ def test_topics_go_both_ways_to_the_bit(ros: Ros, transport: RclpyTransport, typ
     assert (publisher.node, publisher.ours) == ("/robots/peer", False)
 
 
+def test_another_node_of_the_same_name_is_not_ours(ros: Ros, transport: RclpyTransport) -> None:
+    other = RclpyTransport(ros.python, transport.settings, "trundle", "")
+    try:
+        for node in (transport, other):
+            node.publisher("/clock", "rosgraph_msgs/msg/Clock", Qos())
+        for node in (transport, other):
+            wait_for(node, lambda node=node: [one.node for one in node.endpoints("/clock")] == 2 * ["/trundle"])
+            assert sorted(one.ours for one in node.endpoints("/clock")) == [False, True]
+    finally:
+        other.close()
+
+
 def test_the_graph_and_the_types_are_those_of_ros(ros: Ros, transport: RclpyTransport, types: Types) -> None:
     names = [
         *("Arrays", "BoundedPlainSequences", "Constants", "Defaults", "Empty", "MultiNested", "Nested", "Strings"),

@@ -28,6 +28,7 @@ import struct
 import sys
 import threading
 import time
+import uuid
 from collections import deque
 
 HEADER = struct.Struct("<IBI")
@@ -55,6 +56,12 @@ LOOKS_NS, QUIET_NS = 100_000_000, 20_000_000
 
 GATHERS_S = 0.001
 """What comes so soon after a message that wakes somebody goes with it [s], as the scans of two lidars do."""
+
+MARKS_S = 2.0
+"""So long is waited at most for ROS to know a node's own endpoints [s]."""
+
+PARTICIPANT = 24
+"""Hex digits of a GUID of DDS that are those of its participant."""
 
 MOST_AT_ONCE = 50
 """So many messages of a topic are taken before it is the turn of the next."""
@@ -442,9 +449,27 @@ class Node:
         else:
             self._executor = SingleThreadedExecutor(context=self.context)
         self._executor.add_node(self.node)
+        self._mark = self._make_mark() if "zenoh" not in rclpy.get_rmw_implementation_identifier() else None
+        self._participant = ""
         self.topics = Topics(self.context, outbox, lambda text: self._report(text))
         self._is_leaving = False
         self._thread = threading.Thread(target=self._spin, name="spin", daemon=True)
+
+    @property
+    def participant(self):
+        """The part of GUIDs that all endpoints of this node have, in hex; "" where it is not known."""
+        until = time.monotonic() + MARKS_S
+        while self._mark is not None and not self._participant and time.monotonic() < until:
+            time.sleep(0.01)
+            for info in self.node.get_publishers_info_by_topic(self._mark.topic_name):
+                self._participant = bytes(info.endpoint_gid).hex()[:PARTICIPANT]
+        return self._participant
+
+    def _make_mark(self):
+        """Offer a topic that nobody else has: other nodes may have the same name."""
+        return self.node.create_publisher(
+            load_kind("rcl_interfaces/msg/Log"), f"_{self.node.get_name()}_{uuid.uuid4().hex}", 1
+        )
 
     def start(self, report):
         """Take what arrives; `report` is called with what goes wrong."""
@@ -675,13 +700,19 @@ class Relay:
                         {"kind": kind, "name": offer, "type": types[0], "node": name, "namespace": namespace}
                         for offer, types in ask(name, namespace)
                     ]
-        return {"nodes": nodes, "endpoints": endpoints, "offers": offers, "ours": self._our_nodes()}
+        return {"nodes": nodes, "endpoints": endpoints, "offers": offers, **self._ours()}
 
     def _do_endpoints(self, topic):
-        return {"endpoints": _endpoints(self._home.node, topic), "ours": self._our_nodes()}
+        return {"endpoints": _endpoints(self._home.node, topic), **self._ours()}
 
-    def _our_nodes(self):
-        return [(home.node.get_name(), home.node.get_namespace()) for home in [self._home, *self._more_homes]]
+    def _ours(self):
+        """Return our nodes, and their participants where all are known."""
+        homes = [self._home, *self._more_homes]
+        participants = [home.participant for home in homes]
+        return {
+            "ours": [(home.node.get_name(), home.node.get_namespace()) for home in homes],
+            "participants": participants if all(participants) else [],
+        }
 
     # Messages
 
