@@ -15,11 +15,11 @@ from trundle.messages import MessageMaker
 from trundle.observation import Scan
 from trundle.robots import Lidar
 from trundle.ros2.bad_input import BadInputError
-from trundle.ros2.remote.clouds import Band, read_cloud
 from trundle.ros2.remote.frames import FrameTree
 from trundle.ros2.remote.mounts import Mount, mount_matrix
 from trundle.ros2.remote.readings import read_scan
 from trundle.ros2.remote.robot import RunTime
+from trundle.ros2.remote.scans import Band, read_cloud
 from trundle.ros2.remote.streams import RobotClock, Stream
 
 FORWARD = Mount(mount_matrix(0.2, 0.0, 0.3, 0.0))
