@@ -16,6 +16,7 @@ from trundle.mission.scenario import Setting
 from trundle.mission.setup import Place, SessionOptions, load_masks, session_options
 from trundle.ros2.actions import Action
 from trundle.ros2.navigator_role.behaviors import (
+    AssistedTeleop,
     Behave,
     read_back_up,
     read_drive_on_heading,
@@ -35,7 +36,6 @@ from trundle.ros2.navigator_role.refusals import REFUSED_ACTIONS, Refuse
 from trundle.ros2.navigator_role.services import OPTIONAL, Services
 from trundle.ros2.navigator_role.smoothing import SmoothPath
 from trundle.ros2.navigator_role.tasks import Tasks
-from trundle.ros2.navigator_role.teleop import AssistedTeleop
 from trundle.ros2.navigator_role.waypoints import FollowWaypoints
 from trundle.ros2.outputs.output import Output
 from trundle.ros2.role import BridgeContext
