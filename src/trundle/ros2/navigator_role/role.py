@@ -24,13 +24,19 @@ from trundle.ros2.navigator_role.behaviors import (
     read_wait,
 )
 from trundle.ros2.navigator_role.context import NAVIGATOR, Beliefs, Kit
-from trundle.ros2.navigator_role.costmap_outputs import FootprintOutput, GlobalCostmapOutput, LocalCostmapOutput
+from trundle.ros2.navigator_role.costmap_outputs import (
+    FootprintOutput,
+    GlobalCostmapOutput,
+    LocalCostmapOutput,
+    MapOutput,
+    MarkerOutput,
+    PlanOutput,
+)
 from trundle.ros2.navigator_role.driving import Follow, Navigate
 from trundle.ros2.navigator_role.inputs import PoseInputs
 from trundle.ros2.navigator_role.lifecycle import Lifecycle
 from trundle.ros2.navigator_role.localization import NavigationDiagnosis, ParticleOutput, PoseOutput, StateOutput
 from trundle.ros2.navigator_role.maps import MapServices
-from trundle.ros2.navigator_role.outputs import MapOutput, MarkerOutput, PlanOutput
 from trundle.ros2.navigator_role.plans import ComputePath, PlanServer
 from trundle.ros2.navigator_role.refusals import REFUSED_ACTIONS, Refuse
 from trundle.ros2.navigator_role.services import OPTIONAL, Services
