@@ -7,7 +7,6 @@ from html import escape
 
 import numpy as np
 
-from trundle.evaluation.report.html.changes import comparisons, variations
 from trundle.evaluation.report.html.charts import definitions, icon, kind_of, outcome_text
 from trundle.evaluation.report.html.head import groups, tiles, verdict
 from trundle.evaluation.report.html.places import (
@@ -21,7 +20,7 @@ from trundle.evaluation.report.html.places import (
     variant_labels,
     world_maps,
 )
-from trundle.evaluation.report.html.spread import distributions, extremes
+from trundle.evaluation.report.html.spread import comparisons, distributions, extremes, variations
 from trundle.evaluation.report.text import cause, replay_command
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics.comparison import compare_within
