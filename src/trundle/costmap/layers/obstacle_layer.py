@@ -12,8 +12,7 @@ import numpy.typing as npt
 from pydantic import Field, model_validator
 
 from trundle import _core
-from trundle.costmap.layers.evidence_grid import EvidenceGrid
-from trundle.costmap.layers.field_of_view import FieldOfView
+from trundle.costmap.layers.evidence_grid import EvidenceGrid, FieldOfView
 from trundle.costmap.layers.layer import EVERYWHERE, MapPart, MapWindow
 from trundle.costmap.layers.scan_filter import ScanFilter
 from trundle.files.config_fields import NotNegative, Positive
