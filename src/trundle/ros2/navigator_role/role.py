@@ -24,7 +24,12 @@ from trundle.ros2.navigator_role.behaviors import (
     read_wait,
 )
 from trundle.ros2.navigator_role.context import NAVIGATOR, Beliefs, Kit
-from trundle.ros2.navigator_role.costmap_outputs import (
+from trundle.ros2.navigator_role.driving import Follow, Navigate
+from trundle.ros2.navigator_role.inputs import PoseInputs
+from trundle.ros2.navigator_role.lifecycle import Lifecycle
+from trundle.ros2.navigator_role.localization import NavigationDiagnosis, ParticleOutput, PoseOutput, StateOutput
+from trundle.ros2.navigator_role.maps import MapServices
+from trundle.ros2.navigator_role.outputs import (
     FootprintOutput,
     GlobalCostmapOutput,
     LocalCostmapOutput,
@@ -32,11 +37,6 @@ from trundle.ros2.navigator_role.costmap_outputs import (
     MarkerOutput,
     PlanOutput,
 )
-from trundle.ros2.navigator_role.driving import Follow, Navigate
-from trundle.ros2.navigator_role.inputs import PoseInputs
-from trundle.ros2.navigator_role.lifecycle import Lifecycle
-from trundle.ros2.navigator_role.localization import NavigationDiagnosis, ParticleOutput, PoseOutput, StateOutput
-from trundle.ros2.navigator_role.maps import MapServices
 from trundle.ros2.navigator_role.plans import ComputePath, PlanServer
 from trundle.ros2.navigator_role.refusals import REFUSED_ACTIONS, Refuse
 from trundle.ros2.navigator_role.services import OPTIONAL, Services

@@ -10,9 +10,9 @@ import numpy as np
 from trundle.errors import InputError
 from trundle.mission import ClearObstacles, ReinitializeGlobal
 from trundle.ros2.navigator_role.context import Kit
-from trundle.ros2.navigator_role.costmap_outputs import local_window
 from trundle.ros2.navigator_role.inputs import PoseInputs
 from trundle.ros2.navigator_role.lifecycle import Serve
+from trundle.ros2.navigator_role.outputs import local_window
 
 _CLEARS: dict[str, tuple[str, Literal["all", "around", "except"]]] = {
     "clear_entirely": ("nav2_msgs/srv/ClearEntireCostmap", "all"),

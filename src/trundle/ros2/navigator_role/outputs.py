@@ -1,4 +1,4 @@
-"""What the navigator publishes of its costmap: all of it, a window around the robot, and the outline."""
+"""What the navigator publishes: its costmap and outline; its map, its plan, and markers of goals and rollouts."""
 
 from __future__ import annotations
 
