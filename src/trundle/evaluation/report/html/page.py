@@ -8,6 +8,7 @@ from html import escape
 import numpy as np
 
 from trundle.evaluation.report.html.charts import definitions, icon, kind_of, outcome_text
+from trundle.evaluation.report.html.figures import comparisons, distributions, extremes, variations
 from trundle.evaluation.report.html.head import groups, tiles, verdict
 from trundle.evaluation.report.html.places import (
     Maps,
@@ -20,7 +21,6 @@ from trundle.evaluation.report.html.places import (
     variant_labels,
     world_maps,
 )
-from trundle.evaluation.report.html.spread import comparisons, distributions, extremes, variations
 from trundle.evaluation.report.text import cause, replay_command
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics.comparison import compare_within

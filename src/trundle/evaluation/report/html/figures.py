@@ -1,4 +1,4 @@
-"""Distributions of the figures, the slowest plans and the closest passes."""
+"""The figures of an evaluation's report: distributions and extremes, settings compared, and what was varied."""
 
 from __future__ import annotations
 
