@@ -1,4 +1,4 @@
-"""`Evaluation`: the episodes in a folder as one value, and `evaluate`, which makes one."""
+"""`Evaluation`: the episodes in a folder as one value; `evaluate`, which makes one; and its files that have moved."""
 
 from __future__ import annotations
 

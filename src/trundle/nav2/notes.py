@@ -1,4 +1,4 @@
-"""`Notes`: what is written down while parameters are read; which plugin counts; why one has no counterpart."""
+"""`Remark`: what was not taken over as it is; `Notes`: what is written down while parameters are read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Finding the drive wheels of a model, their sizes, and base_link between them."""
+"""Finding the drive wheels of a model, their sizes, and base_link between them; telling omni wheels apart."""
 
 from __future__ import annotations
 
@@ -247,6 +247,8 @@ _ROLLERS = 4
 
 def refuse_omni_wheels(path: Path, model: Any, data: Any, wheels: Sequence[ModelWheel]) -> None:
     """Refuse a robot whose model says that its wheels roll sideways as well.
+
+    In a URDF such wheels are often plain cylinders: only names, meshes, the simulator's plugin or its friction tell.
 
     Args:
         path: The model's file.

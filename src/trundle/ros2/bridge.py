@@ -1,4 +1,4 @@
-"""`Bridge`: a scenario on the network of ROS 2, from its first run to the end."""
+"""`Bridge`: a scenario on the network of ROS 2, from its first run to the end, with what every node serves."""
 
 from __future__ import annotations
 

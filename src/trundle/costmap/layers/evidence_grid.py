@@ -1,4 +1,4 @@
-"""`EvidenceGrid`: what scans say of the cells of a map that grows."""
+"""`EvidenceGrid`: what scans say of the cells of a map that grows; `FieldOfView`: where the newest scan looked."""
 
 from __future__ import annotations
 

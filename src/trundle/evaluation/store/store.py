@@ -1,4 +1,4 @@
-"""`Store`: writes the rows of an evaluation into its folder, so that a kill at any moment loses none."""
+"""`Store`: writes the rows of an evaluation into its folder, and mends it, so that a kill at any moment loses none."""
 
 from __future__ import annotations
 

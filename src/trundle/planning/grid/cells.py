@@ -1,4 +1,4 @@
-"""What callers give a grid search: cells, read and checked, and moved to free ones where they are blocked."""
+"""What callers give a grid search: cells, read, checked and moved; `cost_field`: what it costs from each to a goal."""
 
 from __future__ import annotations
 

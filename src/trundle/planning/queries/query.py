@@ -1,4 +1,4 @@
-"""The query of a planner, and the errors that say why there is no path."""
+"""The query of a planner, how every planner is called, and the errors that say why there is no path."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Spin, BackUp, DriveOnHeading and Wait."""
+"""Spin, BackUp, DriveOnHeading and Wait; AssistedTeleop, in which somebody drives by hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`RobotOutputs`: publishes the robot, its sensors and the clock of every run; an observer."""
+"""`RobotOutputs`: publishes the robot, its frames, its sensors and the clock of every run; an observer."""
 
 from __future__ import annotations
 

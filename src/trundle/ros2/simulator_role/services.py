@@ -1,4 +1,4 @@
-"""`SimulationServices`: simulation_interfaces, as Isaac Sim and Gazebo serve them."""
+"""`SimulationServices`: simulation_interfaces, as Isaac Sim and Gazebo serve them; `Entities`: what is there."""
 
 from __future__ import annotations
 

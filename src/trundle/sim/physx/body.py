@@ -1,4 +1,4 @@
-"""`RobotBody`: base_link of a robot whose articulation has its root, and its centre of mass, somewhere else."""
+"""`RobotBody`: base_link of a robot whose articulation has its root elsewhere; `WheelOdometry`: how wheels turned."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stands in for omni.physx and omni.physics.core: they step PhysX, call what has subscribed, and report contacts."""
+"""Stands in for omni.physx and omni.physics.core: they step PhysX, call subscribers, and answer rays and overlaps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Kernels of lidars: a thread for a beam of a robot."""
+"""Kernels of lidars: a thread for a beam of a robot, whose rays jump as those of `_core/rays/jumping_ray.hpp` do."""
 
 from typing import Any
 
