@@ -37,10 +37,9 @@ from trundle.ros2.navigator_role.outputs import (
     MarkerOutput,
     PlanOutput,
 )
-from trundle.ros2.navigator_role.plans import ComputePath, PlanServer
+from trundle.ros2.navigator_role.plans import ComputePath, PlanServer, SmoothPath
 from trundle.ros2.navigator_role.refusals import REFUSED_ACTIONS, Refuse
 from trundle.ros2.navigator_role.services import OPTIONAL, Services
-from trundle.ros2.navigator_role.smoothing import SmoothPath
 from trundle.ros2.navigator_role.tasks import Tasks
 from trundle.ros2.navigator_role.waypoints import FollowWaypoints
 from trundle.ros2.outputs.output import Output
