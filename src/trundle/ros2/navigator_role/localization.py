@@ -15,7 +15,7 @@ from trundle.mission import Step
 from trundle.navigation import NavigationStatus
 from trundle.observation import LocalizationState, describe_state
 from trundle.ros2.navigator_role.context import Kit
-from trundle.ros2.outputs.odometry_covariance import EXACT
+from trundle.ros2.outputs.motion import EXACT
 from trundle.ros2.outputs.output import Cadence
 from trundle.ros2.wire import Outlet, Wire
 
