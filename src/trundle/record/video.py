@@ -23,8 +23,7 @@ from trundle.mission import Episode, RunInfo
 from trundle.observation import LOCALIZATION_STATES, LocalizationState
 from trundle.pictures.colors import ESTIMATED, GOAL, INK, PAGE, PLANNED, ROBOT, SAMPLED, START, WARNING
 from trundle.pictures.figure import font
-from trundle.record.estimated import STATE_COLORS, has_estimates
-from trundle.record.map_view import view_run
+from trundle.record.map_view import STATE_COLORS, has_estimates, view_run
 from trundle.sim.mover_history import MoverHistory, ShownMovers
 
 FRAMES_PER_SECOND = 30
