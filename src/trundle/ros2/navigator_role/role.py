@@ -28,7 +28,6 @@ from trundle.ros2.navigator_role.driving import Follow, Navigate
 from trundle.ros2.navigator_role.inputs import PoseInputs
 from trundle.ros2.navigator_role.lifecycle import Lifecycle
 from trundle.ros2.navigator_role.localization import NavigationDiagnosis, ParticleOutput, PoseOutput, StateOutput
-from trundle.ros2.navigator_role.maps import MapServices
 from trundle.ros2.navigator_role.outputs import (
     FootprintOutput,
     GlobalCostmapOutput,
@@ -39,7 +38,7 @@ from trundle.ros2.navigator_role.outputs import (
 )
 from trundle.ros2.navigator_role.plans import ComputePath, PlanServer, SmoothPath
 from trundle.ros2.navigator_role.refusals import REFUSED_ACTIONS, Refuse
-from trundle.ros2.navigator_role.services import OPTIONAL, Services
+from trundle.ros2.navigator_role.services import OPTIONAL, MapServices, Services
 from trundle.ros2.navigator_role.tasks import Tasks
 from trundle.ros2.navigator_role.waypoints import FollowWaypoints
 from trundle.ros2.outputs.output import Output
