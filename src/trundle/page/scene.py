@@ -1,4 +1,4 @@
-"""`scene_of`: a world, a robot and a map as the page draws them; blocked cells become few boxes."""
+"""`scene_of`: a world, a robot and a map as the page draws them; robots have the same parts as in pictures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`MapView`: a costmap, and the zones of masks, as a picture to draw on: cropped, with whole pixels per cell."""
+"""`MapView`: a costmap with masks as a picture to draw on, cropped; and where a localizer believed the robot to be."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A robot's lidars: their timing, directions and noise, and their beams through a world and its movers."""
+"""A robot's lidars: their timing, directions and noise, what they can see, and their beams through a world."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`SimulatorWrapper`: a simulator that changes what another one is told or reports."""
+"""`SimulatorWrapper`: a simulator around another one; `DelayedSimulator`: one whose robot gets its commands late."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""ComputePathToPose and ComputePathThroughPoses, in a thread of their own."""
+"""ComputePathToPose, ComputePathThroughPoses and SmoothPath, in threads of their own."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Services of Nav2's costmaps, planner server and localizer."""
+"""Services of Nav2's servers: costmaps, planner, localizer, map server and map saver."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the robot does: its transform, its odometry, its joints, and what it touches."""
+"""What the robot does: its transform, its odometry and how far it may be off, its joints, and what it touches."""
 
 from __future__ import annotations
 

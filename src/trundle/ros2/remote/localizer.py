@@ -1,4 +1,4 @@
-"""`RemoteLocalizer`: where a robot is that was not told, or that others locate."""
+"""`RemoteLocalizer`: where a robot is that was not told, or that others locate; `MapFit`: whether the map agrees."""
 
 from __future__ import annotations
 

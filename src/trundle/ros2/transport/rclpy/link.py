@@ -1,4 +1,4 @@
-"""`Link`: the connection to the child, from its start until it is lost or closed."""
+"""`RosProcess`: the child that runs in the user's ROS; `Link`: the connection to it, until it is lost or closed."""
 
 from __future__ import annotations
 
@@ -18,6 +18,8 @@ from typing import Any
 from trundle.errors import InputError, TransportError
 from trundle.guard.process import kill_group, signal_name, start_process
 from trundle.ros2.transport.rclpy import child
+
+_logger = logging.getLogger(__name__)
 
 _LONGEST_LINE = 4096
 _LEAVE_S, _TERM_S, _KILL_S = 1.3, 0.3, 2.0
@@ -106,8 +108,6 @@ class RosProcess:
                     _logger.info("ROS: %s", text)
         self._has_ended.set()
 
-
-_logger = logging.getLogger(__name__)
 
 _START_S = 30.0
 _ANSWER_S = 10.0
