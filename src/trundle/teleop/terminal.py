@@ -1,4 +1,4 @@
-"""Driving by keys in a terminal."""
+"""Driving by keys in a terminal, and its display: lines of numbers, and a small map of characters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Finds who is on the network: Cyclone's built-in topics, and ros_discovery_info, which says whose endpoints they are."""
+"""Finds who is on the network: Cyclone's built-in topics, and ros_discovery_info, by which nodes have endpoints."""
 
 from __future__ import annotations
 
