@@ -8,8 +8,7 @@ import numpy as np
 
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
-from trundle.messages.makers import DIAGNOSTICS, POSE
-from trundle.messages.particle_cloud import PARTICLE_CLOUD, encode_particles, learn_particle_cloud
+from trundle.messages.makers import DIAGNOSTICS, PARTICLE_CLOUD, POSE, encode_particles, learn_particle_cloud
 from trundle.messages.qos import LATCHED, SENSOR, TRANSFORMS, Qos
 from trundle.mission import Step
 from trundle.navigation import NavigationStatus
