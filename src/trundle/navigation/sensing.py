@@ -12,12 +12,12 @@ import numpy.typing as npt
 
 from trundle.costmap import LETHAL, Costmap, CostmapSettings
 from trundle.costmap.doubted_map import without_unseen
+from trundle.costmap.growing_map import GrowingMap, check_size
 from trundle.costmap.layers import LayeredCostmap, LayersSettings
 from trundle.errors import MapError, OutsideMapError, SensorWarning
 from trundle.geometry import FloatArray, Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import UNKNOWN
-from trundle.navigation.growing_map import GrowingMap, check_size
 from trundle.observation import Estimate, Scan, Track
 from trundle.path import Path
 from trundle.robots import Robot
