@@ -1,4 +1,4 @@
-"""`MessageMaker`: ROS messages from trundle's values; `scan_topic`: where a lidar's scans are."""
+"""`MessageMaker`: ROS messages from trundle's values; clouds of particles, whose type rosbags lacks; `scan_topic`."""
 
 from __future__ import annotations
 

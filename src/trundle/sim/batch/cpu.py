@@ -1,4 +1,4 @@
-"""`CpuEngine`: the state of a batch in NumPy arrays, computed by the kernel; what another device has to offer too."""
+"""`CpuEngine`: the state of a batch in arrays, computed by the kernel; `RobotCrowds`: the crowds around its robots."""
 
 from __future__ import annotations
 
