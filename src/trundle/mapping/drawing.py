@@ -26,6 +26,9 @@ _PADDING_M = 1.0
 # Far beams that graze a wall pass by many of its cells. Behind such gaps nothing was seen, and the robot does not fit
 # through them; where it is not known, few do: a TurtleBot3 Burger is 0.21 m wide, most others more than 0.3 m.
 _WIDEST_GAP_M = 0.3
+# What lies between far beams, amid free space: nothing that lidars see is so small and apart from all else. A planner
+# that goes through known space alone would drive around it.
+_SPECK_M2 = 0.02
 _WALL = 65
 _TILE_M = 8.0
 RESOLUTIONS_M = (0.005, 10.0)
@@ -172,13 +175,15 @@ class Canvas:
     def grid(self, places: FloatArray) -> OccupancyGrid:
         """Return the map.
 
-        Free cells that do not hang together with one of the places are specks behind walls: they are not known.
+        Free cells that do not hang together with one of the places are specks behind walls: they are not known. Specks
+        of unknown cells amid free ones lie between beams: they are free.
 
         Args:
             places: Where the robot was (x, y) [m], shape (N, 2).
         """
         cells = draw_cells(self._counts, np.array((_LEAST_ENDS, _LEAST_SHARE, _LEAST_BEAMS)))
         self._leave_specks(cells, places)
+        _fill_specks(cells, _SPECK_M2 / self.resolution**2)
         for view in (cells, cells.T):
             _close_gaps(view, math.floor(self.widest_gap_m / self.resolution + 1e-9))
         seen = cells >= 0
@@ -204,6 +209,20 @@ class Canvas:
                 kept[labels[rows, np.clip(at[:, 0] + col, 0, cells.shape[1] - 1)]] = True
         kept[0] = False
         cells[free & ~kept[labels]] = UNKNOWN
+
+
+def _fill_specks(cells: npt.NDArray[np.int8], most: float) -> None:
+    """Make unknown areas of up to `most` cells free that border on free cells alone."""
+    unknown = cells < 0
+    labels, parts = label_components(unknown.view(np.uint8), diagonal=True)
+    filled = np.concatenate(((False,), parts[:, 0] <= most))
+    taken = np.pad(cells > FREE_UP_TO, 1, constant_values=True)
+    for row in range(3):
+        for col in range(3):
+            beside = taken[row : row + cells.shape[0], col : col + cells.shape[1]]
+            filled[labels[beside & unknown]] = False
+    filled[0] = False
+    cells[filled[labels]] = 0
 
 
 def _close_gaps(cells: npt.NDArray[np.int8], widest: int) -> None:
