@@ -1,0 +1,123 @@
+"""Rays that jump through a grid on a device; the distances of `_core/rays/jumping_ray.hpp`, to the last bit."""
+
+# pyright: reportAttributeAccessIssue=false, reportInvalidTypeForm=false, reportOperatorIssue=false
+# pyright: reportCallIssue=false, reportIndexIssue=false, reportArgumentType=false
+
+import warp as wp
+
+from trundle.sim.batch.warp.arithmetic import FAR, ONE, ZERO, clamped, greater, lesser
+
+_HUGE = wp.constant(wp.float64(1e300))
+
+
+@wp.func
+def leaves(cell: wp.int32, start: wp.float64, inverse: wp.float64, ahead: wp.int32):
+    return (wp.float64(cell + ahead) - start) * inverse
+
+
+@wp.func
+def cell_at(
+    ties: wp.bool,
+    distance: wp.float64,
+    origin: wp.int32,
+    last: wp.int32,
+    start: wp.float64,
+    along: wp.float64,
+    inverse: wp.float64,
+    step: wp.int32,
+    ahead: wp.int32,
+):
+    """The cell of one coordinate at a distance, between two; `RayAxis::cell_at`."""
+    guess = wp.floor(start + distance * along)
+    low = wp.min(origin, last)
+    high = wp.max(origin, last)
+    cell = wp.int32(0)
+    if guess <= wp.float64(low):
+        cell = low
+    elif guess >= wp.float64(high):
+        cell = high
+    else:
+        cell = wp.int32(guess)
+    while cell != last:
+        line = leaves(cell, start, inverse, ahead)
+        if not (line < distance or (ties and line == distance)):
+            break
+        cell += step
+    while cell != origin:
+        line = leaves(cell, start, inverse, 1 - ahead)
+        if line < distance or (ties and line == distance):
+            break
+        cell -= step
+    return cell
+
+
+@wp.func
+def cast_ray(
+    cells: wp.array(dtype=wp.uint8),
+    offset: wp.int32,
+    rows: wp.int32,
+    cols: wp.int32,
+    x: wp.float64,
+    y: wp.float64,
+    dx: wp.float64,
+    dy: wp.float64,
+    reach: wp.float64,
+):
+    """Distance in cells to the first blocked cell; `cast_jumping_ray`."""
+    inverse_x, inverse_y = _HUGE, _HUGE
+    if dx != ZERO:
+        inverse_x = ONE / dx
+    if dy != ZERO:
+        inverse_y = ONE / dy
+    step_x, ahead_x = wp.int32(1), wp.int32(1)
+    if dx < ZERO:
+        step_x, ahead_x = wp.int32(-1), wp.int32(0)
+    step_y, ahead_y = wp.int32(1), wp.int32(1)
+    if dy < ZERO:
+        step_y, ahead_y = wp.int32(-1), wp.int32(0)
+    distance = wp.float64(0.0)
+    col, row = wp.int32(0), wp.int32(0)
+    width, height = wp.float64(cols), wp.float64(rows)
+    if x >= ZERO and x < width and y >= ZERO and y < height:
+        col, row = wp.int32(x), wp.int32(y)
+    else:
+        leave = reach
+        if dx == ZERO:
+            if x < ZERO or x > width:
+                return FAR
+        else:
+            first = -x / dx
+            second = (width - x) / dx
+            distance = greater(distance, lesser(first, second))
+            leave = lesser(leave, greater(first, second))
+        if dy == ZERO:
+            if y < ZERO or y > height:
+                return FAR
+        else:
+            first = -y / dy
+            second = (height - y) / dy
+            distance = greater(distance, lesser(first, second))
+            leave = lesser(leave, greater(first, second))
+        if distance > leave:
+            return FAR
+        col = wp.int32(clamped(wp.floor(x + distance * dx), ZERO, width - ONE))
+        row = wp.int32(clamped(wp.floor(y + distance * dy), ZERO, height - ONE))
+    while distance <= reach:
+        free = wp.int32(cells[offset + row * cols + col])
+        if free == 0:
+            return distance
+        last_col = col + step_x * (free - 1)
+        last_row = row + step_y * (free - 1)
+        by_col = leaves(last_col, x, inverse_x, ahead_x)
+        by_row = leaves(last_row, y, inverse_y, ahead_y)
+        if by_col < by_row:
+            row = cell_at(True, by_col, row, last_row, y, dy, inverse_y, step_y, ahead_y)
+            col = last_col + step_x
+            distance = by_col
+        else:
+            col = cell_at(False, by_row, col, last_col, x, dx, inverse_x, step_x, ahead_x)
+            row = last_row + step_y
+            distance = by_row
+        if row < 0 or row >= rows or col < 0 or col >= cols:
+            return FAR
+    return FAR
