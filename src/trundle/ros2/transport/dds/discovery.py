@@ -1,5 +1,8 @@
 """Finds who is on the network: Cyclone's built-in topics, and ros_discovery_info, by which nodes have endpoints."""
 
+# Cyclone DDS has no wheel for some Pythons and machines.
+# pyright: reportMissingImports=false
+
 from __future__ import annotations
 
 import re
