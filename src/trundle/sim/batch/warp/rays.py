@@ -8,6 +8,7 @@ import warp as wp
 from trundle.sim.batch.warp.arithmetic import FAR, ONE, ZERO, clamped, greater, lesser
 
 _HUGE = wp.constant(wp.float64(1e300))
+_MARGIN, _REST = wp.constant(wp.float64(1e-5)), wp.constant(wp.float64(1.0 - 1e-5))
 
 
 @wp.func
@@ -28,9 +29,15 @@ def cell_at(
     ahead: wp.int32,
 ):
     """The cell of one coordinate at a distance, between two; `RayAxis::cell_at`."""
-    guess = wp.floor(start + distance * along)
+    place = start + distance * along
     low = wp.min(origin, last)
     high = wp.max(origin, last)
+    # Most places are farther from a line than all that is rounded here.
+    plain = wp.int32(place)
+    rest = place - wp.float64(plain)
+    if plain >= low and plain <= high and rest > _MARGIN and rest < _REST:
+        return plain
+    guess = wp.floor(place)
     cell = wp.int32(0)
     if guess <= wp.float64(low):
         cell = low
@@ -102,22 +109,22 @@ def cast_ray(
             return FAR
         col = wp.int32(clamped(wp.floor(x + distance * dx), ZERO, width - ONE))
         row = wp.int32(clamped(wp.floor(y + distance * dy), ZERO, height - ONE))
-    while distance <= reach:
-        free = wp.int32(cells[offset + row * cols + col])
-        if free == 0:
-            return distance
+    free = wp.int32(cells[offset + row * cols + col])
+    while free != 0:
         last_col = col + step_x * (free - 1)
         last_row = row + step_y * (free - 1)
         by_col = leaves(last_col, x, inverse_x, ahead_x)
         by_row = leaves(last_row, y, inverse_y, ahead_y)
+        distance = lesser(by_row, by_col)
+        if distance > reach:
+            return FAR
         if by_col < by_row:
             row = cell_at(True, by_col, row, last_row, y, dy, inverse_y, step_y, ahead_y)
             col = last_col + step_x
-            distance = by_col
         else:
             col = cell_at(False, by_row, col, last_col, x, dx, inverse_x, step_x, ahead_x)
             row = last_row + step_y
-            distance = by_row
         if row < 0 or row >= rows or col < 0 or col >= cols:
             return FAR
-    return FAR
+        free = wp.int32(cells[offset + row * cols + col])
+    return distance
