@@ -180,7 +180,7 @@ def overlaps_polygon(
     return True
 
 
-@wp.kernel
+@wp.kernel(launch_bounds=(128, 8))
 def touch(
     model: Model,
     active: wp.array(dtype=wp.bool),
