@@ -13,7 +13,8 @@ import warp as wp
 from trundle.sim.batch.warp.arithmetic import EXACT, ONE, TOUCH, ZERO, clamped, far, greater, lesser, sin_cos
 from trundle.sim.batch.warp.model import NOTHING_BAD, NOTHING_TOUCHED, Model, mover_at, placed_corner, to_cells, turned
 
-wp.set_module_options(EXACT | {"block_dim": 128})
+_BLOCK = 128
+wp.set_module_options(EXACT | {"block_dim": _BLOCK})
 
 _POSE, _MOVER = wp.constant(wp.int64(2**33)), wp.constant(wp.int64(2**32))
 
@@ -180,7 +181,7 @@ def overlaps_polygon(
     return True
 
 
-@wp.kernel(launch_bounds=(128, 8))
+@wp.kernel(launch_bounds=(_BLOCK, 8))
 def touch(
     model: Model,
     active: wp.array(dtype=wp.bool),
