@@ -256,7 +256,9 @@ class WarpEngine:
         self._launch(beams.cast_beams, shape, [self._model, active, *state, self._origins, ranges])
 
     def _launch(self, kernel: Any, dim: Any, inputs: list[Any]) -> None:
-        wp.launch(kernel, dim=dim, inputs=inputs, device=self._device)
+        # Else blocks have 256 threads, whatever the module says; it would be compiled for both.
+        block = kernel.module.options["block_dim"]
+        wp.launch(kernel, dim=dim, inputs=inputs, device=self._device, block_dim=block)
 
     def _run(self, key: tuple[str, int, bool], launch: Callable[[], None]) -> None:
         """Launch; from the second time on as one graph, where the device has such."""
