@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from trundle import _core
-from trundle.costmap.layers.lone_hits import LoneHits
+from trundle.costmap.layers.scan_filter import LoneHits
 from trundle.geometry import Pose2D
 from trundle.observation import Scan
 
