@@ -3,8 +3,8 @@
     python -m benchmarks.simulation.alike --before CHECKOUT [--seeds 2] [--seconds 15] [CASE ...]
 
 A digest is of all that observers get of each control period: states, scans, estimates, commands, what the collision
-monitor made of them, tracks, paths, messages and costmaps; and of the rows of the run. The other checkout has its kernels
-beside its sources.
+monitor made of them, tracks, paths, messages and costmaps; and of the rows of the run. The other checkout has its
+kernels beside its sources.
 """
 
 from __future__ import annotations
@@ -21,7 +21,9 @@ from pathlib import Path
 from typing import Any
 
 _PEOPLE = {"low_objects": False, "forklifts": 3, "people": 6, "mover_speed": 1.2, "sees_robot": True}
-_ONE_LIDAR = "base: nova_carter\nname: one\nlidars:\n  front: {x: 0.1, y: 0.0, z: 0.3, fov: 4.0, beams: 360, noise: 0.01}\n"
+_ONE_LIDAR = (
+    "base: nova_carter\nname: one\nlidars:\n  front: {x: 0.1, y: 0.0, z: 0.3, fov: 4.0, beams: 360, noise: 0.01}\n"
+)
 _NOISY = "base: nova_carter\nname: noisy\nlidars:\n" + "".join(
     f"  {name}: {{x: {x}, y: 0.0, z: 0.418, yaw: {yaw}, noise: 0.01}}\n"
     for name, x, yaw in (("front", 0.026, 3.141592653589793), ("back", -0.4894, 0.0))
@@ -138,7 +140,9 @@ def main() -> None:
         if other is None:
             continue
         command = [sys.executable, __file__, "--work", "--seeds", str(options.seeds), "--seconds", str(options.seconds)]
-        done = subprocess.run([*command, *other, *options.cases], env=os.environ, stdout=subprocess.PIPE, text=True, check=True)
+        done = subprocess.run(
+            [*command, *other, *options.cases], env=os.environ, stdout=subprocess.PIPE, text=True, check=True
+        )
         found.append(json.loads(done.stdout.splitlines()[-1]))
     for name, digest in found[0].items():
         said = "" if len(found) == 1 else "  same" if found[1][name] == digest else f"  DIFFERS: {found[1][name]}"

@@ -1029,13 +1029,13 @@ def drive_period(
     """Drive an ideal robot towards a command (v, w) [m/s, rad/s] for some steps.
 
     Args:
-        state: x, y, yaw [m, rad], the angles of both wheels [rad], v and w of the ramp, v and w that are driven, and the
-            speeds of both wheels [rad/s], shape (11,).
+        state: x, y, yaw [m, rad], the angles of both wheels [rad], v and w of the ramp, v and w that are driven, and
+            the speeds of both wheels [rad/s], shape (11,).
         v: The command [m/s].
         w: And how fast it turns [rad/s].
-        limits: The greatest speed forward, backward [m/s] and of turns [rad/s], by how much v and w of the ramp may change
-            in a step, the wheels' radius [m], the track width [m], the wheels' largest speed [rad/s], and the length of a
-            step [s], shape (9,).
+        limits: The greatest speed forward, backward [m/s] and of turns [rad/s], by how much v and w of the ramp may
+            change in a step, the wheels' radius [m], the track width [m], the wheels' largest speed [rad/s], and the
+            length of a step [s], shape (9,).
         steps: How many.
 
     Returns:

@@ -120,12 +120,14 @@ class CommandRamp:
         )
 
     def note_cut(self, command: Twist2D, ramped: FloatArray) -> None:
-        """Report, the first time, what `drive_period` has cut: of a command, or of what the ramp asked, shape (N, 2)."""
+        """Report, once, what `drive_period` has cut: of a command, or of what the ramp asked, (v, w), shape (N, 2)."""
         if self._reported:
             return
         self.clamp(command)
         radius, track, most = self._drive.wheel_radius, self._drive.track_width, self._drive.max_wheel_speed
-        for v, w in ramped.tolist() if most is not None else ():
+        if most is None:
+            return
+        for v, w in ramped.tolist():
             across = w * track / 2.0
             left, right = (v - across) / radius, (v + across) / radius
             if abs(left) > most or abs(right) > most:

@@ -129,11 +129,13 @@ TRUNDLE_INLINE void paint_part(const Painted &p, CellRows<std::int8_t> cells, Ce
   const auto row_end = static_cast<std::ptrdiff_t>(std::clamp(std::floor(high[1]) + 2.0, 0.0, rows));
   const auto col_end = static_cast<std::ptrdiff_t>(std::clamp(std::floor(high[0]) + 2.0, 0.0, cols));
   const double across = 1.0 / (p.scale * p.scale);
+  const bool is_plain = p.cos == 1.0 && p.sin == 0.0 && p.scale == 1.0;
   const auto put = TRUNDLE_LAMBDA(std::ptrdiff_t r, std::ptrdiff_t c) {
     const std::uint8_t *point = p.points + 2 * (r * p.cols + c);
     const double u = static_cast<double>(c) + (point[0] + 0.5) / 256.0 - p.u0;
     const double v = static_cast<double>(r) + (point[1] + 0.5) / 256.0 - p.v0;
-    const double to_col = std::floor((p.cos * u + p.sin * v) * across), to_row = std::floor((p.cos * v - p.sin * u) * across);
+    const double to_col = std::floor(is_plain ? u : (p.cos * u + p.sin * v) * across);
+    const double to_row = std::floor(is_plain ? v : (p.cos * v - p.sin * u) * across);
     if (to_col < 0.0 || to_row < 0.0 || to_col >= width || to_row >= height) return;
     const auto at_row = static_cast<std::ptrdiff_t>(to_row), at_col = static_cast<std::ptrdiff_t>(to_col);
     if (kept[at_row][at_col] == 0) cells[at_row][at_col] = kOccupied;

@@ -284,7 +284,7 @@ class LayeredCostmap:
         estimate, obstacle = placed.estimate, self._obstacle
 
         def update(layer: Layer) -> MapWindow | None:
-            if layer is obstacle:
+            if obstacle is not None and layer is obstacle:
                 return obstacle.take(placed)
             return layer.update([one.scan for one in placed.scans], estimate)
 
@@ -296,19 +296,15 @@ class LayeredCostmap:
                 raise InputError(
                     f"times must increase: an estimate of {estimate.time:g} s came after one of {self._time:g} s"
                 )
-            windows = [window for layer in self._layers if (window := update(layer)) is not None]
-            if (
-                self._obstacle is not None
-                and (forgot := self._obstacle.forget_movers(moved, estimate.time)) is not None
-            ):
-                windows.append(forgot)
-            if self._pose is None:
-                windows = [EVERYWHERE]
+            windows = [update(layer) for layer in self._layers]
+            if self._obstacle is not None:
+                windows.append(self._obstacle.forget_movers(moved, estimate.time))
+            changed = [EVERYWHERE] if self._pose is None else [window for window in windows if window is not None]
             self._time, self._pose = estimate.time, estimate.pose
             if self._extent.follow(estimate.pose) or self._costmap is None:
                 self._rebuild()
             else:
-                self._repaint(windows)
+                self._repaint(changed)
             return self.costmap
 
     def _make_obstacle_layer(self, robot: Robot) -> ObstacleLayer:
