@@ -23,7 +23,7 @@ from trundle.geometry import FloatArray, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.mission import sample_mission
 from trundle.navigation import Choice, Navigator
-from trundle.navigation.status import FINAL
+from trundle.navigation.state import FINAL
 from trundle.robots import Robot
 from trundle.sim.clearance import least_clearance
 from trundle.worlds import World

@@ -22,7 +22,7 @@ from trundle.errors import PlanningError
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.navigation import Choice, Navigator
-from trundle.navigation.status import FINAL
+from trundle.navigation.state import FINAL
 from trundle.planning import create_planner
 from trundle.robots import Robot
 from trundle.worlds import World

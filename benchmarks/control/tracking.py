@@ -34,7 +34,7 @@ from trundle.geometry.solids import Box, Cylinder, Solid
 from trundle.maps import OccupancyGrid
 from trundle.mission.sampling import sample_mission
 from trundle.navigation import Navigator
-from trundle.navigation.status import FINAL
+from trundle.navigation.state import FINAL
 from trundle.observation import Scan, Track
 from trundle.robots import Robot
 from trundle.sim import MoverState

@@ -12,7 +12,7 @@ from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.mission import sample_mission
 from trundle.navigation import Navigator
-from trundle.navigation.status import NavigationStatus
+from trundle.navigation.state import NavigationStatus
 from trundle.observation import Scan
 from trundle.robots import Robot
 from trundle.sim.kinematic import KinematicSimulator

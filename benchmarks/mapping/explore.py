@@ -24,6 +24,7 @@ import numpy as np
 import trundle
 from trundle._core import cast_grid_rays, label_components
 from trundle.costmap import INSCRIBED, LETHAL
+from trundle.errors import PlanningError
 from trundle.maps.cells import UNKNOWN, round_trinary
 from trundle.mission.exploring import exploring
 from trundle.planning import cost_field
@@ -170,7 +171,12 @@ def drive_missions(name, seed, grid, count, options):
         navigator = trundle.Navigator(grid, robot)
         sim = trundle.simulate(world, robot, backend=options.backend, lidar=True)
         with OdometryErrors(**BAD_ODOMETRY).simulate(sim) as simulator:
-            episode = trundle.run(simulator, navigator, start, goal, localizer="amcl", seed=number)
+            try:
+                episode = trundle.run(simulator, navigator, start, goal, localizer="amcl", seed=number)
+            except PlanningError as error:  # it does not fit on the map that was made
+                results.append({"world": f"{name} {seed}", "mission": number, "truly": False, "message": str(error)})
+                print(f"    mission {number}: {error}", flush=True)
+                continue
         x, y = episode.trajectory.poses[-1][:2]
         off = math.hypot(x - goal.x, y - goal.y)
         said = episode.outcome.value in ("arrived", "arrived_by_estimate")

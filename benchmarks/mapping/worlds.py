@@ -33,7 +33,7 @@ from scipy import ndimage
 import trundle
 from trundle import Mapper, Navigator, Observation, OccupancyGrid, Pose2D, Robot, World, draw_map, sample_mission
 from trundle.mapping.merging import move_pose_graph
-from trundle.navigation.status import NavigationStatus
+from trundle.navigation.state import NavigationStatus
 from trundle.worlds.movers import Crowd
 
 _Item = TypeVar("_Item")

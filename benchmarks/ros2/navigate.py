@@ -39,7 +39,7 @@ from trundle.geometry import Pose2D
 from trundle.messages.codec import Codec
 from trundle.messages.qos import SENSOR, Qos
 from trundle.mission import End, Scenario
-from trundle.mission.place import make_place
+from trundle.mission.setup import make_place
 from trundle.robots import Robot
 from trundle.ros2.bridge import Bridge
 from trundle.ros2.names import Names

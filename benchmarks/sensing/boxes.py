@@ -22,7 +22,7 @@ from trundle.maps import OccupancyGrid
 from trundle.mission.obstacles import Unmapped
 from trundle.mission.sampling import sample_mission
 from trundle.navigation import NavigationStatus, Navigator
-from trundle.navigation.status import FINAL
+from trundle.navigation.state import FINAL
 from trundle.planning import create_planner
 from trundle.robots import Robot
 from trundle.worlds import World

@@ -16,7 +16,7 @@ from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.mission.sampling import sample_mission
 from trundle.navigation import NavigationStatus, Navigator
-from trundle.navigation.status import FINAL
+from trundle.navigation.state import FINAL
 from trundle.robots import Robot
 from trundle.worlds import World
 from trundle.worlds.movers import Crowd

@@ -24,7 +24,7 @@ from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.mission.sampling import sample_mission
 from trundle.navigation import Navigator
-from trundle.navigation.status import FINAL
+from trundle.navigation.state import FINAL
 from trundle.observation import Scan
 from trundle.robots import Robot
 from trundle.tracking import Tracker

@@ -53,7 +53,7 @@ def drive(world: Any, grid: Any, seconds: float) -> tuple[dict[str, list[float]]
     from trundle.mission.sampling import sample_mission
     from trundle.navigation import Navigator
     from trundle.navigation.sensing import SensedMap, SensedTracks
-    from trundle.navigation.status import FINAL
+    from trundle.navigation.state import FINAL
 
     robot = trundle.Robot.load("nova_carter")
     lidars = {name: lidar.model_copy(update={"noise": 0.01}) for name, lidar in robot.lidars.items()}

@@ -22,7 +22,7 @@ from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.mission import Episode
 from trundle.pictures.colors import BAD, PAGE, PLANNED, START, WARNING
-from trundle.record.chart import Chart, Curve, draw_chart
+from trundle.record.compare import Chart, Curve, draw_chart
 from trundle.record.map_view import MapView
 from trundle.record.overlay import draw_run
 from trundle.record.page import Mark, compose_page

@@ -25,7 +25,7 @@ from trundle.geometry import Goal, Pose2D
 from trundle.geometry.footprint import convex_hull
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome
-from trundle.mission.batch.model import numbers_of
+from trundle.mission.batch.missions import numbers_of
 from trundle.mission.running.session import Session
 from trundle.navigation import Navigator
 from trundle.path import Path

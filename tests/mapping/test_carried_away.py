@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from mapping.rooms import SEGMENTS, drive, ring
-from trundle import Mapper, Observation, Pose2D, Robot
-from trundle.mapping.contradictions import seen_through
+from trundle import Mapper, Observation, Pose2D, Robot, Twist2D
+from trundle.mapping.carried_away import CarriedAway
+from trundle.mapping.loops import seen_through
 from trundle.mapping.nodes import Nodes
 from trundle.mapping.submaps import Submaps
 
@@ -85,3 +86,16 @@ def test_beams_pass_through_what_is_matched_with_another_place(robot: Robot) -> 
     shifted = right @ Pose2D(2.0, 0.0)
     assert seen_through(nodes, submaps, middle, 12, shifted) > 0.2
     assert len(SEGMENTS) == 16
+
+
+@pytest.mark.parametrize(("blind_m", "said"), [(0.0, "carried away"), (18.0, "here")])
+def test_an_unknown_wall_after_a_way_that_showed_little_is_no_other_place(blind_m, said):
+    """As in a hall wider than the lidar sees; without that way, three scans of nothing known are another place."""
+    judge = CarriedAway(10.0).judge
+    seen = Observation(0.0, Twist2D(), Pose2D(0.0, 0.0), ())
+    ahead = Pose2D(0.3, 0.0)
+    assert judge(seen, ahead, 0.9, 100) == "here"
+    for _ in range(round(blind_m / 0.3)):
+        assert judge(seen, ahead, 0.0, 10) == "here"
+    answers = [judge(seen, ahead, 0.0, 100) for _ in range(3)]
+    assert answers[-1] == said

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from trundle.mapping.drawing import Beams, Canvas, _close_gaps, widest_gap_m
-from trundle.mapping.live_map import LiveMap
+from trundle.mapping.drawing import Beams, Canvas, LiveMap, _close_gaps, widest_gap_m
 from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
 
@@ -68,6 +67,24 @@ def test_the_map_that_grows_and_the_final_one_heed_the_robot() -> None:
         assert widest_gap_m(robot) == pytest.approx(widest)
         assert LiveMap(EDGE, robot)._canvas.widest_gap_m == pytest.approx(widest)
     assert widest_gap_m(None) == 0.3
+
+
+@pytest.mark.parametrize(("missing", "is_free"), [((1.00, 1.08), True), ((1.0, 1.3), False), ((0.5, 0.58), False)])
+def test_what_lies_between_beams_amid_free_space_is_free(missing: tuple[float, float], *, is_free: bool) -> None:
+    """Beams along x that leave out some 0.2 m of two or six rows; in the last case beside a wall."""
+    canvas = Canvas(EDGE, widest_gap_m(None))
+    y = np.arange(0.52, 2.0, 0.05)
+    starts, ends = np.column_stack((np.full(len(y), 0.52), y)), np.column_stack((np.full(len(y), 3.5), y))
+    is_cut = (y >= missing[0]) & (y < missing[1])
+    for first, last, chosen in ((0.52, 1.52, is_cut), (1.73, 3.5, is_cut), (0.52, 3.5, ~is_cut)):
+        starts[:, 0], ends[:, 0] = first, last
+        canvas.count(Beams((starts[chosen], ends[chosen], np.zeros(chosen.sum(), np.uint8))), np.zeros(3), 1)
+    wall = np.column_stack((np.arange(1.0, 2.5, 0.02), np.full(75, 0.47)))
+    for _ in range(3):
+        canvas.count(Beams((wall - (0.0, 0.01), wall, np.ones(75, np.uint8))), np.zeros(3), 1)
+    grid = canvas.grid(np.array([[1.0, 1.5]]))
+    row, col = (int(index) for index in grid.world_to_cell(1.62, missing[0] + 0.02))
+    assert (grid.data[row, col] == 0) == is_free
 
 
 def test_both_axes_are_treated_alike() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from mapping.rooms import ANGLES, cast, ring
 from trundle import Pose2D, Robot, Scan
-from trundle.mapping.live_map import LiveMap
+from trundle.mapping.drawing import LiveMap
 from trundle.mapping.nodes import Nodes, make_surface
 from trundle.mapping.window import ScanWindow
 

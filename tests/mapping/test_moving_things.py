@@ -11,7 +11,7 @@ import pytest
 
 from mapping.rooms import ANGLES, cast
 from trundle import Mapper, Observation, Pose2D, Robot, Scan, Twist2D
-from trundle.mapping.moving_things import MovingThings
+from trundle.mapping.doubtful_scans import MovingThings
 from trundle.mapping.nodes import Surface, make_surface
 
 SPEED_M_S, PERIOD_S = 0.8, 0.1

@@ -6,7 +6,7 @@ import pytest
 from trundle.errors import InputError
 from trundle.mission import Scenario
 from trundle.mission.fields import Assumed
-from trundle.mission.place import make_place
+from trundle.mission.setup import make_place
 from trundle.robots import Robot
 
 WIDE = ((0.4, 0.4), (-0.7, 0.4), (-0.7, -0.4), (0.4, -0.4))
@@ -54,7 +54,7 @@ def test_what_is_measured_is_measured_on_the_simulated_robot():
 
 
 def test_scenarios_that_differ_in_it_share_their_place():
-    from trundle.mission.place import place_key
+    from trundle.mission.setup import place_key
 
     plain, wide = make(), make(assumed={"footprint": WIDE})
     assert place_key(plain) == place_key(wide)

@@ -7,7 +7,7 @@ import threading
 import pytest
 
 from trundle.mission import LiveRun, Restart, Session, Steering
-from trundle.mission.steering import interrupts
+from trundle.mission.steering import live
 
 GOAL = (3.0, 4.5)
 
@@ -96,7 +96,7 @@ def test_a_second_ctrl_c_interrupts_the_control_period(drive):
 
 
 def test_a_control_period_that_goes_on_is_interrupted(drive, monkeypatch):
-    monkeypatch.setattr(interrupts, "PATIENCE_S", 0.01)
+    monkeypatch.setattr(live, "PATIENCE_S", 0.01)
 
     def act():
         signal.raise_signal(signal.SIGINT)

@@ -93,7 +93,7 @@ def test_a_yawed_map_has_its_ghosts_in_the_same_cells_as_its_costmap():
     cells[[0, -1]] = cells[:, [0, -1]] = OCCUPIED
     grid = OccupancyGrid(cells, 0.05, (3.0, -2.0, 0.7))
     from trundle.costmap import CostmapSettings
-    from trundle.mission.map_errors import MapErrors
+    from trundle.mission.obstacles import MapErrors
     from trundle.robots import Robot
 
     costmap = CostmapSettings().make_costmap(grid, Robot.load("jackal"))
@@ -109,7 +109,7 @@ def test_a_yawed_map_has_its_ghosts_in_the_same_cells_as_its_costmap():
 
 def test_unknown_cells_inside_of_what_is_missing_become_free():
     from trundle.costmap import CostmapSettings
-    from trundle.mission.map_errors import MapErrors
+    from trundle.mission.obstacles import MapErrors
     from trundle.robots import Robot
 
     cells = np.zeros((200, 200), dtype=np.int8)

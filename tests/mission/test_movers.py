@@ -5,7 +5,7 @@ import pytest
 from trundle import World
 from trundle.errors import ScenarioError, WorldError
 from trundle.mission import Scenario
-from trundle.mission.place import make_place, place_key
+from trundle.mission.setup import make_place, place_key
 from trundle.worlds.movers import AlongPath, Crowd, Mover, Waypoints
 
 HEAD = "world: {name: warehouse, options: {size: [16, 12]}}\nmovers:\n"

@@ -14,8 +14,8 @@ from trundle.localization import create_localizer
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, Scenario, Session, SetPose, Steering
 from trundle.mission.exploring import exploring
+from trundle.mission.fields import StartError
 from trundle.mission.own_map import Correction, describe_corrections
-from trundle.mission.start_error import StartError
 from trundle.navigation import Navigator
 from trundle.navigation.agents import CommandScript
 from trundle.observation import Observation

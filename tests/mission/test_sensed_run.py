@@ -15,7 +15,7 @@ from trundle.geometry.solids import Box, Solid
 from trundle.localization.odometry import OdometryLocalizer
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, Scenario, Session, run
-from trundle.mission.simulation import session_options
+from trundle.mission.setup import session_options
 from trundle.navigation import CommandScript
 from trundle.observation import Scan
 from trundle.robots import Robot

@@ -7,7 +7,7 @@ import pytest
 from trundle.errors import InputError
 from trundle.geometry import Pose2D, wrap_angle
 from trundle.mission import Outcome, Scenario
-from trundle.mission.start_error import StartError
+from trundle.mission.fields import StartError
 from trundle.observation import Estimate
 
 START = Pose2D(2.0, -1.0, 3.0)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from trundle.mission import Scenario
-from trundle.mission.place import Place, make_place
+from trundle.mission.setup import Place, make_place
 from trundle.nav2 import export_nav2, read_nav2_params
 from trundle.nav2.export import draft_params, params_text
 

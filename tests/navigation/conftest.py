@@ -1,11 +1,11 @@
-"""Every change of a navigator's status in these tests is one of the table in `trundle.navigation.status`."""
+"""Every change of a navigator's status in these tests is one of the table in `trundle.navigation.state`."""
 
 import functools
 
 import pytest
 
 from trundle.navigation import Navigator
-from trundle.navigation.status import ANY_STATUS_TO, TRANSITIONS
+from trundle.navigation.state import ANY_STATUS_TO, TRANSITIONS
 
 
 @pytest.fixture(autouse=True)

@@ -12,7 +12,7 @@ from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
 from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
 from trundle.navigation.sensing import SensedMap
-from trundle.navigation.status import FINAL
+from trundle.navigation.state import FINAL
 from trundle.observation import Estimate
 from trundle.sim import simulate
 

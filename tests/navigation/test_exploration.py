@@ -13,8 +13,7 @@ from trundle.maps import OccupancyGrid
 from trundle.navigation import NavigationStatus, Navigator
 from trundle.navigation.agents import create_agent
 from trundle.navigation.exploration import Explorer, ExplorerSettings, Frontier, find_frontiers
-from trundle.navigation.exploration.frontiers import shows_floor
-from trundle.navigation.exploration.targets import Targets
+from trundle.navigation.exploration.frontiers import Targets, shows_floor
 from trundle.observation import Estimate, Observation, Scan
 from trundle.sim import simulate
 from trundle.worlds import World
@@ -68,6 +67,17 @@ def test_specks_between_beams_and_gaps_in_walls_are_none():
     wider[60:65, 219] = 0  # 0.25 m of the east wall were never hit
     costmap = CostmapSettings(unknown="costly").make_costmap(OccupancyGrid(wider, EDGE, Pose2D(-1.0, -1.0)), ROBOT)
     assert find_frontiers(costmap, Pose2D(1.5, 3.0)) == []
+
+
+@pytest.mark.parametrize(("rows", "is_found"), [((50, 56), True), ((115, 119), False)])
+def test_an_area_that_was_not_seen_counts_where_it_blocks_the_floor(rows, is_found):
+    cells = half_room()
+    cells[1:-1, 100:-1] = 0
+    cells[[0, -1], :] = cells[:, -1] = 100
+    cells[rows[0] : rows[1], 90:102] = -1  # amid the room, or beside the wall, where no robot fits
+    found = find_frontiers(costmap_of(cells), Pose2D(1.5, 3.0))
+    assert len(found) == is_found
+    assert not find_frontiers(costmap_of(cells), Pose2D(1.5, 3.0), ExplorerSettings(least_opening=5.0))
 
 
 def test_what_lies_behind_a_wall_cannot_be_looked_at():

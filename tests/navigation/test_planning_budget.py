@@ -11,7 +11,7 @@ from trundle.errors import PlanningStoppedError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
 from trundle.navigation import replanner as module
-from trundle.navigation.status import FINAL
+from trundle.navigation.state import FINAL
 from trundle.planning import Cancellation, create_planner
 from trundle.planning.cancellation import nominal_expansions
 from trundle.planning.grid_planners.least_cost import LeastCostPlanner

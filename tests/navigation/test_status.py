@@ -11,7 +11,7 @@ from trundle.errors import InputError
 from trundle.geometry import Twist2D
 from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
 from trundle.navigation.behaviors import Spin
-from trundle.navigation.status import ANY_STATUS_TO, FINAL, TRANSITIONS
+from trundle.navigation.state import ANY_STATUS_TO, FINAL, TRANSITIONS
 
 ROOT = Path(__file__).parents[2]
 S = NavigationStatus

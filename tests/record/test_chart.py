@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from PIL import ImageDraw
 
-from trundle.record.chart import Chart, Curve, draw_chart, round_marks
+from trundle.record.compare import Chart, Curve, draw_chart, round_marks
 
 TIME = np.linspace(0.0, 5.0, 101)
 

@@ -1,4 +1,4 @@
-from trundle.serve.driver_lock import ANSWER_S, DriverLock
+from trundle.serve.hub import ANSWER_S, DriverLock
 
 
 def _of_two() -> DriverLock:

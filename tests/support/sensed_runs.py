@@ -1,7 +1,7 @@
 """`Run`: a navigator that drives in a room with a lidar."""
 
 from support.sensed_rooms import GOAL, ROBOT, START
-from trundle.navigation.status import FINAL
+from trundle.navigation.state import FINAL
 from trundle.sim import simulate
 
 

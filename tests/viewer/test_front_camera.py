@@ -9,7 +9,7 @@ from trundle.mission import Scenario
 from trundle.robots import Robot
 from trundle.sim.mover_history import ShownMovers
 from trundle.viewer import gl
-from trundle.viewer.front_camera import front_views
+from trundle.viewer.cameras import front_views
 from trundle.viewer.route import DRIVEN_COLOR, FloorLine, bends, draw_line
 from trundle.viewer.scene import SceneFrames, SceneRenderer
 from trundle.viewer.scene_model import SceneModel

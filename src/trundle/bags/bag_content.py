@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from trundle.bags.bag_reader import BagReader, BagTopic
-from trundle.bags.belief_topics import MOST_PARTICLES
+from trundle.bags.topics import MOST_PARTICLES
 from trundle.bags.transforms import TransformTree
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D, Twist2D

@@ -10,10 +10,9 @@ from pathlib import Path as FilePath
 
 import numpy as np
 
-from trundle.bags.bag_beliefs import Beliefs
 from trundle.bags.bag_content import BagContent, TopicNames, make_scan, read_content
 from trundle.bags.bag_reader import BagReader
-from trundle.bags.bag_rows import Rows, make_rows
+from trundle.bags.bag_rows import Beliefs, Rows, make_rows
 from trundle.bags.run_record import RunFacts, RunRecord, read_record
 from trundle.costmap import Costmap
 from trundle.errors import InputError

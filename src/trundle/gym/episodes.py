@@ -11,8 +11,7 @@ import numpy.typing as npt
 
 from trundle.errors import InputError, WorldError
 from trundle.gym.arena import Arena
-from trundle.gym.arrays import HOST
-from trundle.gym.draws import episode_keys, seed_keys, stream_numbers, uniform
+from trundle.gym.arrays import HOST, episode_keys, seed_keys, stream_numbers, uniform
 from trundle.gym.lookup import Lookup
 from trundle.gym.navigation_settings import SPLITS, NavigationSettings
 from trundle.gym.variation import Variation

@@ -1,4 +1,4 @@
-"""`draw_map`: the map of a pose graph from all of its scans and all of their beams; `Canvas` for a map that grows."""
+"""`draw_map`: the map of a pose graph from all of its scans; `LiveMap`: the same while the graph grows."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy.typing as npt
 
 from trundle._core import count_beams, draw_cells, label_components
 from trundle.errors import InputError
-from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry import FloatArray, Pose2D, wrap_angle
+from trundle.mapping.nodes import Nodes
 from trundle.mapping.parts import component_of
 from trundle.mapping.pose_graph import FARTHEST_M, Lidar, PoseGraph
 from trundle.maps import OccupancyGrid
@@ -25,6 +26,9 @@ _PADDING_M = 1.0
 # Far beams that graze a wall pass by many of its cells. Behind such gaps nothing was seen, and the robot does not fit
 # through them; where it is not known, few do: a TurtleBot3 Burger is 0.21 m wide, most others more than 0.3 m.
 _WIDEST_GAP_M = 0.3
+# What lies between far beams, amid free space: nothing that lidars see is so small and apart from all else. A planner
+# that goes through known space alone would drive around it.
+_SPECK_M2 = 0.02
 _WALL = 65
 _TILE_M = 8.0
 RESOLUTIONS_M = (0.005, 10.0)
@@ -171,13 +175,15 @@ class Canvas:
     def grid(self, places: FloatArray) -> OccupancyGrid:
         """Return the map.
 
-        Free cells that do not hang together with one of the places are specks behind walls: they are not known.
+        Free cells that do not hang together with one of the places are specks behind walls: they are not known. Specks
+        of unknown cells amid free ones lie between beams: they are free.
 
         Args:
             places: Where the robot was (x, y) [m], shape (N, 2).
         """
         cells = draw_cells(self._counts, np.array((_LEAST_ENDS, _LEAST_SHARE, _LEAST_BEAMS)))
         self._leave_specks(cells, places)
+        _fill_specks(cells, _SPECK_M2 / self.resolution**2)
         for view in (cells, cells.T):
             _close_gaps(view, math.floor(self.widest_gap_m / self.resolution + 1e-9))
         seen = cells >= 0
@@ -205,6 +211,20 @@ class Canvas:
         cells[free & ~kept[labels]] = UNKNOWN
 
 
+def _fill_specks(cells: npt.NDArray[np.int8], most: float) -> None:
+    """Make unknown areas of up to `most` cells free that border on free cells alone."""
+    unknown = cells < 0
+    labels, parts = label_components(unknown.view(np.uint8), diagonal=True)
+    filled = np.concatenate(((False,), parts[:, 0] <= most))
+    taken = np.pad(cells > FREE_UP_TO, 1, constant_values=True)
+    for row in range(3):
+        for col in range(3):
+            beside = taken[row : row + cells.shape[0], col : col + cells.shape[1]]
+            filled[labels[beside & unknown]] = False
+    filled[0] = False
+    cells[filled[labels]] = 0
+
+
 def _close_gaps(cells: npt.NDArray[np.int8], widest: int) -> None:
     """Draw what is missing of walls along the rows: free cells between two walls that border on unknown ones."""
     wall, unknown = cells >= _WALL, cells < 0
@@ -222,3 +242,60 @@ def _close_gaps(cells: npt.NDArray[np.int8], widest: int) -> None:
                 gap &= open_cells[:, step : step + last]
             for step in range(1, width + 1):
                 cells[:, step : step + last][gap] = _WALL
+
+
+_MOVED_M, _MOVED_RAD = 0.01, 0.001
+_BLANK_CELLS = 20
+
+
+class LiveMap:
+    """A canvas, and which scans were drawn on it from where.
+
+    Args:
+        resolution: Edge of a cell [m].
+        robot: The robot; gaps of a wall that it fits through are not closed.
+    """
+
+    def __init__(self, resolution: float, robot: Robot) -> None:
+        self.resolution = check_number("the map's resolution", resolution, *RESOLUTIONS_M, "m")
+        self._canvas = Canvas(self.resolution, widest_gap_m(robot))
+        self._drawn: dict[int, tuple[FloatArray, int]] = {}  # by node: from which pose, and how many of its scans
+
+    def draw(self, nodes: Nodes, start: Pose2D) -> OccupancyGrid:
+        """Return the map of what hangs together with the newest node; a square around the start where that is nothing.
+
+        Args:
+            nodes: The graph.
+            start: Where the robot began, map frame.
+        """
+        roots = component_of(len(nodes), nodes.edges)
+        for node in range(len(nodes)):
+            scans, pose = nodes.scans_of(node), nodes.poses[node]
+            old = self._drawn.get(node)
+            wanted = roots[node] == roots[-1]
+            if old is not None and wanted and not _has_moved(old[0], pose):
+                self._count(nodes, scans[old[1] :], old[0], 1)
+                self._drawn[node] = (old[0], len(scans))
+                continue
+            if old is not None:
+                self._count(nodes, scans[: old[1]], old[0], -1)
+                del self._drawn[node]
+            if wanted:
+                self._count(nodes, scans, pose, 1)
+                self._drawn[node] = (pose.copy(), len(scans))
+        if self._canvas.is_empty:
+            row, col = (round(value / self.resolution) - _BLANK_CELLS // 2 for value in (start.y, start.x))
+            cells = np.full((_BLANK_CELLS, _BLANK_CELLS), UNKNOWN, dtype=np.int8)
+            origin = Pose2D(col * self.resolution, row * self.resolution)
+            return OccupancyGrid(cells, self.resolution, origin, surface="centre")
+        drawn = [nodes.poses[node][:2] for node in self._drawn]
+        return self._canvas.grid(np.array(drawn).reshape(-1, 2))
+
+    def _count(self, nodes: Nodes, scans: list, pose: FloatArray, sign: int) -> None:
+        for scan in scans:
+            self._canvas.count(place_beams(scan.ranges, nodes.lidars[scan.lidar], scan.poses), pose, sign)
+
+
+def _has_moved(old: FloatArray, new: FloatArray) -> bool:
+    moved = abs(old[0] - new[0]) > _MOVED_M or abs(old[1] - new[1]) > _MOVED_M
+    return bool(moved or abs(wrap_angle(float(old[2] - new[2]))) > _MOVED_RAD)

@@ -17,18 +17,16 @@ import numpy.typing as npt
 from trundle.geometry import FloatArray, Pose2D
 from trundle.localization.amcl.beams import BeamPicker
 from trundle.localization.localizer import check_covariance
-from trundle.mapping.carried_away import CarriedAway
-from trundle.mapping.live_map import LiveMap
+from trundle.mapping.doubtful_scans import CarriedAway, MovingThings
+from trundle.mapping.drawing import LiveMap
+from trundle.mapping.key_frames import RecentSurfaces, SeenPlaces
 from trundle.mapping.loops import Loop, LoopFinder
 from trundle.mapping.motion import Travel, doubt_of, motion_spread, turned
-from trundle.mapping.moving_things import MovingThings
 from trundle.mapping.nodes import MOST_POINTS, Floating, Nodes, Surface, make_surface
 from trundle.mapping.optimizer import contradicts, fits, is_true, optimize
 from trundle.mapping.parts import component_of, join_parts, nearest_joined
 from trundle.mapping.pose_graph import FARTHEST_M, FOLLOWS, LOOP, PoseGraph
 from trundle.mapping.pose_graph_file import load_pose_graph, save_pose_graph
-from trundle.mapping.recent_surfaces import RecentSurfaces
-from trundle.mapping.seen_places import SeenPlaces
 from trundle.mapping.submaps import Submaps
 from trundle.mapping.window import Match, ScanWindow
 from trundle.maps import OccupancyGrid

@@ -16,6 +16,7 @@ from trundle.mission.observers import (
     SubstepObserver,
 )
 from trundle.mission.own_map import Correction, MapTrack, OwnMap
+from trundle.mission.run_files import load_directives, save_directives
 from trundle.mission.running.robot_stack import Monitor
 from trundle.mission.running.session import Session
 from trundle.mission.sampling import sample_mission, sample_tight_ends
@@ -33,7 +34,6 @@ from trundle.mission.steering.directives import (
     StepOnce,
     WaitAtGoal,
 )
-from trundle.mission.steering.file import load_directives, save_directives
 from trundle.mission.steering.goal_directives import (
     Cancel,
     ClearObstacles,

@@ -16,9 +16,8 @@ from trundle.fault import Fault
 from trundle.files.opening import is_file
 from trundle.geometry import Goal, Pose2D
 from trundle.mission.own_map import OwnMap
-from trundle.mission.run_files import RECORD, check_record, load_paths, read_record
+from trundle.mission.run_files import DIRECTIVES_FILE, RECORD, check_record, load_directives, load_paths, read_record
 from trundle.mission.steering.directives import GivenDirective
-from trundle.mission.steering.file import DIRECTIVES_FILE, load_directives
 from trundle.mission.trajectory import Trajectory
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.path import Path

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import zlib
 from typing import Annotated, Literal, Self, TypeAlias
 
 import numpy as np
@@ -11,14 +13,12 @@ from trundle.control import MonitorSettings
 from trundle.control.latency import Latency
 from trundle.costmap import CostmapSettings, LayersSettings
 from trundle.files.choice import Choice, takes_name, takes_plugin
-from trundle.files.config_fields import PoseNumbers, Positive
+from trundle.files.config_fields import Angle, NotNegative, PoseNumbers, Positive
 from trundle.files.yaml_config import Config
-from trundle.geometry import Footprint
+from trundle.geometry import FloatArray, Footprint, Pose2D, wrap_angle
 from trundle.maps.cells import MOST_CELLS
 from trundle.mission.goal_fields import GoalFields
-from trundle.mission.map_errors import MapErrors
-from trundle.mission.obstacles import MoverChoice, Unmapped
-from trundle.mission.start_error import StartError, read_unknown
+from trundle.mission.obstacles import MapErrors, MoverChoice, Unmapped
 from trundle.navigation import NavigatorSettings
 from trundle.robots import Limits, Robot
 from trundle.robots.parts import Acceleration, Coordinate, ReverseSpeed, Speed, TurningAcceleration, TurningSpeed
@@ -39,6 +39,66 @@ class Rules(Config):
 
     arrival_radius: Positive | None = None
     every_contact: bool = False
+
+
+_START_STREAM = zlib.crc32(b"start error")
+_LEAST_START_M, _LEAST_START_RAD = 1e-3, 1e-3
+"""The least standard deviations that are told: with one of 0 the covariance would not be positive definite."""
+
+
+class StartError(Config):
+    """How far the pose that the localizer is told is from the true start: `{distance: 0.5, heading: 10deg}`.
+
+    The seed of the run decides in which direction. `unknown` alone says that it is told no pose, and has to find out.
+
+    Attributes:
+        distance: From the true position [m].
+        heading: From the true yaw [rad], 0 to π; text may be degrees.
+        covariance: Whether it is told how uncertain the pose is; if not, it has to take it for exact.
+        unknown: Whether it is told no pose at all.
+    """
+
+    distance: NotNegative = 0.0
+    heading: Annotated[Angle, Field(ge=0.0, le=math.pi)] = 0.0
+    covariance: bool = True
+    unknown: bool = False
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.unknown and (self.distance > 0.0 or self.heading > 0.0 or not self.covariance):
+            raise ValueError("a start that is unknown has no distance, heading or covariance: give either")
+        return self
+
+    def draw(self, start: Pose2D, seed: int) -> tuple[Pose2D | None, FloatArray | None]:
+        """Draw what the localizer is told.
+
+        Args:
+            start: Where the robot is, map frame.
+            seed: The same seed gives the same pose.
+
+        Returns:
+            The pose, or None for no pose; and its covariance of (x, y, yaw) [m², rad²], shape (3, 3), or None for a
+            pose that is told as exact.
+        """
+        if self.unknown:
+            return None, None
+        rng = np.random.default_rng([seed, _START_STREAM])
+        direction, sign = float(rng.uniform(-math.pi, math.pi)), float(rng.choice((-1.0, 1.0)))
+        told = Pose2D(
+            start.x + self.distance * math.cos(direction),
+            start.y + self.distance * math.sin(direction),
+            wrap_angle(start.yaw + sign * self.heading),
+        )
+        if not self.covariance or self.distance == self.heading == 0.0:
+            return told, None
+        # A distance d in any direction is a variance of d²/2 along each axis.
+        along = max(self.distance / math.sqrt(2.0), _LEAST_START_M)
+        return told, np.diag(np.square([along, along, max(self.heading, _LEAST_START_RAD)]))
+
+
+def read_unknown(value: object) -> object:
+    """Take `unknown` alone as a start that is not told."""
+    return {"unknown": True} if value == "unknown" else value
 
 
 class AssumedLimits(Config):

@@ -12,7 +12,7 @@ from trundle.files.yaml_config import Config
 from trundle.geometry import Goal
 from trundle.navigation.behaviors import Behavior, Spin, Wait
 from trundle.navigation.behaviors.behavior import BehaviorChoices, shorten_behavior
-from trundle.navigation.waypoint import Waypoint
+from trundle.navigation.goal_queue import Waypoint
 
 
 class WaypointFields(Config):

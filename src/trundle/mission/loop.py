@@ -10,7 +10,7 @@ from trundle.mission.episode import Episode
 from trundle.mission.metrics import Measure
 from trundle.mission.observers import Observer
 from trundle.mission.running.session import Session
-from trundle.mission.simulation import SessionOptions
+from trundle.mission.setup import SessionOptions
 from trundle.navigation.agents import AgentLike
 from trundle.sim.simulator import SomeSimulator
 

@@ -1,12 +1,13 @@
-"""Files in the folder of a run: `episode.json`, its record, and `paths.npz`, the paths that it followed."""
+"""Files in the folder of a run: `episode.json`, `paths.npz`, and `directives.json`, which steered it."""
 
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path as FilePath
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -15,9 +16,11 @@ from pydantic import TypeAdapter, ValidationError
 from trundle.errors import InputError
 from trundle.files.npz import read_arrays
 from trundle.files.opening import describe_unreadable, exists, is_file, open_file, read_up_to
+from trundle.files.writing import write_text
+from trundle.mission.steering.directives import GivenDirective, directive_fields, directive_name, read_directive
 from trundle.mission.trajectory import write_arrays
 from trundle.path import Path
-from trundle.values import as_array
+from trundle.values import as_array, as_path, check_count, check_number
 
 RECORD = "episode.json"
 _MOST_BYTES = 50_000_000
@@ -155,3 +158,69 @@ def _split(arrays: Mapping[str, npt.NDArray[Any]]) -> tuple[Path, ...]:
         )
         for index in range(len(counts))
     )
+
+
+DIRECTIVES_FILE = "directives.json"
+
+_STEERED = "take the directives.json of a steered run's folder"
+_MOST_PERIODS = 10_000_000
+_ALWAYS = ("index", "time", "directive")
+_OFTEN = ("by", "refused")
+
+
+def save_directives(path: str | os.PathLike[str], directives: Sequence[GivenDirective]) -> None:
+    """Write the directives of a run as JSON, one a line; `load_directives` reads them.
+
+    Raises:
+        OutputError: If it cannot be written.
+    """
+    lines = ",\n  ".join(json.dumps(_plain_given(given), ensure_ascii=False, allow_nan=False) for given in directives)
+    write_text(path, f'{{"directives": [\n  {lines}\n]}}\n', durable=True)
+
+
+def load_directives(path: str | os.PathLike[str]) -> tuple[GivenDirective, ...]:
+    """Read the directives of a run, to give them again: `Session(…, directives=load_directives(path))`.
+
+    Args:
+        path: The file `directives.json`.
+
+    Raises:
+        InputError: If it cannot be read, or one of them is no directive; the message says which.
+    """
+    file = FilePath(as_path(path, "a file of directives"))
+    values = read_json(file, "record of directives", _STEERED).get("directives")
+    if not isinstance(values, list):
+        raise InputError(f"{file}: it has no list 'directives': {_STEERED}")
+    found: list[GivenDirective] = []
+    for number, entry in enumerate(cast("list[object]", values), 1):
+        try:
+            given = _read_given(entry)
+            if found and given.index < found[-1].index:
+                raise InputError(f"index {given.index} comes after {found[-1].index}: they must be in order")
+        except InputError as error:
+            raise InputError(f"{file}: directive {number}: {error}") from error
+        found.append(given)
+    return tuple(found)
+
+
+def _plain_given(given: GivenDirective) -> dict[str, object]:
+    plain: dict[str, object] = {"index": given.index, "time": given.time, "directive": directive_name(given.directive)}
+    plain |= directive_fields(given.directive)
+    return plain | {name: value for name in _OFTEN if (value := getattr(given, name))}
+
+
+def _read_given(entry: object) -> GivenDirective:
+    if not isinstance(entry, dict):
+        raise InputError(f"it must be an object, got {entry!r:.80}")
+    values = dict(cast("Mapping[str, Any]", entry))
+    missing = [name for name in _ALWAYS if name not in values]
+    if missing:
+        raise InputError(f"it lacks {', '.join(missing)}")
+    index, time = check_count("index", values.pop("index"), 0, _MOST_PERIODS), values.pop("time")
+    time = check_number("time", time, 0.0, math.inf, "s")
+    name = values.pop("directive")
+    texts = [values.pop(key, "") for key in _OFTEN]
+    for key, text in zip(_OFTEN, texts, strict=True):
+        if not isinstance(text, str):
+            raise InputError(f"{key} must be a text, got {text!r:.80}")
+    return GivenDirective(index, time, read_directive(name, values), *texts)

@@ -24,11 +24,10 @@ from trundle.mission.episode import Episode
 from trundle.mission.fields import ScenarioFields
 from trundle.mission.goal_fields import exact_goals, make_goal, shorten_goal
 from trundle.mission.observers import Observer
-from trundle.mission.place import Place, make_place
+from trundle.mission.run_files import load_directives
 from trundle.mission.running.session import Session
 from trundle.mission.sampling import sample_mission
-from trundle.mission.simulation import session_options, start_backend, wrap_backend
-from trundle.mission.steering.file import load_directives
+from trundle.mission.setup import Place, make_place, session_options, start_backend, wrap_backend
 from trundle.mission.steering.queue import Steering
 from trundle.navigation import Agent, Navigator, NavigatorSettings
 from trundle.navigation.agents import create_agent

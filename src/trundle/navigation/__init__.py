@@ -5,10 +5,10 @@ from trundle.files.choice import Choice
 from trundle.navigation.agent import Agent, AgentInfo, AgentReport
 from trundle.navigation.agents import AgentLike, CommandScript, agent_names, create_agent
 from trundle.navigation.command_check import AssistedCommand
+from trundle.navigation.goal_queue import Waypoint
 from trundle.navigation.navigator import Navigator
 from trundle.navigation.navigator_settings import NavigatorSettings
-from trundle.navigation.status import NavigationStatus
-from trundle.navigation.waypoint import Waypoint
+from trundle.navigation.state import NavigationStatus
 
 __all__ = [
     "Agent",

@@ -19,7 +19,7 @@ from trundle.maps import OccupancyGrid
 from trundle.maps.masks import SpeedMask
 from trundle.navigation.behaviors import Behavior, BehaviorRun
 from trundle.navigation.command_check import AssistedCommand
-from trundle.navigation.status import NavigationStatus
+from trundle.navigation.state import NavigationStatus
 from trundle.observation import Estimate, Observation, Track
 from trundle.path import Path
 from trundle.registry import name_of

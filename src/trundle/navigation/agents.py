@@ -13,7 +13,7 @@ from trundle.files.choice import Choice, split_choice
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.navigation.agent import CONTROL_PERIOD_S, Agent, AgentInfo, AgentReport, SomeAgent, read_status
-from trundle.navigation.status import NavigationStatus
+from trundle.navigation.state import NavigationStatus
 from trundle.observation import Estimate, Observation
 from trundle.registry import Contract, PluginFunction, Registry, offered_arguments
 from trundle.robots import Robot

@@ -19,7 +19,6 @@ from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
 from trundle.navigation.agent import Agent
-from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import Behavior, create_behavior
 from trundle.navigation.command_check import AssistedCommand, CommandCheck, SpeedLimiter, assist_teleop, slow_down
 from trundle.navigation.goal_queue import GoalQueue
@@ -27,14 +26,13 @@ from trundle.navigation.inputs import CredibleTwist, Given, load_costmap, read_o
 from trundle.navigation.navigator_requests import NavigatorRequests
 from trundle.navigation.navigator_settings import NavigatorSettings
 from trundle.navigation.progress import PathProgress, Retries
-from trundle.navigation.recovery import Recovery
+from trundle.navigation.recovery import BehaviorRunner, Recovery
 from trundle.navigation.relocalization import CORRECTED_M, Relocalization
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.retreat import Retreat
 from trundle.navigation.route_planner import RoutePlanner
 from trundle.navigation.sensing import SensedMap, SensedTracks, make_placer
-from trundle.navigation.state import Decision, Snapshot
-from trundle.navigation.status import NavigationStatus
+from trundle.navigation.state import Decision, NavigationStatus, Snapshot
 from trundle.observation import Estimate, Observation, Scan
 from trundle.planning import create_planner, create_smoother
 from trundle.planning.planner import PlannerLike

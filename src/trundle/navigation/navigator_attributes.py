@@ -13,16 +13,15 @@ from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import SpeedMask
 from trundle.navigation.agent import Agent
-from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.navigation.command_check import CommandCheck
 from trundle.navigation.goal_queue import GoalQueue
 from trundle.navigation.navigator_settings import NavigatorSettings
+from trundle.navigation.recovery import BehaviorRunner
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.route_planner import RoutePlanner
 from trundle.navigation.sensing import SensedMap
-from trundle.navigation.state import DriveState
-from trundle.navigation.status import NavigationStatus
+from trundle.navigation.state import DriveState, NavigationStatus
 from trundle.observation import Track
 from trundle.path import Path
 from trundle.planning import PathCheck, Planner, Smoother, create_planner, create_smoother

@@ -14,15 +14,14 @@ from trundle.maps import OccupancyGrid
 from trundle.navigation.agent import AgentInfo, AgentReport
 from trundle.navigation.behaviors import Behavior
 from trundle.navigation.behaviors.behavior import check_behavior_kind
+from trundle.navigation.goal_queue import Route
 from trundle.navigation.inputs import read_goal
 from trundle.navigation.navigator_attributes import NavigatorAttributes
 from trundle.navigation.progress import FollowedPath
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.relocalization import Relocalization
 from trundle.navigation.sensing import SensedTracks
-from trundle.navigation.state import NOTHING, Decision, DriveState, Snapshot
-from trundle.navigation.status import NavigationStatus
-from trundle.navigation.waypoint import Route
+from trundle.navigation.state import NOTHING, Decision, DriveState, NavigationStatus, Snapshot
 from trundle.path import Path
 from trundle.values import check_kind
 
@@ -271,7 +270,7 @@ class NavigatorRequests(NavigatorAttributes):
         return decision.command
 
     def _enter(self, state: DriveState) -> None:
-        """Replace the state of the drive; `trundle.navigation.status` has the changes of status that happen."""
+        """Replace the state of the drive; `trundle.navigation.state` has the changes of status that happen."""
         self._state = state
 
     def _begin(self, route: Route | None) -> None:

@@ -10,8 +10,7 @@ import numpy as np
 
 from trundle.control.sensed_points import Edges, SensedPoints
 from trundle.geometry import FloatArray, Pose2D, Twist2D, wrap_angle
-from trundle.navigation.state import Decision
-from trundle.navigation.status import NavigationStatus
+from trundle.navigation.state import Decision, NavigationStatus
 from trundle.observation import Estimate, Scan
 from trundle.robots import Robot
 

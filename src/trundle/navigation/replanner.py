@@ -15,8 +15,7 @@ from trundle.navigation.planning_limits import FailedPlan, PlanningBudget, Plann
 from trundle.navigation.progress import FollowedPath
 from trundle.navigation.route_planner import RoutePlanner, is_of_goal
 from trundle.navigation.sensing import SensedMap
-from trundle.navigation.state import NOTHING, Decision, DriveState, Snapshot
-from trundle.navigation.status import NavigationStatus
+from trundle.navigation.state import NOTHING, Decision, DriveState, NavigationStatus, Snapshot
 from trundle.planning import PathHit, Planner
 from trundle.robots import Robot
 

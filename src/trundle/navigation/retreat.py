@@ -15,8 +15,7 @@ from trundle.navigation.obstacle_watch import PAST_MOVERS_EVERY_S
 from trundle.navigation.progress import FollowedPath
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.route_planner import RoutePlanner, is_of_goal
-from trundle.navigation.state import NOTHING, Decision, DriveState, Snapshot
-from trundle.navigation.status import NavigationStatus
+from trundle.navigation.state import NOTHING, Decision, DriveState, NavigationStatus, Snapshot
 from trundle.planning import cost_field
 
 _STAND = Twist2D()

@@ -1,4 +1,4 @@
-"""What a robot believes of its pose, as the page draws it: particles, the 95 % ellipse, other places and the state."""
+"""What a robot believes, as the page draws it: particles, ellipse, other places, the state, and its own map."""
 
 from __future__ import annotations
 
@@ -8,8 +8,11 @@ from typing import Any
 import numpy as np
 
 from trundle.geometry import FloatArray
+from trundle.maps import OccupancyGrid
+from trundle.maps.cells import round_trinary
+from trundle.mission.own_map import MapTrack
 from trundle.observation import Estimate, pick_particles
-from trundle.page.encoding import pack_array, rounded
+from trundle.page.encoding import grid_png, pack_array, rounded
 
 MOST_PARTICLES = 500
 """Particles that are drawn: more would overlap, and cost time in every frame."""
@@ -63,3 +66,32 @@ def _pack(particles: FloatArray, x: float, y: float) -> dict[str, Any]:
     scaled = np.c_[100.0 * (sound[:, :2] - (x, y)), 1000.0 * np.remainder(sound[:, 2] + math.pi, 2.0 * math.pi)]
     scaled[:, 2] -= 1000.0 * math.pi
     return pack_array(np.clip(np.rint(scaled), -_MOST_CM, _MOST_CM), "i2")
+
+
+_MOST_POSES, _MOST_LOOPS = 20_000, 5_000
+"""More would hide the map, and take longer to send than its picture."""
+
+
+def own_map_of(grid: OccupancyGrid, track: MapTrack | None) -> dict[str, Any]:
+    """Return a map as `grid_png` does, with occupied, free and unknown cells alone, and what it comes from.
+
+    Args:
+        grid: The map.
+        track: Poses, loops and corrections; None where they are not known.
+
+    Returns:
+        As `grid_png`, and "poses" (N, 2) [m] and "loops" (M, 4) [m], both ends of each, packed; "corrections" [[x, y,
+        metres]].
+    """
+    # Shares of beams differ from cell to cell, and would make the picture four times as large.
+    plain = OccupancyGrid(round_trinary(grid.data), grid.resolution, grid.origin)
+    shown: dict[str, Any] = {**grid_png(plain), "poses": None, "loops": None, "corrections": []}
+    if track is None:
+        return shown
+    places = track.poses[:, :2]
+    step = -(-len(places) // _MOST_POSES) or 1
+    return shown | {
+        "poses": pack_array(places[::step], "f4"),
+        "loops": pack_array(places[track.loops[-_MOST_LOOPS:]].reshape(-1, 4), "f4"),
+        "corrections": [rounded((one.x, one.y, one.moved_m), 3) for one in track.corrections],
+    }

@@ -25,11 +25,10 @@ from trundle.geometry import Pose2D, Twist2D
 from trundle.mission import Episode, Outcome, RunInfo, Scenario, Step
 from trundle.mission.goal_fields import make_goal
 from trundle.mission.own_map import OwnMap
-from trundle.mission.run_files import save_paths
+from trundle.mission.run_files import DIRECTIVES_FILE, save_directives, save_paths
 from trundle.mission.running.episode_maker import make_episode
 from trundle.mission.running.preparation import describe_run, standing_at
 from trundle.mission.running.run_log import AgentTotals, RunLog
-from trundle.mission.steering.file import DIRECTIVES_FILE, save_directives
 from trundle.navigation import AgentInfo
 from trundle.navigation.agent import CONTROL_PERIOD_S
 from trundle.page.report import REPORT, report_scene, write_report

@@ -11,9 +11,8 @@ import numpy as np
 from trundle.errors import InputError
 from trundle.geometry import Pose2D
 from trundle.mission import Mission, Observer, Scenario
-from trundle.mission.place import make_place
 from trundle.mission.scenario import Setting
-from trundle.mission.simulation import start_backend, wrap_backend
+from trundle.mission.setup import make_place, start_backend, wrap_backend
 from trundle.ros2.inlet import Record
 from trundle.ros2.names import Names
 from trundle.ros2.navigator_role.role import NavigatorRole

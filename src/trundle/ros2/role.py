@@ -9,7 +9,7 @@ from typing import Literal, Protocol, TypeAlias
 from trundle.geometry import Pose2D
 from trundle.messages import MessageMaker
 from trundle.mission import Episode, LiveRun, LiveStatus, Mission, Observer, Session, Steering
-from trundle.mission.simulation import SessionOptions
+from trundle.mission.setup import SessionOptions
 from trundle.navigation import Agent
 from trundle.observation import Observation
 from trundle.ros2.profile import Profile

@@ -16,7 +16,7 @@ from trundle.maps import OccupancyGrid
 from trundle.mission import Episode, LiveStatus, OwnMap, RunInfo, SteeringReport, Step
 from trundle.observation import Scan
 from trundle.page import RunLines
-from trundle.page.own_map import own_map_of
+from trundle.page.belief import own_map_of
 from trundle.page.run_lines import goal_of
 from trundle.robots import Robot
 from trundle.serve.feed import Newest

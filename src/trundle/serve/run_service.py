@@ -11,8 +11,8 @@ from typing import Protocol, Self
 from trundle.errors import InputError, TrundleError
 from trundle.fault import find_fault, folder_of, is_of_plugin, text_of
 from trundle.mission import Episode, LiveStatus, Mission, Observer, Restart, Scenario, Session
-from trundle.mission.place import make_place
 from trundle.mission.run_files import RECORD
+from trundle.mission.setup import make_place
 from trundle.serve.choosing import choose
 from trundle.serve.hub import Hub
 from trundle.serve.page_messages import Message, Order, Preview, Setup

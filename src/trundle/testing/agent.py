@@ -13,7 +13,7 @@ from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.navigation import Agent, AgentInfo, AgentReport, AssistedCommand, NavigationStatus
 from trundle.navigation.agents import AgentLike, create_agent
-from trundle.navigation.status import FINAL
+from trundle.navigation.state import FINAL
 from trundle.observation import Estimate, Observation, Scan
 from trundle.path import Path
 from trundle.robots import Robot

@@ -16,8 +16,7 @@ from trundle.files.writing import atomic_path
 from trundle.geometry import Pose2D
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.mover_history import ShownMovers
-from trundle.viewer.cameras import Camera
-from trundle.viewer.front_camera import front_views
+from trundle.viewer.cameras import Camera, front_views
 from trundle.viewer.gl import describe_missing_gl
 from trundle.viewer.painters import Painter, Pixels, RendererKind, open_painter
 from trundle.viewer.route import DRIVEN_COLOR, FloorLine, bends, path_pieces

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from trundle.evaluation.suite import Suite
-from trundle.mission.map_errors import MapErrors
-from trundle.mission.start_error import StartError
+from trundle.mission.fields import StartError
+from trundle.mission.obstacles import MapErrors
 
 SUITES = Path(__file__).parents[3] / "benchmarks" / "localization" / "suites"
 

@@ -202,6 +202,7 @@ class ObstacleLayer:
             SensorWarning: Once for each kind of scan that is left out; if the odometry jumps, which clears the layer;
                 and if the estimate is corrected by more than 1 m.
         """
+        check_kind(estimate, Estimate, "an estimate", "a localizer's update returns one")
         if self._last is not None and not estimate.time > self._last.time:
             raise InputError(
                 f"times must increase: an estimate of {estimate.time:g} s came after one of {self._last.time:g} s"

@@ -14,9 +14,8 @@ from trundle.mission.batch.missions import MissionBatch
 from trundle.mission.batch.needs import BATCH, needs_python
 from trundle.mission.fields import Assumed
 from trundle.mission.metrics import TrueMaps
-from trundle.mission.place import Place, make_place, place_key
 from trundle.mission.scenario import Setting
-from trundle.mission.simulation import backend_of, backend_options, start_backend, wrap_backend
+from trundle.mission.setup import Place, backend_of, backend_options, make_place, place_key, start_backend, wrap_backend
 from trundle.navigation import Navigator
 from trundle.planning.planner import PLANNERS
 from trundle.planning.smoother import SMOOTHERS

@@ -26,7 +26,7 @@ from trundle.mission.goal_fields import exact_goals, make_goal
 from trundle.mission.loop import run
 from trundle.mission.metrics import Truth, measure_truth
 from trundle.mission.scenario import PLUGINS
-from trundle.mission.simulation import session_options
+from trundle.mission.setup import session_options
 from trundle.navigation.agents import AGENTS
 from trundle.navigation.behaviors import describe_behaviors
 from trundle.planning.planner import PLANNERS

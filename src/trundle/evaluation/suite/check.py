@@ -20,7 +20,7 @@ from trundle.evaluation.suite.plugin import PluginChoice
 from trundle.localization import create_localizer
 from trundle.maps import OCCUPIED, OccupancyGrid
 from trundle.mission.fields import MapOptions
-from trundle.mission.simulation import check_sees
+from trundle.mission.setup import check_sees
 from trundle.navigation.agent import Agent
 from trundle.navigation.agents import create_agent
 from trundle.navigation.policies.policy import Policy

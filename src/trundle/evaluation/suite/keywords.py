@@ -16,10 +16,8 @@ if TYPE_CHECKING:
     from trundle.evaluation.suite.vary import Vary
     from trundle.files.choice import Choice
     from trundle.localization.localizer import LocalizerLike
-    from trundle.mission.fields import Assumed, Rules, WorldChoice
-    from trundle.mission.map_errors import MapErrors
-    from trundle.mission.obstacles import MoverChoice, Unmapped
-    from trundle.mission.start_error import StartError
+    from trundle.mission.fields import Assumed, Rules, StartError, WorldChoice
+    from trundle.mission.obstacles import MapErrors, MoverChoice, Unmapped
     from trundle.navigation.agents import AgentLike
     from trundle.navigation.behaviors.behavior import BehaviorChoice
     from trundle.planning.planner import PlannerLike

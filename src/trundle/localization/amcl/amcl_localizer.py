@@ -19,12 +19,11 @@ from trundle.geometry import FloatArray, Pose2D, wrap_angle
 from trundle.localization.amcl.amcl_settings import AmclSettings
 from trundle.localization.amcl.beams import BeamPicker, Beams
 from trundle.localization.amcl.hypotheses import Hypotheses
-from trundle.localization.amcl.map_field import MapField
+from trundle.localization.amcl.map_field import MapField, SeenSurfaces
 from trundle.localization.amcl.motion import Motion, OdometryBias
 from trundle.localization.amcl.particle_cloud import ParticleCloud
 from trundle.localization.amcl.scene import Scene
 from trundle.localization.amcl.search import search_map, search_near
-from trundle.localization.amcl.seen_surfaces import SeenSurfaces
 from trundle.localization.blind_driving import BlindDriving
 from trundle.localization.localizer import Localizer, check_covariance
 from trundle.maps import OccupancyGrid

@@ -5,7 +5,7 @@ from __future__ import annotations
 from trundle.geometry.solids import Mesh
 from trundle.mission.fields import MapOptions, ScenarioFields
 from trundle.mission.goal_fields import make_goal
-from trundle.navigation.waypoint import tasks_of
+from trundle.navigation.goal_queue import tasks_of
 from trundle.worlds import World
 from trundle.worlds.movers.crowd import Crowd
 

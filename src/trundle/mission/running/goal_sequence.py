@@ -19,8 +19,8 @@ from trundle.mission.running.robot_stack import RobotStack
 from trundle.mission.running.run_log import AgentTotals
 from trundle.navigation import AgentReport, NavigationStatus, NavigatorSettings
 from trundle.navigation.agents import check_command
-from trundle.navigation.status import FINAL
-from trundle.navigation.waypoint import tasks_of
+from trundle.navigation.goal_queue import tasks_of
+from trundle.navigation.state import FINAL
 from trundle.path import Path
 from trundle.sim import RobotState
 

@@ -19,7 +19,7 @@ from trundle.mission.observers import RunInfo
 from trundle.navigation import Agent, AgentInfo
 from trundle.navigation.agent import CONTROL_PERIOD_S
 from trundle.navigation.command_check import fastest_s
-from trundle.navigation.waypoint import tasks_of
+from trundle.navigation.goal_queue import tasks_of
 from trundle.observation import Estimate
 from trundle.path import Path
 from trundle.registry import name_of

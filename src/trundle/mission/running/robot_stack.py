@@ -16,11 +16,10 @@ from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.localization import Localizer
 from trundle.localization.localizer import check_covariance, makes_map
 from trundle.maps import OccupancyGrid
+from trundle.mission.fields import StartError
 from trundle.mission.observers import MonitorReport
-from trundle.mission.own_map import MapTrack, OwnMap
-from trundle.mission.running.map_keeper import MapKeeper
+from trundle.mission.own_map import MapKeeper, MapTrack, OwnMap
 from trundle.mission.running.run_log import RunLog
-from trundle.mission.start_error import StartError
 from trundle.navigation import Agent, AgentReport, AssistedCommand
 from trundle.observation import Estimate, Observation, Scan
 from trundle.registry import name_of

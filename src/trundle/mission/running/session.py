@@ -15,7 +15,7 @@ from trundle.geometry import Pose2D, Twist2D
 from trundle.localization import create_localizer
 from trundle.localization.localizer import LocalizerLike
 from trundle.mission.episode import Episode, Outcome
-from trundle.mission.fields import Rules
+from trundle.mission.fields import Rules, StartError
 from trundle.mission.metrics import Measure, measure_truth
 from trundle.mission.observers import Observer, Observers, RunInfo, SteeringReport, Step
 from trundle.mission.running.control_loop import ControlLoop
@@ -33,14 +33,13 @@ from trundle.mission.running.preparation import (
 )
 from trundle.mission.running.robot_stack import RobotStack, SomeMonitor
 from trundle.mission.running.run_log import RunLog
-from trundle.mission.start_error import StartError
 from trundle.mission.steering.directive_executor import DirectiveExecutor
 from trundle.mission.steering.directives import GivenDirective, Restart
 from trundle.mission.steering.queue import Steering
 from trundle.navigation import Agent
 from trundle.navigation.agent import CONTROL_PERIOD_S
 from trundle.navigation.agents import AgentLike, create_agent
-from trundle.navigation.waypoint import tasks_of
+from trundle.navigation.goal_queue import tasks_of
 from trundle.observation import Estimate
 from trundle.sim import RobotState
 from trundle.sim.simulator import SomeSimulator, as_simulator

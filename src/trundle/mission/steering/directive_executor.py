@@ -22,7 +22,7 @@ from trundle.mission.steering.directives import GivenDirective
 from trundle.mission.steering.queue import DEAD_MAN_S, Order, Steering, TaskEnd, TaskResult, TaskWatcher
 from trundle.navigation import NavigationStatus
 from trundle.navigation.behaviors.behavior import ASKED_FOR
-from trundle.navigation.status import FINAL
+from trundle.navigation.state import FINAL
 from trundle.sim import RobotState, Simulator
 from trundle.sim.footprint import FootprintChecker
 from trundle.worlds import World

@@ -15,7 +15,7 @@ from trundle.geometry import Goal, Pose2D
 from trundle.localization.localizer import check_covariance
 from trundle.mission.steering.checks import CONFIG, CheckedDirective, flag, number_of
 from trundle.navigation.behaviors import Behavior, create_behavior
-from trundle.navigation.waypoint import tasks_of
+from trundle.navigation.goal_queue import tasks_of
 from trundle.path import Path
 from trundle.values import as_sequence
 

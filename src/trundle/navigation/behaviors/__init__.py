@@ -5,13 +5,15 @@ from trundle.navigation.behaviors.behavior import (
     BehaviorContext,
     BehaviorResult,
     BehaviorRun,
+    ClearCostmap,
+    Replan,
+    ReplanWith,
+    Wait,
     behavior_names,
     create_behavior,
     describe_behaviors,
 )
-from trundle.navigation.behaviors.drive_clear import DriveClear
-from trundle.navigation.behaviors.motions import BackUp, DriveOnHeading, Spin
-from trundle.navigation.behaviors.standing import ClearCostmap, Replan, ReplanWith, Wait
+from trundle.navigation.behaviors.motions import BackUp, DriveClear, DriveOnHeading, Spin
 
 __all__ = [
     "BackUp",

@@ -13,10 +13,17 @@ from trundle.maps import OccupancyGrid
 from trundle.navigation.agent import Agent, AgentInfo, AgentReport
 from trundle.navigation.behaviors import Behavior
 from trundle.navigation.command_check import AssistedCommand
-from trundle.navigation.exploration.frontiers import ExplorerSettings, Frontier, find_frontiers, shows_floor
-from trundle.navigation.exploration.targets import GivenUp, Targets, is_same
+from trundle.navigation.exploration.frontiers import (
+    ExplorerSettings,
+    Frontier,
+    GivenUp,
+    Targets,
+    find_frontiers,
+    is_same,
+    shows_floor,
+)
 from trundle.navigation.navigator import Navigator
-from trundle.navigation.status import FINAL, NavigationStatus
+from trundle.navigation.state import FINAL, NavigationStatus
 from trundle.observation import Estimate, Observation
 from trundle.path import Path
 from trundle.robots import Robot

@@ -1,9 +1,9 @@
-"""`find_frontiers`: where the free space that a robot can reach borders on unknown space (Yamauchi, CIRA 1997)."""
+"""`find_frontiers`: where free space borders on unknown space (Yamauchi, CIRA 1997); `Targets`: which is next."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -11,11 +11,12 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field
 
-from trundle._core import cast_grid_rays, label_components, mark_gaps
+from trundle._core import cast_grid_rays, inflate, label_components, mark_gaps
 from trundle.costmap import INSCRIBED, LETHAL, Costmap
 from trundle.files.config_fields import NotNegative, Positive
 from trundle.files.yaml_config import Config
 from trundle.geometry import FloatArray, Pose2D
+from trundle.maps.cells import OCCUPIED
 from trundle.planning import cost_field
 
 _AROUND_M = 0.3
@@ -42,6 +43,8 @@ class ExplorerSettings(Config):
         least_frontier: Frontiers shorter than this are left out [m]: the robot does not fit through.
         least_gain: Frontiers that would show less than this are left out [m²]. With 1 instead of 0.15 an office takes
             a fifth less time, and over 99 % of its floor is still seen.
+        least_opening: A frontier counts all the same if what is unknown behind it keeps the robot's centre from so much
+            floor [m²], as an area amid an aisle does.
         speck_area: Unknown areas smaller than this count as seen [m²], such as what lies between two beams.
         view_range: How far what a frontier would show is counted [m].
         gain_exponent: Weight of what a frontier would show: frontiers are rated by area ** exponent / distance. With 0
@@ -56,7 +59,8 @@ class ExplorerSettings(Config):
 
     least_frontier: NotNegative = 0.3
     least_gain: NotNegative = 1.0
-    speck_area: NotNegative = 0.06
+    least_opening: NotNegative = 0.5
+    speck_area: NotNegative = 0.02
     view_range: Annotated[float, Field(gt=0.1, le=100.0)] = 6.0
     gain_exponent: Annotated[float, Field(ge=0.0, le=4.0)] = 0.5
     period: Annotated[float, Field(ge=0.05, le=60.0)] = 1.0
@@ -69,7 +73,7 @@ class Frontier:
     """A stretch of free space that borders on unknown space.
 
     Attributes:
-        x, y: Its middle, map frame [m].
+        x, y: Its middle, map frame [m]; of one longer than four times the view range, where it is nearest to the robot.
         length: Its length [m].
         view: Where the robot can look at it from, map frame [m].
         distance: How far the robot drives there [m]; near obstacles a metre counts up to three times.
@@ -113,11 +117,12 @@ def find_frontiers(
     reach = _LOOK_M / edge
     found: list[Frontier] = []
     x, y = (float(value) / edge for value in costmap.cell_to_world(0, 0))
-    square = 2.0 * settings.view_range / edge if in_pieces else math.inf
-    for rows, cols in _stretches(border, (y, x), settings.least_frontier / edge, square):
+    square = 2.0 * settings.view_range / edge
+    for rows, cols in _stretches(border, (y, x), settings.least_frontier / edge, square if in_pieces else math.inf):
         found_place = None
-        # A part of a long one may lie behind a wall.
-        order = np.argsort((rows - rows.mean()) ** 2 + (cols - cols.mean()) ** 2, kind="stable")
+        # A part may lie behind a wall. The middle of a long one moves from end to end of a hall with all that is seen.
+        middle = (row, col) if len(rows) > 2.0 * square else (rows.mean(), cols.mean())
+        order = np.argsort((rows - middle[0]) ** 2 + (cols - middle[1]) ** 2, kind="stable")
         for index in order[np.linspace(0, len(order) - 1, min(len(order), _PLACES)).astype(np.intp)].tolist():
             at = int(rows[index]), int(cols[index])
             view = _place_to_look(blocked, roomy, at, reach) or _place_to_look(blocked, reached, at, reach)
@@ -128,7 +133,7 @@ def find_frontiers(
             continue
         at, view = found_place
         gain = _gain(blocked, unseen, view, settings.view_range / edge, _UNSEEN_M / edge) * edge**2
-        if gain < settings.least_gain:
+        if gain < settings.least_gain and _opening(costmap, rows, cols) < settings.least_opening:
             continue
         x, y = (float(value) for value in costmap.cell_to_world(*at))
         view_x, view_y = (float(value) for value in costmap.cell_to_world(*view))
@@ -144,6 +149,20 @@ def shows_floor(costmap: Costmap, pose: Pose2D) -> bool:
     if not costmap.contains(row, col) or unseen.all():
         return False
     return bool((np.isfinite(_reach(costmap, unseen, row, col)) & ~unseen).any())
+
+
+def _opening(costmap: Costmap, rows: _Cells, cols: _Cells) -> float:
+    """Return how much floor the robot's centre is kept from by what is unknown beside a stretch of the border [m²].
+
+    The cells within the footprint's inscribed radius of the border count that no obstacle keeps it from.
+    """
+    radius = math.ceil(costmap.inscribed_radius / costmap.resolution)
+    top, left = max(0, int(rows.min()) - radius), max(0, int(cols.min()) - radius)
+    drivable = costmap.data[top : int(rows.max()) + radius + 1, left : int(cols.max()) + radius + 1] < INSCRIBED
+    marked = np.zeros(drivable.shape, np.int8)
+    marked[rows - top, cols - left] = OCCUPIED
+    near = inflate(marked, np.ones(radius**2 + 1, np.uint8)) > 0
+    return float((near & drivable).sum()) * costmap.resolution**2
 
 
 def _stretches(
@@ -242,3 +261,127 @@ def _gain(blocked: npt.NDArray[np.uint8], unseen: _Mask, view: tuple[int, int], 
     new[inside] = unseen[rows[inside], cols[inside]]
     counted = new & (np.cumsum(new, axis=1) * step <= deepest)
     return float((counted * along).sum() * step * 2.0 * math.pi / _RAYS)
+
+
+_SAME_M = 1.0
+"""Frontiers that are nearer to each other than this are one and the same [m]: they move as more is seen."""
+_STAYS = 1.5
+"""So much better must another frontier be before the robot turns away from the one that it drives to."""
+_LOOKS = 3
+"""So often a frontier may come back after it was looked at."""
+_TURN_M = 1.5
+"""Added to the distance of every frontier [m], so that a close one does not count without limit."""
+
+
+@dataclass(frozen=True, slots=True)
+class GivenUp:
+    """A frontier that the robot could not look at.
+
+    Attributes:
+        x, y: Its middle, map frame [m].
+        reason: Why.
+        gain: How much unknown space it would have shown [m²].
+    """
+
+    x: float
+    y: float
+    reason: str
+    gain: float
+
+
+@dataclass(slots=True)
+class _Refused:
+    """Tries to get to a frontier that have failed.
+
+    Attributes:
+        frontier: The frontier.
+        reason: Why the last one failed.
+        tries: How many.
+        waits: Whether others come first.
+        is_forgiven: Whether one of them was taken back, or none may be: it was refused for good.
+    """
+
+    frontier: Frontier
+    reason: str
+    tries: int = 0
+    waits: bool = True
+    is_forgiven: bool = False
+
+
+class Targets:
+    """Chooses among frontiers, and remembers those that could not be reached.
+
+    A frontier at which a try has failed is tried again once no other is left: what was in the way may have moved.
+
+    Args:
+        settings: How frontiers are rated, and how often each is tried.
+    """
+
+    def __init__(self, settings: ExplorerSettings) -> None:
+        self._settings = settings
+        self._refused: list[_Refused] = []
+        self._visited: list[tuple[float, float]] = []
+
+    def choose(self, frontiers: Sequence[Frontier], current: Frontier | None) -> Frontier | None:
+        """Return the frontier to drive to; None where none is left to be tried.
+
+        Args:
+            frontiers: All that there are now.
+            current: The one that the robot drives to.
+        """
+        open_ones = [one for one in frontiers if not self._waits(one)]
+        if not open_ones:
+            for refused in self._refused:
+                refused.waits = refused.tries >= self._settings.tries
+            open_ones = [one for one in frontiers if not self._waits(one)]
+        if not open_ones:
+            return None
+
+        def worth(frontier: Frontier) -> float:
+            rated = frontier.gain**self._settings.gain_exponent / (frontier.distance + _TURN_M)
+            return rated * _STAYS if current is not None and is_same(frontier, current) else rated
+
+        return max(open_ones, key=worth)
+
+    def refuse(self, frontier: Frontier, reason: str, *, for_good: bool = False) -> None:
+        """Note that a try to look at a frontier has failed."""
+        refused = next((one for one in self._refused if is_same(one.frontier, frontier)), None)
+        if refused is None:
+            refused = _Refused(frontier, reason)
+            self._refused.append(refused)
+        refused.reason, refused.waits = reason, True
+        refused.tries = self._settings.tries if for_good else refused.tries + 1
+        refused.is_forgiven = refused.is_forgiven or for_good
+
+    def forgive(self, frontiers: Sequence[Frontier]) -> None:
+        """Take back a failed try at each of these frontiers, once, unless it was refused for good."""
+        for one in self._refused:
+            if not one.is_forgiven and any(is_same(one.frontier, frontier) for frontier in frontiers):
+                one.tries, one.waits, one.is_forgiven = one.tries - 1, False, True
+
+    def note_vanished(self, frontier: Frontier) -> None:
+        """Note that a frontier was looked at, and is none any more.
+
+        One that comes back again and again, as where beams graze a wall, is given up.
+        """
+        places = [*self._visited, (frontier.x, frontier.y)]
+        self._visited = places
+        if sum(math.dist(place, places[-1]) < _SAME_M for place in places) > _LOOKS:
+            self.refuse(frontier, f"looked at {_LOOKS + 1} times, and unknown again", for_good=True)
+
+    def given_up(self, frontiers: Sequence[Frontier]) -> tuple[GivenUp, ...]:
+        """Return those of the frontiers that there are now that were given up."""
+        return tuple(
+            GivenUp(one.x, one.y, refused.reason, one.gain)
+            for one in frontiers
+            for refused in self._refused
+            if refused.waits and is_same(refused.frontier, one)
+        )
+
+    def _waits(self, frontier: Frontier) -> bool:
+        return any(one.waits and is_same(one.frontier, frontier) for one in self._refused)
+
+
+def is_same(one: Frontier, other: Frontier) -> bool:
+    """Whether two frontiers, of one time or of two, are one and the same."""
+    return math.hypot(one.x - other.x, one.y - other.y) < _SAME_M

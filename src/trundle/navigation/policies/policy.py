@@ -16,7 +16,7 @@ from trundle.geometry import Goal, Pose2D, Twist2D, wrap_angle
 from trundle.navigation.agent import CONTROL_PERIOD_S, Agent, AgentInfo, AgentReport
 from trundle.navigation.policies.policy_file import SHORTEST_PERIOD_S, PolicyFile
 from trundle.navigation.progress import FollowedPath
-from trundle.navigation.status import FINAL, NavigationStatus
+from trundle.navigation.state import FINAL, NavigationStatus
 from trundle.observation import Estimate, Observation, Scan
 from trundle.robots import Lidar, Robot
 

@@ -12,9 +12,8 @@ from typing import Any
 from trundle.errors import InputError
 from trundle.maps import OccupancyGrid
 from trundle.mission import Cancel, Episode, Observer, Restart, RunInfo, Session, Step
-from trundle.mission.place import Place, load_masks
 from trundle.mission.scenario import Setting
-from trundle.mission.simulation import SessionOptions, session_options
+from trundle.mission.setup import Place, SessionOptions, load_masks, session_options
 from trundle.ros2.actions import Action
 from trundle.ros2.navigator_role.behaviors import (
     Behave,

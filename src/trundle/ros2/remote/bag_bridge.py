@@ -15,7 +15,7 @@ from trundle.errors import InputError
 from trundle.geometry import FloatArray, wrap_angle
 from trundle.messages.qos import LATCHED
 from trundle.mission import End, Episode, Observer, RunInfo, Scenario, Session, Step
-from trundle.mission.simulation import SessionOptions
+from trundle.mission.setup import SessionOptions
 from trundle.observation import Scan
 from trundle.recordings.drive import RecordedDrive
 from trundle.recordings.odometry import OdometryTrack

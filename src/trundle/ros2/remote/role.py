@@ -12,7 +12,7 @@ from trundle.errors import InputError, TrundleError
 from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.mission import End, Episode, Observer, RunInfo, Session, SetGoal, SetGoals, Step, TaskEnd
-from trundle.mission.simulation import SessionOptions
+from trundle.mission.setup import SessionOptions
 from trundle.ros2.navigator_role.role import LoadedMap, NavigatorRole
 from trundle.ros2.outputs.output import Output
 from trundle.ros2.remote.guard import Guard, GuardedMonitor

@@ -14,8 +14,8 @@ from trundle.localization import Localizer, create_localizer
 from trundle.mapping.slam_localizer import SlamLocalizer
 from trundle.maps import OccupancyGrid
 from trundle.mission import Scenario
-from trundle.mission.place import Place, make_place
 from trundle.mission.scenario import Setting
+from trundle.mission.setup import Place, make_place
 from trundle.robots import Robot
 from trundle.ros2.profile import Profile
 from trundle.ros2.remote.localizer import RemoteLocalizer

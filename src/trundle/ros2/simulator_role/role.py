@@ -11,7 +11,7 @@ from trundle.errors import InputError
 from trundle.geometry import Goal, Twist2D
 from trundle.messages.qos import Qos
 from trundle.mission import Observer, Session
-from trundle.mission.simulation import SessionOptions
+from trundle.mission.setup import SessionOptions
 from trundle.navigation import Agent, AgentInfo, NavigationStatus
 from trundle.observation import Estimate, Observation
 from trundle.robots import Robot

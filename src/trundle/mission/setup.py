@@ -1,19 +1,27 @@
-"""`Place`: the world, the robot and the map of a scenario, which many scenarios may share."""
+"""What a scenario is set up with: `Place`, its world, robot and map, and its simulator with what stands before it."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypedDict
 
 import numpy as np
 
-from trundle.errors import ScenarioError
+from trundle.control import CollisionMonitor
+from trundle.control.latency import Latency
+from trundle.errors import InputError, ScenarioError
+from trundle.files.choice import Choice
 from trundle.geometry import Pose2D
+from trundle.localization import create_localizer
+from trundle.localization.localizer import LocalizerLike
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
-from trundle.mission.fields import MapOptions, ScenarioFields
+from trundle.mission.fields import BY_SCANS, MapOptions, Rules, ScenarioFields, StartError
 from trundle.mission.goal_fields import position_of
+from trundle.mission.running.robot_stack import SomeMonitor
 from trundle.robots import Robot
+from trundle.sim import Simulator, simulate
+from trundle.sim.wrapper import SimulatorWrapper
 from trundle.worlds import World
 from trundle.worlds.floors import find_common_floor, find_floor, lower_world
 
@@ -151,3 +159,80 @@ def _map_bounds(scenario: ScenarioFields, world: World, robot: Robot) -> Bounds 
     edge = scenario.resolution
     low, high = np.floor(low / edge) * edge, np.ceil(high / edge) * edge
     return (float(low[0]), float(low[1])), (float(high[0]), float(high[1]))
+
+
+class SessionOptions(TypedDict, total=False):
+    """Keywords of `Session` and `run` that say what is between the simulator and the agent."""
+
+    localizer: LocalizerLike | None
+    start_error: StartError | None
+    latency: Latency | None
+    monitor: SomeMonitor | bool | None
+    rules: Rules | None
+    through: bool
+
+
+def session_options(scenario: ScenarioFields, grid: OccupancyGrid, robot: Robot) -> SessionOptions:
+    """What a scenario puts between the simulator and the navigator.
+
+    Raises:
+        UnknownNameError: If there is no such localizer, or the robot has no lidar of a given name.
+        InputError: If the localizer does not take an option, or needs a map that the robot does not know, or lidars
+            that it does not have.
+    """
+    choice, monitor = scenario.localizer, scenario.collision_monitor
+    check_sees(choice, robot)
+    localizer = None if choice is None else create_localizer(choice, grid if scenario.known_map else None, robot)
+    return {
+        "localizer": localizer,
+        "start_error": scenario.start_error,
+        "latency": scenario.latency,
+        "rules": scenario.rules,
+        "through": scenario.through,
+        "monitor": monitor if monitor is None or isinstance(monitor, bool) else CollisionMonitor(robot, monitor),
+    }
+
+
+def check_sees(localizer: Choice | None, robot: Robot) -> None:
+    """Refuse a localizer that finds the robot by its scans, on a robot without lidars.
+
+    Raises:
+        InputError: If it is one.
+    """
+    if localizer is not None and localizer.name in BY_SCANS and not robot.lidars:
+        raise InputError(
+            f"the localizer {localizer.name} finds the robot by the scans of its lidars, and {robot.name} has none: "
+            "give a robot with lidars, or another localizer"
+        )
+
+
+def backend_options(scenario: ScenarioFields) -> dict[str, Any]:
+    """Options that the backend is started with."""
+    options = dict[str, Any](scenario.backend.options)
+    if scenario.lidar:
+        options["lidar"] = scenario.lidar
+    return options
+
+
+def start_backend(scenario: ScenarioFields, world: World, robot: Robot) -> Simulator:
+    """Start the backend alone.
+
+    Raises:
+        UnknownNameError: If there is no such backend, or the robot has no lidar of a given name.
+        InputError: If the backend does not take an option.
+    """
+    return simulate(world, robot, backend=scenario.backend.name, **backend_options(scenario))
+
+
+def wrap_backend(scenario: ScenarioFields, backend: Simulator) -> Simulator:
+    """The backend with the errors of the robot's motion, odometry and lidars; itself where the scenario has none."""
+    sim = backend if scenario.actuation is None else scenario.actuation.simulate(backend)
+    sim = sim if scenario.odometry is None else scenario.odometry.simulate(sim)
+    return sim if scenario.lidar_errors is None else scenario.lidar_errors.simulate(sim)
+
+
+def backend_of(simulator: Simulator) -> Simulator:
+    """The backend that `wrap_backend` was given."""
+    while isinstance(simulator, SimulatorWrapper):
+        simulator = simulator.inner
+    return simulator
