@@ -148,11 +148,12 @@ class KinematicSimulator(Simulator):
             self._ramp.note_cut(command, rows[:, 5:7])
         if self.on_substep is not None:
             self._report_substeps(self.on_substep, rows)
-        touched = {} if self._movers is None else self._pass_movers(self._movers, rows)
+        contacts = self._footprint.find_within(bounds, rows)
+        if self._movers is not None:
+            contacts += self._pass_movers(self._movers, rows)
         self._now = rows[-1]
         self._steps += steps
-        contacts = self._footprint.find_within(bounds, rows[:, :3])
-        return self._state((*contacts, *touched.values()), since)
+        return self._state(contacts, since)
 
     def _report_substeps(self, report: Callable[[Substep], None], rows: FloatArray) -> None:
         for number, row in enumerate(rows.tolist(), self._steps + 1):
@@ -169,7 +170,7 @@ class KinematicSimulator(Simulator):
         if self._closed:
             raise SimulationError("this simulator was closed; make a new one with trundle.simulate")
 
-    def _pass_movers(self, field: MoverField, rows: FloatArray) -> dict[str, Contact]:
+    def _pass_movers(self, field: MoverField, rows: FloatArray) -> tuple[Contact, ...]:
         """Move the movers along with the robot, and find the first contact with each of them."""
         touched = dict[str, Contact]()
         for number, (x, y, yaw, *_, v, _, _, _) in enumerate(rows.tolist(), self._steps + 1):
@@ -177,7 +178,7 @@ class KinematicSimulator(Simulator):
             field.advance(number * self._timestep, lambda at=(pose, v): at)
             for contact in field.touching(pose):
                 touched.setdefault(contact.other, contact)
-        return touched
+        return tuple(touched.values())
 
     def _stand_at(self, pose: Pose2D, since: float) -> RobotState:
         """Stand at a pose; the wheels stay as they are."""
