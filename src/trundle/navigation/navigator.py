@@ -128,7 +128,9 @@ class Navigator(NavigatorRequests):
         self._tracked = SensedTracks(self.robot, tracking, warn=layers is False)
         self._placer = make_placer(self.robot, layers, tracking)
         limiter: SpeedLimiter | None = None
-        self.speed_mask = SpeedMask.load(speed_mask) if isinstance(speed_mask, str | os.PathLike) else speed_mask
+        self.speed_mask = (
+            speed_mask if speed_mask is None or isinstance(speed_mask, SpeedMask) else SpeedMask.load(speed_mask)
+        )
         if self.speed_mask is not None:
             if static is not None:
                 check_overlap(self.speed_mask.grid, static, self.speed_mask.name)
