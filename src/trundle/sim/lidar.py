@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from trundle import _core
 from trundle.errors import InputError, UnknownNameError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.geometry.solids import Solid
@@ -18,6 +19,8 @@ from trundle.sim.movers import MoverField, MoverOutline
 from trundle.values import check_seed, show_value
 from trundle.worlds import World
 from trundle.worlds.movers.crowd import each_body
+
+_NO_NOISE = np.zeros(0)
 
 BeamCaster: TypeAlias = Callable[[float, float, float, FloatArray, float], FloatArray]
 """`cast(x, y, z, angles, reach)`: distances [m] in the map frame from (x, y, z) [m] along level beams at `angles`
@@ -105,14 +108,8 @@ class LidarSet:
         mount = self._mounts[name]
         sensor = pose @ mount
         ranges = self._cast(sensor.x, sensor.y, lidar.z, angles + sensor.yaw, lidar.range_max)
-        missed = ranges > lidar.range_max
-        if lidar.noise > 0.0:
-            noise = self._rng.standard_normal(len(angles))
-            noise *= lidar.noise
-            ranges = np.add(ranges, noise, out=noise)
-        ranges = np.maximum(ranges, lidar.range_min)
-        np.minimum(ranges, lidar.range_max, out=ranges)
-        np.putmask(ranges, missed, np.inf)
+        noise = self._rng.standard_normal(len(angles)) if lidar.noise > 0.0 else _NO_NOISE
+        ranges = _core.measure_ranges(ranges, noise, lidar.noise, lidar.range_min, lidar.range_max)
         return make_scan(name, now, mount, lidar.z, angles, ranges, lidar.range_min, lidar.range_max)
 
 
