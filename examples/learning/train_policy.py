@@ -16,14 +16,14 @@ from torch import nn
 from trundle.gym import policy_metadata  # importing trundle.gym registers the environments
 
 parser = argparse.ArgumentParser()
-parser.add_argument("--minutes", type=float, default=8.5, help="from the start to the end of training")
+parser.add_argument("--minutes", type=float, default=9.3, help="from the start to the end of training")
 parser.add_argument("--updates", type=int, default=1_000_000)
-parser.add_argument("--envs", type=int, default=4096)
+parser.add_argument("--envs", type=int, default=8192)
 parser.add_argument("--steps", type=int, default=32, help="of each update; gradients go back that far")
-parser.add_argument("--parts", type=int, default=16, help="batches of an epoch, as large as each other")
+parser.add_argument("--parts", type=int, default=32, help="batches of an epoch, as large as each other")
 parser.add_argument("--width", type=int, default=256, help="units of each layer")
 parser.add_argument("--path", action="store_true", help="follow a path on a map that lacks some boxes")
-parser.add_argument("--worlds", type=int, default=150, help="of each kind: mazes and offices; with --path, warehouses")
+parser.add_argument("--worlds", type=int, default=300, help="of each kind: mazes and offices; with --path, warehouses")
 parser.add_argument("--judge", type=int, default=500, help="missions of each kind in unseen worlds")
 parser.add_argument("--seed", type=int, default=0)
 parser.add_argument("--out", default="policy.onnx")

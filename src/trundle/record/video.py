@@ -286,7 +286,7 @@ class SampleHistory:
         """Add the samples of a step, by its index; step 0 begins another run."""
         if index == 0:
             self._steps.clear()
-        if rollouts is None:
+        if rollouts is None or not len(rollouts.poses):
             return
         stride = max(1, rollouts.poses.shape[1] // _POINTS)
         self._steps[index] = rollouts.poses[:LINES, ::stride, :2].astype(np.float32)
