@@ -16,14 +16,14 @@ from torch import nn
 from trundle.gym import policy_metadata  # importing trundle.gym registers the environments
 
 parser = argparse.ArgumentParser()
-parser.add_argument("--minutes", type=float, default=8.5, help="from the start to the end of training")
+parser.add_argument("--minutes", type=float, default=9.3, help="from the start to the end of training")
 parser.add_argument("--updates", type=int, default=1_000_000)
-parser.add_argument("--envs", type=int, default=4096)
+parser.add_argument("--envs", type=int, default=8192)
 parser.add_argument("--steps", type=int, default=32, help="of each update; gradients go back that far")
-parser.add_argument("--parts", type=int, default=16, help="batches of an epoch")
+parser.add_argument("--parts", type=int, default=32, help="batches of an epoch, as large as each other")
 parser.add_argument("--width", type=int, default=256, help="units of each layer")
 parser.add_argument("--path", action="store_true", help="follow a path on a map that lacks some boxes")
-parser.add_argument("--worlds", type=int, default=150, help="of each kind: mazes and offices; with --path, warehouses")
+parser.add_argument("--worlds", type=int, default=300, help="of each kind: mazes and offices; with --path, warehouses")
 parser.add_argument("--judge", type=int, default=500, help="missions of each kind in unseen worlds")
 parser.add_argument("--seed", type=int, default=0)
 parser.add_argument("--out", default="policy.onnx")
@@ -55,37 +55,21 @@ class Network(nn.Module):
     def __init__(self) -> None:
         super().__init__()
         self.encoder = nn.Sequential(nn.Linear(SEEN, WIDTH), nn.ELU(), nn.Linear(WIDTH, WIDTH), nn.ELU())
-        self.memory = nn.GRU(WIDTH, WIDTH)
+        self.memory = nn.GRUCell(WIDTH, WIDTH)
         self.action = nn.Linear(WIDTH, 2)
         self.value = nn.Sequential(nn.Linear(WIDTH + KNOWN, WIDTH), nn.ELU(), nn.Linear(WIDTH, 1))
         self.log_std = nn.Parameter(torch.full((2,), -0.5))
         nn.init.orthogonal_(self.action.weight, 0.01)
         self.action.bias.data = torch.tensor([0.5, 0.0])  # a robot that begins by driving forwards sees more
 
-    def forward(
-        self, seen: torch.Tensor, known: torch.Tensor, begun: torch.Tensor, state: torch.Tensor, count: int = 0
-    ):
+    def forward(self, seen: torch.Tensor, known: torch.Tensor, begun: torch.Tensor, state: torch.Tensor):
         """Follow sequences, shape (steps, robots, …); return mean actions, values and the states."""
-        states = self.follow(self.encoder(seen), begun, state, count)
+        states = []
+        for encoded, is_first in zip(self.encoder(seen), begun, strict=True):
+            state = self.memory(encoded, state * ~is_first[:, None])
+            states.append(state)
+        states = torch.stack(states)
         return self.action(states), self.value(torch.cat([states, known], dim=-1))[..., 0], states
-
-    def follow(self, encoded: torch.Tensor, begun: torch.Tensor, state: torch.Tensor, count: int) -> torch.Tensor:
-        """Run the GRU; each of `count` parts of episodes is a sequence of its own, filled up to one length."""
-        steps, robots = begun.shape
-        first = state * ~begun[0, :, None]
-        if steps == 1:
-            return self.memory(encoded, first[None])[0]
-        starts = begun.T.clone()
-        starts[:, 0] = True
-        episode = starts.flatten().cumsum(0) - 1
-        clock = torch.arange(steps, device=begun.device).expand(robots, steps)
-        since = (clock - torch.where(starts, clock, 0).cummax(1).values).flatten()
-        at = since * count + episode
-        rows = encoded.transpose(0, 1).flatten(0, 1)
-        filled = encoded.new_zeros(steps * count, WIDTH).index_copy(0, at, rows).view(steps, count, WIDTH)
-        initial = encoded.new_zeros(count, WIDTH).index_copy(0, episode[::steps], first)
-        states = self.memory(filled, initial[None])[0].flatten(0, 1).index_select(0, at)
-        return states.view(robots, steps, WIDTH).transpose(0, 1)
 
 
 def as_tensor(values) -> torch.Tensor:
@@ -124,8 +108,8 @@ def export(network: Network, env: gymnasium.vector.VectorEnv, path: Path) -> Non
     weights = {name: value.detach().cpu().numpy() for name, value in network.state_dict().items()}
     swap = np.r_[WIDTH : 2 * WIDTH, 0:WIDTH, 2 * WIDTH : 3 * WIDTH]  # PyTorch has reset, update, new; ONNX update first
     constants = {name: weights[f"{name}"] for name in weights if name.startswith(("encoder", "action"))}
-    constants |= {name: weights[f"memory.weight_{part}h_l0"][swap][None] for name, part in (("W", "i"), ("R", "h"))}
-    constants["B"] = np.concatenate([weights["memory.bias_ih_l0"][swap], weights["memory.bias_hh_l0"][swap]])[None]
+    constants |= {name: weights[f"memory.weight_{part}h"][swap][None] for name, part in (("W", "i"), ("R", "h"))}
+    constants["B"] = np.concatenate([weights["memory.bias_ih"][swap], weights["memory.bias_hh"][swap]])[None]
     constants |= {"near": np.array([0.1], np.float32), "axis": np.array([0], np.int64)}
     layer = lambda name, one, out: helper.make_node(  # noqa: E731
         "Gemm", [one, f"{name}.weight", f"{name}.bias"], [out], transB=1
@@ -201,21 +185,80 @@ env = gymnasium.make_vec(
     **TASK,
 )
 network = Network().to(device)
-optimizer = torch.optim.Adam(network.parameters(), lr=FASTEST_RATE, eps=1e-5, fused=True)
+rate = torch.tensor(FASTEST_RATE, device=device)
+optimizer = torch.optim.Adam(network.parameters(), lr=rate, eps=1e-5, fused=True, capturable=device.type == "cuda")
 steps, robots = args.steps, args.envs
+parts = min(args.parts, robots)
+
+
+def zeros(*shape: int, dtype: torch.dtype = torch.float32) -> torch.Tensor:
+    return torch.zeros(shape, dtype=dtype, device=device)
+
+
 keep = {
-    "seen": torch.zeros(steps, robots, SEEN, device=device),
-    "known": torch.zeros(steps, robots, KNOWN, device=device),
-    "actions": torch.zeros(steps, robots, 2, device=device),
-    **{name: torch.zeros(steps, robots, device=device) for name in ("chances", "values", "rewards")},
-    **{
-        name: torch.zeros(steps, robots, dtype=torch.bool, device=device)
-        for name in ("begun", "counts", "over", "ended")
-    },
+    "seen": zeros(steps, robots, SEEN),
+    "known": zeros(steps, robots, KNOWN),
+    "actions": zeros(steps, robots, 2),
+    **{name: zeros(steps, robots) for name in ("chances", "values", "rewards", "advantages", "returns")},
+    **{name: zeros(steps, robots, dtype=torch.bool) for name in ("begun", "counts", "over", "ended")},
 }
+now = {name: zeros(*keep[name].shape[1:], dtype=keep[name].dtype) for name in ("seen", "known", "begun")}
+state, first_state, spread = zeros(robots, WIDTH), zeros(robots, WIDTH), zeros()
+part = zeros(robots // parts, dtype=torch.int64)
+
+
+@torch.no_grad()
+def act() -> tuple[torch.Tensor, ...]:
+    """Draw the actions of all robots by what they see `now`, and go on with their state."""
+    mean, value, states = network(*(each[None] for each in now.values()), state)
+    state.copy_(states[-1])
+    action = mean[0] + network.log_std.exp() * torch.randn_like(mean[0])
+    return action, chance_of(action, mean[0], network.log_std), value[0]
+
+
+def learn() -> None:
+    """Take one step along the gradient of a `part` of the robots."""
+    optimizer.zero_grad()
+    mean, value, _ = network(*(keep[name][:, part] for name in now), first_state[part])
+    ratio = (chance_of(keep["actions"][:, part], mean, network.log_std) - keep["chances"][:, part]).exp()
+    better, counts = keep["advantages"][:, part], keep["counts"][:, part]
+    gain = torch.minimum(ratio * better, ratio.clamp(1.0 - CLIP, 1.0 + CLIP) * better)
+    miss = (value - keep["returns"][:, part]).square()
+    loss = ((0.5 * miss - gain) * counts).sum() / counts.sum()
+    (loss - spread * network.log_std.sum()).backward()
+    nn.utils.clip_grad_norm_(network.parameters(), 0.5)
+    optimizer.step()
+
+
+def recorded(work):
+    """Return a function's kernels as one launch: on a GPU hundreds of small ones wait for the host.
+
+    The function is run three times before that, as a recording of CUDA demands.
+    """
+    if device.type != "cuda":
+        return work
+    aside = torch.cuda.Stream()
+    aside.wait_stream(torch.cuda.current_stream())
+    with torch.cuda.stream(aside):
+        for _ in range(3):
+            work()
+    torch.cuda.current_stream().wait_stream(aside)
+    graph = torch.cuda.CUDAGraph()
+    with torch.cuda.graph(graph):
+        results = work()
+    return lambda: (graph.replay(), results)[1]
+
+
+def take(observed: dict, begun: torch.Tensor) -> None:
+    """Make what is observed what the robots see `now`."""
+    for name, values in (("seen", look(observed)), ("known", know(observed)), ("begun", begun)):
+        now[name].copy_(values)
+
+
 observed, info = env.reset(seed=1_000_000 * args.seed)
-state = torch.zeros(robots, WIDTH, device=device)
 begun, ended = (torch.full((robots,), value, device=device) for value in (True, False))
+take(observed, begun)
+draw, train = recorded(act), None
 clocks = {"environment": 0.0, "inference": 0.0, "learner": 0.0}
 reported = time.perf_counter()
 total, figures = 0, torch.zeros(3, device=device)
@@ -240,57 +283,42 @@ for update in range(args.updates):
     if is_measured and device.type == "cuda":
         torch.cuda.synchronize()
     reported = time.perf_counter()
-    first_state = state
+    first_state.copy_(state)
     for step in range(steps):
-        with torch.no_grad():
-            now = {"seen": look(observed), "known": know(observed), "begun": begun}
-            mean, value, states = network(*(each[None] for each in now.values()), state)
-            state = states[-1]
-            action = mean[0] + network.log_std.exp() * torch.randn_like(mean[0])
-            now |= {"actions": action, "chances": chance_of(action, mean[0], network.log_std), "values": value[0]}
+        take(observed, begun)
+        action, chances, values = draw()
+        for name, each in (now | {"actions": action, "chances": chances, "values": values}).items():
+            keep[name][step] = each
         lap("inference", is_measured)
         # The step after the end of an episode begins the next one, and its action does not count.
-        begun, counts = ended, ~ended
+        begun, keep["counts"][step] = ended, ~ended
         observed, rewards, terminated, truncated, info = drive(env, action)
         ended = terminated | truncated
         lap("environment", is_measured)
         # At first a contact costs less: a robot that fears walls before it knows how to drive learns to stand still.
         rewards = rewards - max(0.0, 0.8 - 4.0 * done) * as_tensor(info["reward/contact"])
-        now |= {"rewards": 0.1 * rewards, "counts": counts, "over": terminated, "ended": ended}
-        for name, values in now.items():
-            keep[name][step] = values
+        for name, each in (("rewards", 0.1 * rewards), ("over", terminated), ("ended", ended)):
+            keep[name][step] = each
         figures += torch.stack(
             [(ended & as_tensor(info[name])).sum() for name in ("is_success", "contact")] + [ended.sum()]
         )
     with torch.no_grad():
         following = network(look(observed)[None], know(observed)[None], begun[None], state)[1][0]
-        advantages, later = torch.zeros(steps, robots, device=device), torch.zeros(robots, device=device)
+        later = zeros(robots)
         for step in reversed(range(steps)):
             gain = keep["rewards"][step] + DISCOUNT * following * ~keep["over"][step] - keep["values"][step]
-            advantages[step] = later = gain + DISCOUNT * LAMBDA * later * ~keep["ended"][step]
+            keep["advantages"][step] = later = gain + DISCOUNT * LAMBDA * later * ~keep["ended"][step]
             following = keep["values"][step]
-        returns = advantages + keep["values"]
-        counted = advantages[keep["counts"]]
-        advantages = (advantages - counted.mean()) / (counted.std() + 1e-6)
-    for group in optimizer.param_groups:
-        group["lr"] = FASTEST_RATE * max(0.02, 1.0 - done)
-    # Counted here once: to ask the GPU for it in each batch would take longer than the batch.
-    parts_of_episodes = 1 + keep["begun"][1:].sum(0).cpu()
+        keep["returns"].copy_(keep["advantages"] + keep["values"])
+        counted = keep["advantages"][keep["counts"]]
+        keep["advantages"].sub_(counted.mean()).div_(counted.std() + 1e-6)
+    rate.fill_(FASTEST_RATE * max(0.02, 1.0 - done))
+    spread.fill_(0.003 * (1.0 - done))
     for _ in range(EPOCHS):
-        for chosen in torch.randperm(robots).chunk(args.parts):
-            part, count = chosen.to(device), int(parts_of_episodes[chosen].sum())
-            batch = [keep[name][:, part] for name in ("seen", "known", "begun")]
-            mean, value, _ = network(*batch, first_state[part], count)
-            ratio = (chance_of(keep["actions"][:, part], mean, network.log_std) - keep["chances"][:, part]).exp()
-            better, counts_here = advantages[:, part], keep["counts"][:, part]
-            gain = torch.minimum(ratio * better, ratio.clamp(1.0 - CLIP, 1.0 + CLIP) * better)
-            miss = (value - returns[:, part]).square()
-            loss = ((0.5 * miss - gain) * counts_here).sum() / counts_here.sum()
-            loss = loss - 0.003 * (1.0 - done) * network.log_std.sum()
-            optimizer.zero_grad()
-            loss.backward()
-            nn.utils.clip_grad_norm_(network.parameters(), 0.5)
-            optimizer.step()
+        for chosen in torch.randperm(robots, device=device)[: parts * len(part)].view(parts, -1):
+            part.copy_(chosen)
+            train = train or recorded(learn)
+            train()
     lap("learner", is_measured)
     total += steps * robots
     if is_measured:

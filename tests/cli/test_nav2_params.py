@@ -9,7 +9,7 @@ import yaml
 
 from support.command_line import Trundle
 from trundle.mission import Scenario
-from trundle.nav2.remarks import ROS_OWN
+from trundle.nav2.notes import ROS_OWN
 
 NAV2 = Path(__file__).parents[1] / "nav2" / "data" / "humble.yaml"
 ENDS = ("--start", "0.5,0.5", "--goal", "2.5,1.5")

@@ -6,8 +6,8 @@ import pytest
 from trundle.control.latency import DelayedCommands
 from trundle.geometry import Pose2D, Twist2D
 from trundle.robots import Robot
-from trundle.sim.command_delay import DelayedSimulator
 from trundle.sim.kinematic import KinematicSimulator
+from trundle.sim.wrapper import DelayedSimulator
 from trundle.worlds import World
 
 CARTER = Robot.load("nova_carter")

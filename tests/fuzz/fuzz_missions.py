@@ -10,8 +10,16 @@ import numpy as np
 
 from fuzz.loop import attempt, rng_of, spoil
 from support.distance_oracle import distances_to_polyline, polygon_distances
+from support.period_oracle import drive_period as drive_slowly
 from support.stopping_oracle import stopping_poses as stop_slowly
-from trundle._core import MissionDriver, chebyshev_field, outline_distances, polyline_distances, stopping_poses
+from trundle._core import (
+    MissionDriver,
+    chebyshev_field,
+    drive_period,
+    outline_distances,
+    polyline_distances,
+    stopping_poses,
+)
 from trundle.costmap import Costmap
 from trundle.geometry import Goal, Pose2D
 from trundle.geometry.footprint import convex_hull
@@ -75,9 +83,28 @@ def check_stops(generator: random.Random) -> None:
     assert np.allclose(stopping_poses(*arguments), stop_slowly(*arguments), rtol=1e-9, atol=1e-9)
 
 
+def check_periods(generator: random.Random) -> None:
+    """Control periods of an ideal robot, one after the other, with commands within and above its limits."""
+    rng = rng_of(generator)
+    state = np.array([*rng.uniform(-3, 3, 3), *np.zeros(8)])
+    wheels = 0.14, 0.4, generator.choice((np.inf, 5.0))
+    limits = np.array([1.2, generator.choice((0.0, 0.5)), 2.0, *rng.uniform(1e-3, 0.1, 2), *wheels, 0.005])
+    for _ in range(3):
+        speeds = (rng.uniform(-2, 2, 2) * generator.choice((0.0, 1.0, 1e3))).tolist()
+        arguments = (state, *speeds, limits, generator.choice((1, 10)))
+        if generator.random() < 0.3:
+            attempt(drive_period, spoil(generator, arguments))
+            return
+        found, expected = drive_period(*arguments), drive_slowly(*arguments)
+        assert np.allclose(found[0], expected[0], rtol=1e-12, atol=1e-12)
+        assert np.allclose(found[1], expected[1], rtol=1e-12, atol=1e-12)
+        assert found[2] == expected[2]
+        state = found[0][-1]
+
+
 def one_round(generator: random.Random) -> None:
     """Drive, stop, or measure."""
-    generator.choice((drive, check_stops, check_distances))(generator)
+    generator.choice((drive, check_stops, check_periods, check_distances))(generator)
 
 
 def drive(generator: random.Random) -> None:

@@ -20,6 +20,7 @@ from trundle._core import (
     chebyshev_field,
     find_lone_hits,
     find_moved,
+    measure_ranges,
     outline_clearances,
     place_scan,
     points_around,
@@ -218,5 +219,19 @@ def check_near(generator: random.Random) -> None:
     assert np.allclose(outline_clearances(*clear), outline_clearances_slowly(*clear), rtol=0.0, atol=1e-9)
 
 
+def check_ranges(generator: random.Random) -> None:
+    """Distances within and beyond a lidar's ranges, with and without noise."""
+    rng = rng_of(generator)
+    distances = np.where(rng.random(count := generator.choice((0, 1, 90))) < 0.1, np.inf, rng.uniform(0.0, 13.0, count))
+    noise = rng.standard_normal(generator.choice((0, count)))
+    if generator.random() < 0.3:
+        attempt(measure_ranges, spoil(generator, (distances, noise, 0.5, 0.1, 12.0)))
+        return
+    expected = np.clip(distances + 0.5 * noise if len(noise) else distances, 0.1, 12.0)
+    expected[distances > 12.0] = np.inf
+    assert np.array_equal(measure_ranges(distances, noise, 0.5, 0.1, 12.0), expected)
+
+
 def one_round(generator: random.Random) -> None:
-    generator.choice((check_cells, check_jumps, check_outlines, check_moved, check_lone, check_near))(generator)
+    checks = check_cells, check_jumps, check_outlines, check_moved, check_lone, check_near, check_ranges
+    generator.choice(checks)(generator)

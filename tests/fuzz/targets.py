@@ -77,12 +77,13 @@ TARGETS = {
         (
             *("cast_grid_rays", "cast_jumping_rays", "chebyshev_field"),
             *("cast_outline_rays", "find_moved", "find_lone_hits", "place_scan", "points_around", "outline_clearances"),
+            "measure_ranges",
         ),
         1000,
     ),
     "missions": Target(
         fuzz_missions.one_round,
-        ("MissionDriver", "MissionRun", "outline_distances", "polyline_distances", "stopping_poses"),
+        ("MissionDriver", "MissionRun", "outline_distances", "polyline_distances", "stopping_poses", "drive_period"),
         60,
     ),
     "batch": Target(fuzz_batch.one_round, ("Batch",), 300),

@@ -8,7 +8,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from trundle.errors import InputError, UnknownNameError, WorldError
 from trundle.gym import NavigationEnv, NavigationVectorEnv
 from trundle.maps import OccupancyGrid
-from trundle.sim.batch.crowds import RobotCrowds
+from trundle.sim.batch.cpu import RobotCrowds
 from trundle.worlds import World
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from mapping.rooms import SEGMENTS, drive, ring
 from trundle import Mapper, Observation, Pose2D, Robot, Twist2D
-from trundle.mapping.carried_away import CarriedAway
+from trundle.mapping.doubtful_scans import CarriedAway
 from trundle.mapping.loops import seen_through
 from trundle.mapping.nodes import Nodes
 from trundle.mapping.submaps import Submaps

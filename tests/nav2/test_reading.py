@@ -11,8 +11,8 @@ from trundle.errors import InputError
 from trundle.maps import OccupancyGrid
 from trundle.mission import Scenario
 from trundle.nav2 import describe_remarks, read_nav2_params
+from trundle.nav2.notes import ROS_OWN
 from trundle.nav2.parameters import ParameterFile
-from trundle.nav2.remarks import ROS_OWN
 from trundle.robots import Robot
 
 DATA = Path(__file__).parent / "data"

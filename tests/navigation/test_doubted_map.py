@@ -11,7 +11,7 @@ from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
 from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
-from trundle.navigation.sensing import SensedMap
+from trundle.navigation.sensing import SensedMap, make_placer
 from trundle.navigation.state import FINAL
 from trundle.observation import Estimate
 from trundle.sim import simulate
@@ -137,10 +137,12 @@ def sensed_with(thing, *, scans):
         CostmapSettings().make_costmap(grid_of(room(thing)), ROBOT), ROBOT, costmap=None, layers=doubting()
     )
     sensed.begin()
+    placer = make_placer(ROBOT, doubting(), None)
     with simulate(room(thing), ROBOT, backend="kinematic", lidar=True) as sim:
         state = sim.reset(START)
         for _ in range(scans):
-            sensed.update(state.scans, Estimate(state.time, state.pose), None, np.zeros((0, 3)))
+            placed = placer.place(state.scans, Estimate(state.time, state.pose))
+            sensed.update(placed, None, np.zeros((0, 3)))
             state = sim.step(Twist2D(), 0.05)
     return sensed
 

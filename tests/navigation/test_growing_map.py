@@ -7,11 +7,11 @@ import pytest
 
 from support.sensed_rooms import GOAL, ROBOT, START, block, room
 from trundle.costmap import LETHAL, CostmapSettings
+from trundle.costmap.growing_map import GrowingMap
 from trundle.errors import InputError, MapError, OutsideMapError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.navigation import NavigationStatus, Navigator
-from trundle.navigation.growing_map import GrowingMap
 from trundle.observation import Estimate
 from trundle.sim import simulate
 

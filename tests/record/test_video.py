@@ -171,6 +171,7 @@ def test_drawn_frames_show_the_samples_of_their_step_only(recorded):
     poses = np.stack([np.column_stack([along, np.full(57, start.y + offset), np.zeros(57)]) for offset in (-0.3, 0.3)])
     history = SampleHistory()
     history.add(3, None)
+    history.add(3, Rollouts(poses[:0], np.zeros(0)))  # none of them was free
     assert len(history) == 0
     history.add(4, Rollouts(poses, np.zeros(2)))
     with DrawnFrames(recorded.info, recorded.episode) as source:

@@ -8,9 +8,9 @@ from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot
 from trundle.sim import Simulator, world_of
 from trundle.sim.actuation import Actuation
-from trundle.sim.command_delay import DelayedSimulator
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.sim.mujoco.simulator import MujocoSimulator
+from trundle.sim.wrapper import DelayedSimulator
 from trundle.worlds import World
 
 EMPTY = World("empty", ())

@@ -12,7 +12,7 @@ from trundle.errors import WorldWarning
 from trundle.geometry import Pose3D, Twist2D
 from trundle.geometry.solids import Box, Cylinder, Solid
 from trundle.robots import Robot
-from trundle.sim.visibility import crosses_height, unseen_names
+from trundle.sim.lidar import crosses_height, unseen_names
 from trundle.worlds.movers import AlongPath, Crowd, Mover, Waypoints, forklift_body, person_body
 from trundle.worlds.tessellate import box_mesh
 

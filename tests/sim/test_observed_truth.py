@@ -10,10 +10,10 @@ from trundle.geometry.solids import Box, Solid
 from trundle.observation import Observation, Scan
 from trundle.robots import Robot
 from trundle.sim.actuation import Actuation
-from trundle.sim.command_delay import DelayedSimulator
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.sim.mujoco.simulator import MujocoSimulator
 from trundle.sim.odometry_errors import OdometryErrors
+from trundle.sim.wrapper import DelayedSimulator
 from trundle.worlds import World
 
 CARTER = Robot.load("nova_carter")

@@ -10,8 +10,8 @@ from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot
 from trundle.sim import place_robot, simulate
 from trundle.sim.actuation import Actuation
-from trundle.sim.command_delay import DelayedSimulator
 from trundle.sim.odometry_errors import OdometryErrors
+from trundle.sim.wrapper import DelayedSimulator
 from trundle.worlds import World
 
 CARTER = Robot.load("nova_carter")

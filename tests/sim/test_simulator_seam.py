@@ -10,11 +10,11 @@ from trundle.geometry import Pose2D, Pose3D, Twist2D
 from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot
 from trundle.sim import Simulator, add_solid, place_robot, simulate, simulator_names, world_of
-from trundle.sim.command_delay import DelayedSimulator
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.sim.mujoco.contacts import ContactReader
 from trundle.sim.mujoco.model import build_spec
 from trundle.sim.simulator import SIMULATORS, as_simulator
+from trundle.sim.wrapper import DelayedSimulator
 from trundle.worlds import World
 
 CARTER = Robot.load("nova_carter")

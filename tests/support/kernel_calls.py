@@ -259,6 +259,10 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
         0.1,
         12.0,
     ),
+    "measure_ranges": lambda: _core.measure_ranges(np.full(90, 2.0), np.linspace(-3.0, 3.0, 90), 0.1, 0.1, 2.1),
+    "drive_period": lambda: _core.drive_period(
+        np.zeros(11), 0.5, 0.2, np.array([1.0, 0.5, 2.0, 0.01, 0.02, 0.14, 0.4, 9.0, 0.005]), 10
+    ),
     "place_scan": lambda: _core.place_scan(
         *(np.full(90, 2.0), np.linspace(-3.0, 3.0, 90), np.array((0.1, 0.0, 0.0)), np.array((1.0, 2.0, 0.5))),
         *(np.array([(1.0, 0.0, 0.4), (-1.0, 0.0, 0.4)]), 0.1, 12.0, np.zeros(3), *np.zeros((2, 0)), np.zeros(3)),

@@ -5,7 +5,7 @@ import pytest
 from trundle.geometry import Pose2D, Pose3D
 from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot
-from trundle.teleop.screen import TextMap
+from trundle.teleop.terminal import TextMap
 from trundle.worlds import World
 
 ROBOT = Robot.load("nova_carter")

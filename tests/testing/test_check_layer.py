@@ -31,7 +31,8 @@ class Silent(ObstacleLayer):
 
 class Forgetless(ObstacleLayer):
     def reset(self):
-        self._filter.reset()
+        self._placer.reset()
+        self._last = self._frame = None
 
 
 class Careless(ObstacleLayer):

@@ -25,8 +25,8 @@ class Drifting(KinematicSimulator):
 
     def step(self, command, dt):
         state = super().step(command, dt)
-        x, y, yaw = self._pose
-        self._pose = (x + 0.02 * state.twist.v * dt * math.cos(yaw), y, yaw)
+        self._now = self._now.copy()
+        self._now[0] += 0.02 * state.twist.v * dt * math.cos(self._now[2])
         return state
 
 
@@ -34,7 +34,7 @@ class Forgetful(KinematicSimulator):
     """Every run starts where the last one ended."""
 
     def reset(self, pose, *, seed=0):
-        last = getattr(self, "_pose", (0.0, 0.0, 0.0))
+        last = self._now[:3].tolist() if hasattr(self, "_now") else (0.0, 0.0, 0.0)
         return super().reset(Pose2D(*last), seed=seed)
 
 

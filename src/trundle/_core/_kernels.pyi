@@ -956,6 +956,23 @@ def cast_outline_rays(
 ) -> npt.NDArray[np.float64]:
     """Distances [m] from (x, y) along evenly spaced rays to the nearest segment or disc, or infinity."""
 
+def measure_ranges(
+    distances: npt.NDArray[np.float64],
+    noise: npt.NDArray[np.float64],
+    deviation: float,
+    range_min: float,
+    range_max: float,
+) -> npt.NDArray[np.float64]:
+    """Ranges [m] of a lidar from the distances along its beams, shape (N,).
+
+    Args:
+        distances: [m], shape (N,); those beyond `range_max` read infinity.
+        noise: A number for each beam, shape (N,), or none, shape (0,).
+        deviation: What it is multiplied with [m].
+        range_min: The others are at least this [m].
+        range_max: And at most this [m].
+    """
+
 def find_moved(
     points: npt.NDArray[np.float64],
     sensor: npt.NDArray[np.float64],
@@ -1004,6 +1021,26 @@ def outline_clearances(
     the box round the outlines at all poses, wider by a padding, count. They are where they are at the times [s], shape
     (K,), or stand with times of shape (0,). Sides are the normal of each edge and how far the outline reaches along it,
     shape (E, 3).
+    """
+
+def drive_period(
+    state: npt.NDArray[np.float64], v: float, w: float, limits: npt.NDArray[np.float64], steps: int
+) -> tuple[npt.NDArray[np.float64], tuple[float, float, float, float], bool]:
+    """Drive an ideal robot towards a command (v, w) [m/s, rad/s] for some steps.
+
+    Args:
+        state: x, y, yaw [m, rad], the angles of both wheels [rad], v and w of the ramp, v and w that are driven, and
+            the speeds of both wheels [rad/s], shape (11,).
+        v: The command [m/s].
+        w: And how fast it turns [rad/s].
+        limits: The greatest speed forward, backward [m/s] and of turns [rad/s], by how much v and w of the ramp may
+            change in a step, the wheels' radius [m], the track width [m], the wheels' largest speed [rad/s], and the
+            length of a step [s], shape (9,).
+        steps: How many.
+
+    Returns:
+        The state after each step, shape (steps, 11); the least and the greatest x, and those of y, of these [m]; and
+        whether the command was above the limits, or the wheels had to turn slower than the ramp asks.
     """
 
 def stopping_poses(

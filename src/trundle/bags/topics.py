@@ -12,8 +12,15 @@ from trundle.costmap import Costmap
 from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.messages.codec import Codec, Distro
-from trundle.messages.makers import DIAGNOSTICS, POSE, MessageMaker, scan_topic
-from trundle.messages.particle_cloud import PARTICLE_CLOUD, encode_particles, learn_particle_cloud
+from trundle.messages.makers import (
+    DIAGNOSTICS,
+    PARTICLE_CLOUD,
+    POSE,
+    MessageMaker,
+    encode_particles,
+    learn_particle_cloud,
+    scan_topic,
+)
 from trundle.messages.qos import CLOCK, LATCHED, SENSOR, TRANSFORMS, Qos
 from trundle.mission import Step
 from trundle.observation import FloatArray, Scan, describe_state, pick_particles

@@ -104,8 +104,7 @@ def robot(
 
 
 def _report(check: DriveCheck, robot: Robot, backend: str, configured: DifferentialDrive, *, json: bool) -> None:
-    from trundle.doctor.lidar_view import view_of_lidars
-    from trundle.doctor.odometry_need import AMCL_BEARS, needed_odometry
+    from trundle.doctor.sensors import AMCL_BEARS, needed_odometry, view_of_lidars
 
     views, needs = view_of_lidars(robot), needed_odometry()
     localizer = "amcl" if views else None

@@ -106,8 +106,7 @@ def drive(
     from trundle.sim import simulate
     from trundle.sim.mujoco.engine import import_engine
     from trundle.teleop.drive import drive_in_window
-    from trundle.teleop.screen import TextMap
-    from trundle.teleop.terminal import check_terminal, drive_by_keys
+    from trundle.teleop.terminal import TextMap, check_terminal, drive_by_keys
     from trundle.viewer.native import open_window
 
     by_hand = teleop or (browser and not command and like is None)

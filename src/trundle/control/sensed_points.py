@@ -85,7 +85,7 @@ class SensedPoints:
     the first one saw through, and the second one hits something, something has moved in; and where the second one sees
     through what the first one hit, it has moved away. All of it, also what slides along the beams, gets the velocity of
     the middle of its points. What turns on the spot has none, and its end is fast: points that have moved in also count
-    with their own velocity, from the nearest hit of the first scan. Lone hits (see `LoneHits`) are left out.
+    with their own velocity, from the nearest hit of the first scan. Lone hits (see `PlacedScan`) are left out.
 
     Args:
         footprint: Of the robot. Points inside are its own body.
@@ -126,9 +126,11 @@ class SensedPoints:
             kept.append(self._place(scan, base, kept[-1] if kept else None))
             while kept[0].scan.time < scan.time - _KEPT_S:
                 del kept[0]
-            before = next((old for old in reversed(kept) if old.scan.time <= scan.time - _COMPARE_S + 1e-6), None)
-            if before is not None:
-                kept[-1].find_moved(before)
+            latest = scan.time - _COMPARE_S + 1e-6
+            for before in reversed(kept):
+                if before.scan.time <= latest:
+                    kept[-1].find_moved(before)
+                    break
 
     def around(self, time: float, odometry: Pose2D, reach: float, horizon: float, oldest: float) -> Points:
         """What the latest scans hit within `reach` [m] of base_link, where it is now: base_link, [m].
@@ -149,8 +151,9 @@ class SensedPoints:
                     velocities.append(velocity)
                     count += len(near)
             counts.append(count)
-        if not places:
-            return Points(_NOTHING, _NOTHING, tuple(counts), tuple(self._seen), False)
+        if len(places) <= 1:
+            place, velocity = (places[0], velocities[0]) if places else (_NOTHING, _NOTHING)
+            return Points(place, velocity, tuple(counts), tuple(self._seen), moves)
         return Points(np.concatenate(places), np.concatenate(velocities), tuple(counts), tuple(self._seen), moves)
 
     def _place(self, scan: Scan, base: Pose2D, before: _Seen | None) -> _Seen:

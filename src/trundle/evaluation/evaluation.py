@@ -1,4 +1,4 @@
-"""`Evaluation`: the episodes in a folder as one value, and `evaluate`, which makes one."""
+"""`Evaluation`: the episodes in a folder as one value; `evaluate`, which makes one; and its files that have moved."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from functools import cached_property
 from itertools import chain
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from trundle.errors import InputError, TrundleError
 from trundle.evaluation.engine import OnProgress, run_suite
 from trundle.evaluation.episode import EpisodeTask
-from trundle.evaluation.moved_files import check_there, find_beside, use_map
+from trundle.evaluation.episode.task import facts_of
 from trundle.evaluation.report.summary import count_outcomes, summarise
 from trundle.evaluation.report.write import HTML, SUMMARY, write_apart, write_reports
 from trundle.evaluation.row import Row
@@ -22,11 +23,15 @@ from trundle.evaluation.store import Results, code_versions
 from trundle.evaluation.store.folder import SUITE, WRITTEN_AFTERWARDS
 from trundle.evaluation.store.remote import staged
 from trundle.evaluation.suite import Suite
+from trundle.evaluation.suite.expand import Expansion
+from trundle.evaluation.suite.parts import SuiteWorld
+from trundle.files.opening import advise_missing, exists
 from trundle.maps import OccupancyGrid
 from trundle.mission import Scenario
 
 if TYPE_CHECKING:
     import pandas  # pyright: ignore[reportMissingImports] - an extra
+
 
 _MANY = 100_000
 """Episodes whose report takes a few hundred megabytes."""
@@ -276,3 +281,70 @@ class Evaluation:
 
     def _parse(self, require: Sequence[str] | None) -> list[Gate]:
         return [Gate.parse(text) for text in (self.suite.require if require is None else require)]
+
+
+def find_beside(suite: Suite, folder: Path) -> Suite:
+    """Return the suite with the files of a folder in place of those that are not where it says."""
+
+    def moved(path: str) -> str:
+        beside = folder / Path(path).name
+        return str(beside) if not exists(path) and exists(beside) else path
+
+    return suite.with_paths(moved)
+
+
+def use_map(suite: Suite, row: Row, place: str | os.PathLike[str], versions: tuple[Mapping[str, str], ...]) -> Suite:
+    """Return the suite with a map, or a world's file, in place of the one that an episode was driven in.
+
+    Args:
+        suite: The suite of the evaluation.
+        row: The row of the episode.
+        place: The file, or the folder that holds it.
+        versions: Versions of the code that made the row, and of the code here; where they are equal, the content is
+            compared.
+
+    Raises:
+        InputError: If it is not there, or is another map than that of the episode.
+    """
+    at = _world_of(suite, row)
+    world = suite.worlds[at]
+    if not world.is_file:
+        raise InputError(
+            f"--map {os.fspath(place)}: episode {row.id} was driven in a generated world, {row.world}; leave --map out"
+        )
+    given = Path(place)
+    found = {"name": str(given)}
+    if given.is_dir():
+        files = {field: str(given / Path(path).name) for field, path in world.files().items()}
+        found = {field: path for field, path in files.items() if exists(path)}
+        if "name" not in found:
+            raise InputError(f"--map {given}: there is no {Path(world.name).name} in it; give the folder that has it")
+    elif not exists(given):
+        raise InputError(f"--map {given}: no such file{advise_missing(given)}")
+    worlds = [*suite.worlds]
+    worlds[at] = SuiteWorld.model_validate({**world.model_dump(), **found, "label": row.world})
+    changed = suite.with_fields(worlds=worlds)
+    if versions[0] == versions[1] and facts_of(changed.spec(row.index))["place"] != row.place:
+        raise InputError(
+            f"--map {found['name']}: this is not the map of episode {row.id}, {row.world}: its content is different; "
+            "give the map as it was"
+        )
+    return changed
+
+
+def check_there(suite: Suite, row: Row, folder: Path) -> None:
+    """Refuse an episode of which a file is missing.
+
+    Raises:
+        InputError: If one is; the message says how to give it.
+    """
+    for path in suite.worlds[_world_of(suite, row)].files().values():
+        if not exists(path):
+            raise InputError(
+                f"{path}: this file of episode {row.id} is not there any more; put it beside {folder / 'suite.yaml'}, "
+                "or give it, or its folder, with --map"
+            )
+
+
+def _world_of(suite: Suite, row: Row) -> int:
+    return Expansion(suite).world_of(row.index)

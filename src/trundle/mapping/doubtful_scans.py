@@ -83,6 +83,7 @@ class CarriedAway:
         # A scan is compared with the last one that was matched, however long the robot stood in between.
         self._scene = Scene(longest, oldest_s=math.inf)
         self._strange = 0
+        self._unknown = np.zeros(2)  # how far it drove and turned since a scan showed what was known [m, rad]
 
     def judge(
         self, observation: Observation, moved: Pose2D, fit: float, points: int
@@ -99,8 +100,12 @@ class CarriedAway:
         surprising = far < _STEP_M and turn < _STEP_RAD and fit < _SURPRISING_FIT and points >= _FEWEST_POINTS
         if self._scene.is_another(observation.scans, observation.odometry, surprising=surprising):
             return "carried away"
-        strange = far < _NEAR_M and turn < _NEAR_RAD and fit < _STRANGE_FIT and points >= _FEWEST_POINTS
+        # After a way on which it saw nearly nothing, a wall that it comes to may well be one that it has not seen.
+        self._unknown += far, turn
+        strange = bool((self._unknown < (_NEAR_M, _NEAR_RAD)).all()) and fit < _STRANGE_FIT and points >= _FEWEST_POINTS
         self._strange = self._strange + 1 if strange else 0
+        if fit >= _STRANGE_FIT and points >= _FEWEST_POINTS:
+            self._unknown[:] = 0.0
         if self._strange >= _STRANGE_SCANS:
             return "carried away"
         return "in doubt" if self._strange or self._scene.is_doubtful else "here"

@@ -9,7 +9,7 @@ from trundle.files.yaml_config import Plain
 from trundle.messages.codec import Distro
 from trundle.mission import Scenario
 from trundle.nav2.names import plugin_for
-from trundle.nav2.remarks import Remark
+from trundle.nav2.notes import Remark
 from trundle.robots import Robot
 
 Block: TypeAlias = dict[str, Plain]

@@ -22,8 +22,8 @@ from trundle.nav2.costmaps import write_costmaps
 from trundle.nav2.draft import Block, Draft, note_leftovers
 from trundle.nav2.filters import UNIT_NUMBERS
 from trundle.nav2.monitor import monitor_of, write_monitor
+from trundle.nav2.notes import Remark, describe_remarks
 from trundle.nav2.planners import write_planners
-from trundle.nav2.remarks import Remark, describe_remarks
 from trundle.nav2.servers import write_servers
 
 PARAMS, LAUNCH, REMARKS = "nav2_params.yaml", "nav2.launch.py", "no_counterpart.txt"

@@ -19,11 +19,10 @@ from trundle.nav2.controllers import read_checkers, read_controller
 from trundle.nav2.costmaps import read_costmaps
 from trundle.nav2.filters import read_filters
 from trundle.nav2.monitor import read_monitor
-from trundle.nav2.notes import Notes, reason_for
+from trundle.nav2.notes import Notes, Remark, reason_for
 from trundle.nav2.outline import DECIMALS as _DECIMALS
 from trundle.nav2.parameters import NodeParameters, ParameterFile
 from trundle.nav2.planners import read_planner, read_smoother, reads_unknown
-from trundle.nav2.remarks import Remark
 from trundle.nav2.servers import read_limits, read_recovery
 from trundle.robots import Limits, Robot
 

@@ -31,7 +31,7 @@ from trundle.navigation.relocalization import CORRECTED_M, Relocalization
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.retreat import Retreat
 from trundle.navigation.route_planner import RoutePlanner
-from trundle.navigation.sensing import SensedMap, SensedTracks
+from trundle.navigation.sensing import SensedMap, SensedTracks, make_placer
 from trundle.navigation.state import Decision, NavigationStatus, Snapshot
 from trundle.observation import Estimate, Observation, Scan
 from trundle.planning import create_planner, create_smoother
@@ -126,6 +126,7 @@ class Navigator(NavigatorRequests):
         self.grid, static = load_costmap(grid, self.robot, costmap, keepout)
         self._sensed = SensedMap(static, self.robot, costmap=costmap, layers=layers)
         self._tracked = SensedTracks(self.robot, tracking, warn=layers is False)
+        self._placer = make_placer(self.robot, layers, tracking)
         limiter: SpeedLimiter | None = None
         self.speed_mask = (
             speed_mask if speed_mask is None or isinstance(speed_mask, SpeedMask) else SpeedMask.load(speed_mask)
@@ -268,9 +269,10 @@ class Navigator(NavigatorRequests):
         if scans or self._has_scans:  # a robot without scans pays nothing for them
             self._has_scans = True
             estimate = Estimate(now, pose) if given.estimate is None else given.estimate
+            placed = self._placer.place(scans, estimate)
             if estimate.state == "localized":  # where it would be marked is not known otherwise
-                self._sensed.update(scans, estimate, self._state.target, self._replanner.movers.recent)
-            self.tracks = self._tracked.update(scans, estimate)
+                self._sensed.update(placed, self._state.target, self._replanner.movers.recent)
+            self.tracks = self._tracked.update(placed)
         self._replanner.movers.note(self.tracks, now)
         self._controller.set_tracks(self.tracks)
         fastest = max(self.robot.limits.linear_speed, abs(self._command.v))

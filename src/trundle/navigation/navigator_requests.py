@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Literal
 
 from trundle.control.latency import DelayedCommands, Latency
+from trundle.costmap.layers import ScanPlacer
 from trundle.errors import InputError, PlanningError, PlanningStoppedError
 from trundle.fault import check_result
 from trundle.geometry import Goal, Pose2D, Twist2D
@@ -34,6 +35,7 @@ class NavigatorRequests(NavigatorAttributes):
     _recovery: Recovery
     _relocalization: Relocalization
     _tracked: SensedTracks
+    _placer: ScanPlacer
     _command: Twist2D
     _time: float
     _clock: float
@@ -50,6 +52,7 @@ class NavigatorRequests(NavigatorAttributes):
         self._runner.reset()
         self._sensed.begin_run()
         self._tracked.reset()
+        self._placer.reset()
         self.tracks = ()
         self._begin(None)
         self.controller.reset(seed=seed)

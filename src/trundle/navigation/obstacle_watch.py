@@ -193,8 +193,10 @@ class MoverMemory:
         last, seen_at = self._followed.get(track.id, (None, time))
         if last is None:
             return time
-        spread, before = (float(one.covariance[0, 0] + one.covariance[1, 1]) for one in (track, last))
-        is_predicted = abs(track.speed - last.speed) <= _SAME_SPEED_MPS and spread > before
+        if abs(track.speed - last.speed) > _SAME_SPEED_MPS:
+            return time
+        now, before = track.covariance.item, last.covariance.item
+        is_predicted = now(0, 0) + now(1, 1) > before(0, 0) + before(1, 1)
         return seen_at if is_predicted else time
 
     def was_near(self, x: float, y: float, within_m: float) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -12,13 +13,13 @@ import numpy.typing as npt
 
 from trundle.costmap import LETHAL, Costmap, CostmapSettings
 from trundle.costmap.doubted_map import without_unseen
-from trundle.costmap.layers import LayeredCostmap, LayersSettings
+from trundle.costmap.growing_map import GrowingMap, check_size
+from trundle.costmap.layers import LayeredCostmap, LayersSettings, PlacedScan, PlacedScans, ScanPlacer
 from trundle.errors import MapError, OutsideMapError, SensorWarning
 from trundle.geometry import FloatArray, Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import UNKNOWN
-from trundle.navigation.growing_map import GrowingMap, check_size
-from trundle.observation import Estimate, Scan, Track
+from trundle.observation import Estimate, Track
 from trundle.path import Path
 from trundle.robots import Robot
 from trundle.tracking import Tracker, TrackerSettings
@@ -119,7 +120,8 @@ class SensedMap:
         self.costmap: Costmap = self._static
         self._layered: LayeredCostmap | None = None
         self._hits_noted_at = -math.inf
-        self._waiting: tuple[Scan, ...] = ()
+        self._waiting: tuple[PlacedScan, ...] = ()
+        self._frame = 0
         self._time: float | None = None
         self._last_pose: Pose2D | None = None
         self._T_map_odom: Pose2D | None = None
@@ -227,36 +229,35 @@ class SensedMap:
         self._wanted = points
         return None if self.costmap is before else self.costmap
 
-    def update(self, scans: Sequence[Scan], estimate: Estimate, goal: Goal | None, moved: FloatArray) -> None:
+    def update(self, placed: PlacedScans, goal: Goal | None, moved: FloatArray) -> None:
         """Put scans into the costmap.
 
         Args:
-            scans: Those that arrived since the last call.
-            estimate: Where the robot is now.
+            placed: Those that arrived since the last call, and where the robot is now.
             goal: Where it is driving to.
             moved: Where something was seen to move of late: x, y and radius [m], map frame, shape (N, 3).
 
         Warns:
             SensorWarning: If the time goes back, after which what was sensed is forgotten.
         """
-        if self._layers is False:
+        if self._layers is False or (self._layered is None and not placed.arrived):
             return
-        scans = (*self._waiting, *scans)
-        if not scans and self._layered is None:
-            return
-        if self._time is not None and estimate.time <= self._time:
-            if estimate.time == self._time:
-                self._waiting = scans
+        time = placed.estimate.time
+        if self._time is not None and time <= self._time:
+            if time == self._time:
+                self._waiting += placed.scans
                 return
-            self._go_back(estimate.time)
-        self._waiting, self._reset_time, self._time = (), False, estimate.time
+            self._go_back(time)
+        if self._waiting and placed.frame == self._frame:
+            placed = replace(placed, scans=(*self._waiting, *placed.scans))
+        self._waiting, self._reset_time, self._time, self._frame = (), False, time, placed.frame
         if self._layered is None:
             self._layered = self._make_layered()
             if goal is not None:
                 self._layered.require((goal.x, goal.y))
-        self.costmap = self._layered.update(scans, estimate, moved=moved)
-        if self.may_doubt and not 0.0 <= estimate.time - self._hits_noted_at < _NOTE_HITS_EVERY_S:
-            self._hits_noted_at = estimate.time
+        self.costmap = self._layered.take(placed, moved)
+        if self.may_doubt and not 0.0 <= time - self._hits_noted_at < _NOTE_HITS_EVERY_S:
+            self._hits_noted_at = time
             self._note_hits()
 
     def jump(self, pose: Pose2D, driven_m: float, estimate: Estimate | None) -> float | None:
@@ -360,14 +361,25 @@ class SensedTracks:
         """Expect that the time may start over: there is a new goal."""
         self._may_go_back = True
 
-    def update(self, scans: Sequence[Scan], estimate: Estimate) -> tuple[Track, ...]:
+    def update(self, placed: PlacedScans) -> tuple[Track, ...]:
         """Take the scans that arrived since the last call; return all tracks, predicted to now, map frame."""
-        if not self._is_on or (self._tracker is None and len(scans) == 0):
+        if not self._is_on or (self._tracker is None and not placed.arrived):
             return ()
         if self._tracker is None:
             self._tracker = Tracker(self._robot, self._settings, warn=self._warns)
+        estimate = placed.estimate
         if self._time is not None and estimate.time < self._time and self._may_go_back:
             self._tracker.reset()
         self._time, self._may_go_back = estimate.time, False
-        tracks = self._tracker.update(scans, estimate.time, estimate.odom_pose)
-        return tuple(track.seen_from(estimate.T_map_odom) for track in tracks)
+        tracks = self._tracker.take(placed)
+        return tuple([track.seen_from(estimate.T_map_odom) for track in tracks]) if tracks else ()
+
+
+def make_placer(
+    robot: Robot, layers: LayersSettings | Literal[False] | None, tracking: TrackerSettings | Literal[False] | None
+) -> ScanPlacer:
+    """Return what places scans for the costmap and the tracker: once for both."""
+    obstacle = None if layers is False else (layers or LayersSettings()).obstacle
+    followed = None if tracking is False else tracking or TrackerSettings()
+    users = [settings.source_timeout for settings in (obstacle, followed) if settings is not None]
+    return ScanPlacer(robot, max(users, default=0.0), warn=bool(users))

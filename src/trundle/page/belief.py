@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from trundle.geometry import FloatArray
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import round_trinary
-from trundle.mission.own_map import MapTrack
 from trundle.observation import Estimate, pick_particles
 from trundle.page.encoding import grid_png, pack_array, rounded
+
+if TYPE_CHECKING:
+    from trundle.mission.own_map import MapTrack
 
 MOST_PARTICLES = 500
 """Particles that are drawn: more would overlap, and cost time in every frame."""

@@ -1,7 +1,7 @@
 """Planners: from a costmap, a start and a goal to a `Path`; and searches over cells."""
 
 from trundle.planning.cancellation import Cancellation
-from trundle.planning.grid.fields import cost_field
+from trundle.planning.grid.cells import cost_field
 from trundle.planning.grid.grid_paths import GridPath, GridPaths, PointPath, PointPaths
 from trundle.planning.grid.grid_search import GridSearch, any_angle_path
 from trundle.planning.many import plan_many

@@ -18,8 +18,7 @@ from trundle.planning.grid_planners.least_cost import COST_WEIGHT, NEUTRAL_COST,
 from trundle.planning.hybrid_astar import MAX_EXPANSIONS, PADDING_M, HybridAStarPlanner
 from trundle.planning.path_check import PathCheck
 from trundle.planning.queries.ends import End
-from trundle.planning.queries.query import Query
-from trundle.planning.queries.query_planner import PosePlanner
+from trundle.planning.queries.query import PosePlanner, Query
 from trundle.planning.search_rounds import search_in_rounds
 from trundle.values import check_flag
 

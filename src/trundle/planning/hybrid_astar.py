@@ -24,8 +24,7 @@ from trundle.planning.constrained_smoother import (
 from trundle.planning.enclosure import Enclosure, on_grid
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.planning.queries.ends import End
-from trundle.planning.queries.query import Query, no_path
-from trundle.planning.queries.query_planner import PosePlanner
+from trundle.planning.queries.query import PosePlanner, Query, no_path
 from trundle.planning.search_rounds import (
     ALL_TRIED,
     CANCELLED,

@@ -12,7 +12,7 @@ from trundle.path import Path
 from trundle.planning.cancellation import Cancellation, Patience
 from trundle.planning.grid.cells import check_threads
 from trundle.planning.planner import PlannerLike, create_planner
-from trundle.planning.queries.query_planner import check_question
+from trundle.planning.queries.query import check_question
 
 PoseLike = Pose2D | Sequence[float]
 

@@ -15,7 +15,7 @@ from trundle.geometry import Goal, Pose2D, wrap_angle
 from trundle.maps import OccupancyGrid
 from trundle.path import Path
 from trundle.planning.cancellation import Cancellation, Patience
-from trundle.planning.queries.query_planner import read_ends
+from trundle.planning.queries.query import read_ends
 from trundle.registry import (
     Contract,
     PluginFunction,

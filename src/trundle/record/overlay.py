@@ -32,8 +32,7 @@ from trundle.pictures.colors import (
     Rgb,
     speed_color,
 )
-from trundle.record.estimated import draw_doubts, draw_estimated
-from trundle.record.map_view import MapView, speed_zones, view_run, zone_marks
+from trundle.record.map_view import MapView, draw_doubts, draw_estimated, speed_zones, view_run, zone_marks
 from trundle.record.page import Mark, compose_page, draw_tag
 from trundle.robots import Robot
 from trundle.sim.mover_history import MoverHistory

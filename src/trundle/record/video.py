@@ -23,8 +23,7 @@ from trundle.mission import Episode, RunInfo
 from trundle.observation import LOCALIZATION_STATES, LocalizationState
 from trundle.pictures.colors import ESTIMATED, GOAL, INK, PAGE, PLANNED, ROBOT, SAMPLED, START, WARNING
 from trundle.pictures.figure import font
-from trundle.record.estimated import STATE_COLORS, has_estimates
-from trundle.record.map_view import view_run
+from trundle.record.map_view import STATE_COLORS, has_estimates, view_run
 from trundle.sim.mover_history import MoverHistory, ShownMovers
 
 FRAMES_PER_SECOND = 30
@@ -287,7 +286,7 @@ class SampleHistory:
         """Add the samples of a step, by its index; step 0 begins another run."""
         if index == 0:
             self._steps.clear()
-        if rollouts is None:
+        if rollouts is None or not len(rollouts.poses):
             return
         stride = max(1, rollouts.poses.shape[1] // _POINTS)
         self._steps[index] = rollouts.poses[:LINES, ::stride, :2].astype(np.float32)

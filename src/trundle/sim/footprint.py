@@ -132,22 +132,30 @@ class FootprintChecker:
                     self._sections.append(section)
         bounds = [_bounds(section) for section in self._sections]
         self._bounds: FloatArray = np.ascontiguousarray(np.array(bounds).reshape(-1, 4).T[[0, 2, 1, 3]])
-        self._looked_at = math.inf, -math.inf, math.inf, -math.inf
+        self._looked_at = self._clear = math.inf, -math.inf, math.inf, -math.inf
         self._around: list[tuple[int, float, float, float, float]] = []
 
     def find(self, poses: Sequence[tuple[float, float, float]] | FloatArray) -> tuple[Contact, ...]:
         """Return the contacts at any of the poses (x, y, yaw), map frame, shape (P, 3), one per solid."""
-        x, y, _ = zip(*(poses.tolist() if isinstance(poses, np.ndarray) else poses), strict=True)
-        indices = self._near(min(x), max(x), min(y), max(y))
-        fields = [field for field in self._fields if not self._is_clear_of(field, x, y)]
+        array = np.asarray(poses, np.float64)
+        x, y = array[:, 0], array[:, 1]
+        return self.find_within((float(x.min()), float(x.max()), float(y.min()), float(y.max())), array)
+
+    def find_within(self, bounds: tuple[float, float, float, float], poses: FloatArray) -> tuple[Contact, ...]:
+        """Return the same where the least and the greatest x, and those of y, are known; more columns are ignored."""
+        indices = self._near(*bounds)
+        fields = [field for field in self._fields if not self._is_clear_of(field, bounds, poses)]
         if not indices and not fields:
             return ()
-        return self._touched(np.asarray(poses), indices, fields)
+        return self._touched(np.ascontiguousarray(poses[:, :3]), indices, fields)
 
     def _near(self, left: float, right: float, below: float, above: float) -> list[int]:
         """Sections whose bounds are within the footprint's reach of a box [m]."""
         reach = self._footprint.circumscribed_radius
         left, right, below, above = left - reach, right + reach, below - reach, above + reach
+        west, east, south, north = self._clear
+        if west <= left and right <= east and south <= below and above <= north:
+            return []
         west, east, south, north = self._looked_at
         if not (west <= left and right <= east and south <= below and above <= north):
             west, east, south, north = left - _AROUND_M, right + _AROUND_M, below - _AROUND_M, above + _AROUND_M
@@ -161,23 +169,34 @@ class FootprintChecker:
             self._around = [
                 (int(i), *bounds) for i, bounds in zip(found, self._bounds[:, found].T.tolist(), strict=True)
             ]
-        return [
-            index
-            for index, low_x, high_x, low_y, high_y in self._around
-            if low_x < right and high_x > left and low_y < above and high_y > below
-        ]
+        near, room = list[int](), math.inf
+        for index, low_x, high_x, low_y, high_y in self._around:
+            apart = max(low_x - right, left - high_x, low_y - above, below - high_y)
+            if apart < 0.0:
+                near.append(index)
+            else:
+                room = min(room, apart)
+        if not near:
+            self._clear = (
+                max(west, left - room),
+                min(east, right + room),
+                max(south, below - room),
+                min(north, above + room),
+            )
+        return near
 
-    def _is_clear_of(self, field: CellField, x: Sequence[float], y: Sequence[float]) -> bool:
-        """Whether the free square around the last of some places surely holds the footprint at all of them."""
+    def _is_clear_of(self, field: CellField, bounds: tuple[float, float, float, float], poses: FloatArray) -> bool:
+        """Whether the free square around the last of some poses surely holds the footprint at all of them."""
+        left, right, below, above = bounds
         local, edge = field.inverse, field.resolution
         cos, sin = math.cos(local.yaw), math.sin(local.yaw)
-        at_x, at_y = x[-1], y[-1]
+        at_x, at_y = poses[-1, :2].tolist()
         col = math.floor((local.x + cos * at_x - sin * at_y) / edge)
         row = math.floor((local.y + sin * at_x + cos * at_y) / edge)
         rows, cols = field.blocked.shape
         if not (0 <= row < rows and 0 <= col < cols):
             return False
-        moved = math.hypot(max(max(x) - at_x, at_x - min(x)), max(max(y) - at_y, at_y - min(y)))
+        moved = math.hypot(max(right - at_x, at_x - left), max(above - at_y, at_y - below))
         # One cell less, as the robot may be anywhere in its own one, and one more for rounding.
         return (self._footprint.circumscribed_radius + moved) / edge < int(field.free[row, col]) - 2
 

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
+from trundle import _core
 from trundle.errors import InputError, SimulationError
-from trundle.geometry import Pose2D, Twist2D, arc_shares
+from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.geometry.solids import Solid
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.footprint import FootprintChecker
 from trundle.sim.lidar import LidarChoice, LidarSet, SceneBeams
 from trundle.sim.movers import MoverField
-from trundle.sim.ramp import CommandRamp, Motion, count_steps
+from trundle.sim.ramp import CommandRamp, count_steps
 from trundle.sim.simulator import Simulator
 from trundle.sim.state import Contact, RobotState, Substep
 from trundle.worlds import World
@@ -22,6 +25,8 @@ TIMESTEP = 0.005
 """Timestep [s]: the same as the physics engine's, so that limits have the same effect."""
 
 _NOT_PLACED = Pose2D(0.0, 0.0)
+_AT_REST = (0.0,) * 6  # the ramp, the motion and the wheels' speeds, as of `drive_period`
+_NUMBERS = 11
 
 
 class KinematicSimulator(Simulator):
@@ -53,6 +58,7 @@ class KinematicSimulator(Simulator):
         self._timestep = timestep
         self._period = math.nan, 0  # the last one [s], and its number of steps
         self._ramp = CommandRamp(robot, timestep)
+        self._limits = self._ramp.numbers
         self._footprint = FootprintChecker(world, robot)
         self._movers = MoverField(world, robot) if world.movers else None
         self._beams = SceneBeams(world, self._movers)
@@ -104,15 +110,12 @@ class KinematicSimulator(Simulator):
         if self._world is not self._first_world:
             self._change_world(self._first_world)
         self._lidars.reset(seed)
-        self._ramp.reset()
         self._steps = 0
-        self._pose = pose.as_tuple()
         self._T_odom_map = _NOT_PLACED
-        self._wheels = (0.0, 0.0)
+        self._now = np.zeros(_NUMBERS)
         if self._movers is not None:
             self._movers.reset(seed, pose)
-        touched = {} if self._movers is None else {each.other: each for each in self._movers.touching(pose)}
-        return self._state(Motion(0.0, 0.0, 0.0, 0.0), [self._pose], touched, since=-1.0)
+        return self._stand_at(pose, since=-1.0)
 
     def place(self, pose: Pose2D) -> RobotState:
         """Put the robot at rest at `pose` (map frame); time, wheels and odometry stay as they are.
@@ -122,12 +125,9 @@ class KinematicSimulator(Simulator):
         """
         self._check_open()
         pose = Pose2D.of(pose)
-        self._T_odom_map = self._odometry @ pose.inverse()
-        self._pose = pose.as_tuple()
-        self._ramp.reset()
-        touched = {} if self._movers is None else {each.other: each for each in self._movers.touching(pose)}
-        now = self._steps * self._timestep
-        return self._state(Motion(0.0, 0.0, 0.0, 0.0), [self._pose], touched, since=now)
+        x, y, yaw = self._now[:3].tolist()
+        self._T_odom_map = self._T_odom_map @ Pose2D(x, y, math.remainder(yaw, math.tau)) @ pose.inverse()
+        return self._stand_at(pose, since=self._steps * self._timestep)
 
     def step(self, command: Twist2D, dt: float) -> RobotState:
         """Drive one control period of `dt` [s], a multiple of the timestep, with a commanded twist.
@@ -140,48 +140,27 @@ class KinematicSimulator(Simulator):
         since = self._steps * self._timestep
         if dt != self._period[0]:
             self._period = dt, count_steps(dt, self._timestep)
-        motions = self._ramp.advance(command, self._period[1])
-        poses: list[tuple[float, float, float]] = []
-        cosine, sine, timestep = math.cos, math.sin, self._timestep
-        x, y, yaw = self._pose
-        left, right = self._wheels
-        last: Motion | None = None
-        length = turn = along = across = by_left = by_right = 0.0
-        for motion in motions:
-            if motion is not last:  # a constant motion is one object, and its arcs are alike
-                last = motion
-                v, w, left_speed, right_speed = motion
-                length, turn, by_left, by_right = (
-                    v * timestep,
-                    w * timestep,
-                    left_speed * timestep,
-                    right_speed * timestep,
-                )
-                along, across = arc_shares(turn)
-            cos, sin = cosine(yaw), sine(yaw)
-            x += length * (cos * along - sin * across)
-            y += length * (sin * along + cos * across)
-            yaw += turn
-            left += by_left
-            right += by_right
-            poses.append((x, y, yaw))
+        if type(command) is not Twist2D:
+            command = self._ramp.clamp(command)
+        steps = self._period[1]
+        rows, bounds, is_cut = _core.drive_period(self._now, command.v, command.w, self._limits, steps)
+        if is_cut:
+            self._ramp.note_cut(command, rows[:, 5:7])
         if self.on_substep is not None:
-            self._report_substeps(self.on_substep, poses, motions)
-        touched = {} if self._movers is None else self._pass_movers(self._movers, poses, motions)
-        self._pose, self._wheels = (x, y, yaw), (left, right)
-        self._steps += len(motions)
-        return self._state(motions[-1], poses, touched, since)
+            self._report_substeps(self.on_substep, rows)
+        contacts = self._footprint.find_within(bounds, rows)
+        if self._movers is not None:
+            contacts += self._pass_movers(self._movers, rows)
+        self._now = rows[-1]
+        self._steps += steps
+        return self._state(contacts, since)
 
-    def _report_substeps(
-        self, report: Callable[[Substep], None], poses: list[tuple[float, float, float]], motions: Sequence[Motion]
-    ) -> None:
-        left, right = self._wheels
-        for number, ((x, y, yaw), motion) in enumerate(zip(poses, motions, strict=True), self._steps + 1):
+    def _report_substeps(self, report: Callable[[Substep], None], rows: FloatArray) -> None:
+        for number, row in enumerate(rows.tolist(), self._steps + 1):
+            x, y, yaw, left, right, _, _, v, w, left_speed, right_speed = row
             pose = Pose2D(x, y, math.remainder(yaw, math.tau))
-            left += motion.left * self._timestep
-            right += motion.right * self._timestep
-            positions, speeds = WheelSpeeds(left, right), WheelSpeeds(motion.left, motion.right)
-            report(Substep(number * self._timestep, pose, Twist2D(motion.v, motion.w), positions, speeds))
+            positions, speeds = WheelSpeeds(left, right), WheelSpeeds(left_speed, right_speed)
+            report(Substep(number * self._timestep, pose, Twist2D(v, w), positions, speeds))
 
     def close(self) -> None:
         """Close it; closing twice does nothing."""
@@ -191,40 +170,36 @@ class KinematicSimulator(Simulator):
         if self._closed:
             raise SimulationError("this simulator was closed; make a new one with trundle.simulate")
 
-    def _pass_movers(
-        self, field: MoverField, poses: list[tuple[float, float, float]], motions: Sequence[Motion]
-    ) -> dict[str, Contact]:
+    def _pass_movers(self, field: MoverField, rows: FloatArray) -> tuple[Contact, ...]:
         """Move the movers along with the robot, and find the first contact with each of them."""
         touched = dict[str, Contact]()
-        for index, (place, motion) in enumerate(zip(poses, motions, strict=True)):
-            pose = Pose2D(place[0], place[1], math.remainder(place[2], math.tau))
-            field.advance((self._steps + index + 1) * self._timestep, lambda at=(pose, motion.v): at)
+        for number, (x, y, yaw, *_, v, _, _, _) in enumerate(rows.tolist(), self._steps + 1):
+            pose = Pose2D(x, y, math.remainder(yaw, math.tau))
+            field.advance(number * self._timestep, lambda at=(pose, v): at)
             for contact in field.touching(pose):
                 touched.setdefault(contact.other, contact)
-        return touched
+        return tuple(touched.values())
 
-    @property
-    def _odometry(self) -> Pose2D:
-        """What wheels that never slip measure: the pose, but for where the robot was placed."""
-        pose = Pose2D(self._pose[0], self._pose[1], math.remainder(self._pose[2], math.tau))
-        return self._odometry_at(pose)
+    def _stand_at(self, pose: Pose2D, since: float) -> RobotState:
+        """Stand at a pose; the wheels stay as they are."""
+        self._now = np.array([*pose.as_tuple(), *self._now[3:5], *_AT_REST])
+        contacts = {} if self._movers is None else {each.other: each for each in self._movers.touching(pose)}
+        x, y, yaw = pose.as_tuple()
+        found = self._footprint.find_within((x, x, y, y), np.array([(x, y, yaw)]))
+        return self._state((*found, *contacts.values()), since)
 
-    def _odometry_at(self, pose: Pose2D) -> Pose2D:
-        return pose if self._T_odom_map is _NOT_PLACED else self._T_odom_map @ pose
-
-    def _state(
-        self, motion: Motion, poses: list[tuple[float, float, float]], touched: dict[str, Contact], since: float
-    ) -> RobotState:
+    def _state(self, contacts: tuple[Contact, ...], since: float) -> RobotState:
         time = self._steps * self._timestep
-        pose = Pose2D(self._pose[0], self._pose[1], math.remainder(self._pose[2], math.tau))
+        x, y, yaw, left, right, _, _, v, w, left_speed, right_speed = self._now.tolist()
+        pose = Pose2D(x, y, math.remainder(yaw, math.tau))
         return RobotState(
-            time=time,
-            pose=pose,
-            twist=Twist2D(motion.v, motion.w),
-            wheel_positions=WheelSpeeds(*self._wheels),
-            wheel_speeds=WheelSpeeds(motion.left, motion.right),
-            odometry=self._odometry_at(pose),
-            contacts=(*self._footprint.find(poses), *touched.values()),
-            scans=self._lidars.scan(pose, since, time) if self._has_lidars else (),
+            time,
+            pose,
+            Twist2D(v, w),
+            WheelSpeeds(left, right),
+            WheelSpeeds(left_speed, right_speed),
+            pose if self._T_odom_map is _NOT_PLACED else self._T_odom_map @ pose,
+            contacts,
+            self._lidars.scan(pose, since, time) if self._has_lidars else (),
             movers=() if self._movers is None else self._movers.states(),
         )

@@ -1,4 +1,4 @@
-"""A robot's lidars: their timing, directions and noise, and their beams through a world and its movers."""
+"""A robot's lidars: their timing, directions and noise, what they can see, and their beams through a world."""
 
 from __future__ import annotations
 
@@ -8,14 +8,19 @@ from typing import TypeAlias
 
 import numpy as np
 
+from trundle import _core
 from trundle.errors import InputError, UnknownNameError
 from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry.solids import Solid
 from trundle.observation import Scan, make_scan
 from trundle.robots import Lidar, Robot
 from trundle.sim.beams import WorldOutline
 from trundle.sim.movers import MoverField, MoverOutline
 from trundle.values import check_seed, show_value
 from trundle.worlds import World
+from trundle.worlds.movers.crowd import each_body
+
+_NO_NOISE = np.zeros(0)
 
 BeamCaster: TypeAlias = Callable[[float, float, float, FloatArray, float], FloatArray]
 """`cast(x, y, z, angles, reach)`: distances [m] in the map frame from (x, y, z) [m] along level beams at `angles`
@@ -103,14 +108,8 @@ class LidarSet:
         mount = self._mounts[name]
         sensor = pose @ mount
         ranges = self._cast(sensor.x, sensor.y, lidar.z, angles + sensor.yaw, lidar.range_max)
-        missed = ranges > lidar.range_max
-        if lidar.noise > 0.0:
-            noise = self._rng.standard_normal(len(angles))
-            noise *= lidar.noise
-            ranges = np.add(ranges, noise, out=noise)
-        ranges = np.maximum(ranges, lidar.range_min)
-        np.minimum(ranges, lidar.range_max, out=ranges)
-        np.putmask(ranges, missed, np.inf)
+        noise = self._rng.standard_normal(len(angles)) if lidar.noise > 0.0 else _NO_NOISE
+        ranges = _core.measure_ranges(ranges, noise, lidar.noise, lidar.range_min, lidar.range_max)
         return make_scan(name, now, mount, lidar.z, angles, ranges, lidar.range_min, lidar.range_max)
 
 
@@ -146,3 +145,28 @@ class SceneBeams:
         if self._movers is not None:
             np.minimum(ranges, self._mover_outlines[z].cast(x, y, angles, reach), out=ranges)
         return ranges
+
+
+def crosses_height(solid: Solid, height: float) -> bool:
+    """Whether a solid has a part at a height above the floor [m]."""
+    low, high = solid.bounds()
+    return bool(low[2] <= height <= high[2])
+
+
+def unseen_names(world: World, robot: Robot, lidars: Iterable[str] | None = None) -> frozenset[str]:
+    """Names of the solids and movers of a world that are too low or too high for the robot's lidars.
+
+    Args:
+        world: The world.
+        robot: The robot.
+        lidars: Names of the lidars that are used. If None, all of the robot's.
+
+    Returns:
+        Names as contacts have them. Of the cells of a map, the name of the solid. A mover is seen if one of its solids
+        is.
+    """
+    heights = [robot.lidars[name].z for name in (robot.lidars if lidars is None else lidars)]
+    things = [(solid.name, (solid,)) for solid in world.solids] + each_body(world.movers)
+    return frozenset(
+        name for name, parts in things if not any(crosses_height(part, height) for part in parts for height in heights)
+    )

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import logging
+import math
 from typing import NamedTuple
 
+import numpy as np
+
 from trundle.errors import InputError
-from trundle.geometry import Twist2D
+from trundle.geometry import FloatArray, Twist2D
 from trundle.robots import Robot
 from trundle.values import as_number
 
@@ -44,6 +47,7 @@ class CommandRamp:
         self._drive = robot.drive
         self._name = robot.name
         self._reported = False
+        self._timestep = timestep
         self._linear_step = robot.limits.linear_acceleration * timestep
         self._angular_step = robot.limits.angular_acceleration * timestep
         self.reset()
@@ -62,11 +66,7 @@ class CommandRamp:
         Raises:
             InputError: If the command is not a `Twist2D`.
         """
-        if not isinstance(command, Twist2D):
-            raise InputError(f"a command must be a Twist2D, got {command!r}")
-        target = self._limits.clamp(command)
-        if not self._reported and abs(target.v - command.v) + abs(target.w - command.w) > _ROUNDING:
-            self._report(f"({command.v:g} m/s, {command.w:g} rad/s)", f"({target.v:g} m/s, {target.w:g} rad/s)")
+        target = self.clamp(command)
         radius, track, most = self._drive.wheel_radius, self._drive.track_width, self._drive.max_wheel_speed
         motions: list[Motion] = []
         linear, angular = self._linear_step, self._angular_step
@@ -79,14 +79,64 @@ class CommandRamp:
             across = w * track / 2.0
             left, right = (v - across) / radius, (v + across) / radius
             if most is not None and (abs(left) > most or abs(right) > most):
-                if not self._reported:
-                    fastest = f"({left:.3g}, {right:.3g}) rad/s of the wheels"
-                    self._report(fastest, f"{most:g} rad/s, the drive's max_wheel_speed")
+                self._report_wheels(left, right, most)
                 left, right = min(most, max(-most, left)), min(most, max(-most, right))
                 v, w = radius * (left + right) / 2.0, radius * (right - left) / track
             self._motion = Motion(v, w, left, right)
             motions.append(self._motion)
         return motions
+
+    def clamp(self, command: object) -> Twist2D:
+        """Return the command within the robot's greatest speeds, which the ramp leads to.
+
+        Raises:
+            InputError: If it is not a `Twist2D`.
+        """
+        if not isinstance(command, Twist2D):
+            raise InputError(f"a command must be a Twist2D, got {command!r}")
+        target = self._limits.clamp(command)
+        if not self._reported and abs(target.v - command.v) + abs(target.w - command.w) > _ROUNDING:
+            self._report(f"({command.v:g} m/s, {command.w:g} rad/s)", f"({target.v:g} m/s, {target.w:g} rad/s)")
+        return target
+
+    @property
+    def numbers(self) -> FloatArray:
+        """The limits and the timestep as `drive_period` needs them to drive as `advance` does, shape (9,)."""
+        limits, drive = self._limits, self._drive
+        back = limits.linear_speed if limits.reverse_speed is None else limits.reverse_speed
+        most = math.inf if drive.max_wheel_speed is None else drive.max_wheel_speed
+        speeds = limits.linear_speed, back, limits.angular_speed
+        return np.array(
+            [
+                *speeds,
+                self._linear_step,
+                self._angular_step,
+                drive.wheel_radius,
+                drive.track_width,
+                most,
+                self._timestep,
+            ],
+            np.float64,
+        )
+
+    def note_cut(self, command: Twist2D, ramped: FloatArray) -> None:
+        """Report, once, what `drive_period` has cut: of a command, or of what the ramp asked, (v, w), shape (N, 2)."""
+        if self._reported:
+            return
+        self.clamp(command)
+        radius, track, most = self._drive.wheel_radius, self._drive.track_width, self._drive.max_wheel_speed
+        if most is None:
+            return
+        for v, w in ramped.tolist():
+            across = w * track / 2.0
+            left, right = (v - across) / radius, (v + across) / radius
+            if abs(left) > most or abs(right) > most:
+                self._report_wheels(left, right, most)
+
+    def _report_wheels(self, left: float, right: float, most: float) -> None:
+        if not self._reported:
+            fastest = f"({left:.3g}, {right:.3g}) rad/s of the wheels"
+            self._report(fastest, f"{most:g} rad/s, the drive's max_wheel_speed")
 
     def _report(self, asked: str, given: str) -> None:
         """Log once that commands are clipped."""

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from trundle._core import ScanTracker
-from trundle.costmap.layers.scan_filter import ScanFilter
+from trundle.costmap.layers.scan_placer import PlacedScan, PlacedScans, ScanPlacer
 from trundle.errors import InputError, SensorWarning
 from trundle.files.config_fields import NotNegative, Positive
 from trundle.files.yaml_config import Config
@@ -81,7 +81,7 @@ class Tracker:
         self.settings = TrackerSettings() if settings is None else settings
         check_kind(self.settings, TrackerSettings, "a tracker's settings", "TrackerSettings(max_range=10.0) makes them")
         self._body = robot.planar.padded(_BODY_M).outline
-        self._filter = ScanFilter(robot, self.settings.source_timeout, warn=warn)
+        self._placer = ScanPlacer(robot, self.settings.source_timeout, warn=warn)
         self._warns = warn
         self.reset()
 
@@ -91,8 +91,9 @@ class Tracker:
 
     def reset(self) -> None:
         """Forget all scans and tracks, at the start of a run."""
-        self._filter.reset()
+        self._placer.reset()
         self._time: float | None = None
+        self._frame: int | None = None
         self._forget()
 
     def _forget(self) -> None:
@@ -117,24 +118,37 @@ class Tracker:
         now = as_number(time, "time of a tracker")
         if not math.isfinite(now):
             raise InputError(f"time must be a finite number of seconds, got {time!r}")
-        scans, pose = check_scans(scans), Pose2D.of(odometry)
-        if self._time is not None and now < self._time:
-            if self._warns:
-                message = f"the time went back from {self._time:g} s to {now:g} s: all tracks are forgotten"
-                warnings.warn(message, SensorWarning, stacklevel=2)
-            self.reset()
-        if (self._time is None or now > self._time) and self._filter.follow(Estimate(now, pose)):
+        taken, estimate = check_scans(scans), Estimate(now, Pose2D.of(odometry))
+        self._go_on(now)
+        return self.take(self._placer.place(taken, estimate))
+
+    def take(self, placed: PlacedScans) -> tuple[Track, ...]:
+        """Do as `update` with scans that somebody has placed for several users."""
+        now = placed.estimate.time
+        self._go_on(now)
+        if self._frame is not None and placed.frame != self._frame:
             self._forget()
-        self._time = now
-        for scan, poses in sorted(self._filter.admit(scans), key=lambda one: (one[0].time, one[0].lidar)):
-            self._take(scan, poses)
+        self._time, self._frame = now, placed.frame
+        taken = [one for one in placed.scans if not self._placer.is_stale(one.scan, now)]
+        for one in sorted(taken, key=lambda one: (one.scan.time, one.scan.lidar)):
+            self._see(one)
         self.tracks = self._predict(now)
         return self.tracks
 
-    def _take(self, scan: Scan, poses: FloatArray) -> None:
+    def _go_on(self, now: float) -> None:
+        """Forget all tracks where the time goes back."""
+        if self._time is None or now >= self._time:
+            return
+        if self._warns:
+            message = f"the time went back from {self._time:g} s to {now:g} s: all tracks are forgotten"
+            warnings.warn(message, SensorWarning, stacklevel=3)
+        self.reset()
+
+    def _see(self, placed: PlacedScan) -> None:
+        scan = placed.scan
         lidar, mount = self._lidars.setdefault(scan.lidar, len(self._lidars)), scan.mount
         sensor = np.array((mount.x, mount.y, mount.yaw, scan.range_min, scan.range_max))
-        self._kernel.see(lidar, scan.time, scan.ranges, scan.angles, poses, sensor)
+        self._kernel.see(lidar, scan.time, placed.ranges, scan.angles, placed.poses, sensor)
 
     def _predict(self, now: float) -> tuple[Track, ...]:
         """Return all that is followed, as it is at a time [s]."""

@@ -9,7 +9,7 @@ import pytest
 
 from trundle.geometry import Pose2D, Twist2D
 from trundle.robots import Robot
-from trundle.ros2.outputs.odometry_covariance import EXACT, OdometryCovariance
+from trundle.ros2.outputs.motion import EXACT, OdometryCovariance
 from trundle.sim.odometry_errors import OdometryErrors
 
 

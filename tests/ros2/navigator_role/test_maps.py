@@ -9,7 +9,7 @@ from ros2.navigator_role.conftest import make_room, wait_for
 from trundle.errors import InputError
 from trundle.maps import OccupancyGrid
 from trundle.mission import ClearObstacles, SetPose
-from trundle.ros2.navigator_role.maps import read_url
+from trundle.ros2.navigator_role.services import read_url
 
 LOAD, SAVE = "nav2_msgs/srv/LoadMap", "nav2_msgs/srv/SaveMap"
 POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"

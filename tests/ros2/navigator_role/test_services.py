@@ -9,8 +9,8 @@ from ros2.navigator_role.conftest import wait_for
 from trundle.costmap import LETHAL, NO_INFORMATION, Costmap
 from trundle.geometry import Pose2D
 from trundle.mission import DropBox, ReinitializeGlobal
-from trundle.ros2.navigator_role.costmap_outputs import local_window
 from trundle.ros2.navigator_role.lifecycle import MANAGERS, NODES
+from trundle.ros2.navigator_role.outputs import local_window
 from trundle.ros2.navigator_role.refusals import REFUSED_ACTIONS
 
 GET_STATE, MANAGE = "lifecycle_msgs/srv/GetState", "nav2_msgs/srv/ManageLifecycleNodes"

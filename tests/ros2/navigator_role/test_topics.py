@@ -9,8 +9,7 @@ from ros2.navigator_role.conftest import COVARIANT, LATCHED, wait_for
 from support.doubtful import COVARIANCE
 from trundle.geometry import Pose2D
 from trundle.messages import Qos
-from trundle.messages.makers import MessageMaker, covariance_of
-from trundle.messages.particle_cloud import encode_particles
+from trundle.messages.makers import MessageMaker, covariance_of, encode_particles
 from trundle.messages.qos import SENSOR
 from trundle.messages.readers import DIAGNOSIS, read_grid, read_stamp, read_yaw
 from trundle.mission import DropBox, SetPose

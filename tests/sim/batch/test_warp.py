@@ -131,6 +131,18 @@ def test_long_steps_find_the_first_contact_alike(device):
     assert_same(one, other)
 
 
+def test_many_robots_find_the_first_contact_alike(device):
+    count = 16_500  # so many that a thread looks at a whole footprint
+    one, other = make("cpu", count), make("cuda", count)
+    poses = np.resize(starts(), (count, 3)) + np.random.default_rng(3).uniform(-0.5, 0.5, (count, 3))
+    for simulator in (one, other):
+        simulator.reset(poses, recordings=np.arange(count) % 3 - 1)
+        simulator.step((0.6, 0.4), 0.05)
+    assert set(one.contacts[:, 0].tolist()) == {0, 1, 2}
+    assert len(set(one.contacts[:, 3].tolist())) > 5
+    assert np.array_equal(other.contacts.numpy(), one.contacts)
+
+
 def test_arrays_of_the_device_are_taken_and_given_without_the_host(device):
     one, other = make("cpu"), make("cuda")
     where = everywhere()

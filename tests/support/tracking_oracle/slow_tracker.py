@@ -1,5 +1,7 @@
 """`SlowTracker`: a tracker without the kernel."""
 
+from dataclasses import replace
+
 from support.tracking_oracle.evidence import Evidence
 from support.tracking_oracle.followed import Followed
 from support.tracking_oracle.sweep import Sweep
@@ -14,8 +16,9 @@ class SlowTracker(Tracker):
         self._followed = Followed(self.settings)
         self._evidence = {}
 
-    def _take(self, scan, poses):
-        sweep = Sweep(scan, poses, self.settings.max_range, self._body)
+    def _see(self, placed):
+        scan = replace(placed.scan, ranges=placed.ranges)
+        sweep = Sweep(scan, placed.poses, self.settings.max_range, self._body)
         evidence = self._evidence.setdefault(scan.lidar, Evidence(self.settings))
         others = [other.latest for lidar, other in self._evidence.items() if lidar != scan.lidar and other.latest]
         self._followed.see(sweep, evidence, others)

@@ -79,7 +79,7 @@ Batch::Batch(In<std::uint8_t, 1> fields, In<std::int64_t, 2> shapes, In<double, 
   for (std::size_t i = 0; i < 9; ++i) require(limits.data()[i] >= 0.0, "limits must not be negative");
   const double *l = limits.data();
   require(l[5] > 0.0 && l[6] > 0.0 && l[8] > 0.0 && l[8] <= 3600.0, "wheels, track and timestep must be positive");
-  model_.limits = {l[0], l[1], l[2], l[3], l[4], l[5], l[6], l[7], l[8]};
+  model_.limits = {l[0], l[1], l[2], {l[3], l[4], l[5], l[6], l[7]}, l[8]};
 
   require(lidars.shape(1) == 5 && beams.size() == lidars.shape(0) && is_finite(lidars) && is_finite(angles),
           "lidars need shape (L, 5), and a number of beams each");
@@ -135,7 +135,7 @@ void Batch::check_places(const In<std::int64_t, 2> &places, const In<bool, 1> &a
   }
 }
 
-void Batch::drive_one(double *pose, Motion &motion, double *wheels, double &length, std::int64_t &step,
+void Batch::drive_one(double *pose, RampedMotion &motion, double *wheels, double &length, std::int64_t &step,
                       std::int64_t *contact, const double *command, const std::int64_t *place, std::int64_t substeps,
                       BatchCrowds::Run *crowd, Memory &memory) const {
   const Limits &limits = model_.limits;
@@ -165,7 +165,7 @@ void Batch::drive_one(double *pose, Motion &motion, double *wheels, double &leng
   double by_length = 0.0, by_turn = 0.0, along = 1.0, across = 0.0, moved = 0.0;
   double last_v = std::nan(""), last_w = 0.0;
   for (std::int64_t substep = 1; substep <= substeps; ++substep) {
-    model_.accelerate(motion, v, w);
+    motion.approach(v, w, limits.ramp);
     if (motion.v != last_v || motion.w != last_w) {
       last_v = motion.v;
       last_w = motion.w;
@@ -219,7 +219,7 @@ void Batch::drive(InOut<double, 2> poses, InOut<double, 2> motions, InOut<double
   nb::gil_scoped_release release;
   each_robot<Memory>(count, active.data(), threads, 32, [&](std::size_t i, Memory &memory) {
     double *m = motion + 6 * i;
-    Motion now{m[0], m[1], m[2], m[3], m[4], m[5]};
+    RampedMotion now{m[0], m[1], m[2], m[3], m[4], m[5]};
     drive_one(pose + 3 * i, now, wheel + 2 * i, length[i], step[i], contact + 4 * i, commands.data() + 2 * i,
               places.data() + 2 * i, substeps, crowds == nullptr ? nullptr : crowds->run_of(i), memory);
     m[0] = now.ramp_v, m[1] = now.ramp_w, m[2] = now.v, m[3] = now.w, m[4] = now.left_speed, m[5] = now.right_speed;

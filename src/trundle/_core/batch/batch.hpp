@@ -45,7 +45,7 @@ class Batch {
     crowds::StepMemory steps;
   };
 
-  void drive_one(double *pose, batch::Motion &motion, double *wheels, double &length,
+  void drive_one(double *pose, RampedMotion &motion, double *wheels, double &length,
                  std::int64_t &step, std::int64_t *contact, const double *command, const std::int64_t *place,
                  std::int64_t substeps, BatchCrowds::Run *crowd, Memory &memory) const;
   void check_places(const In<std::int64_t, 2> &places, const In<bool, 1> &active, const BatchCrowds *crowds) const;

@@ -6,6 +6,7 @@
 #include "batch/scene.hpp"
 
 #include "mppi/draws.hpp"
+#include "shared/ramp.hpp"
 
 #include <cmath>
 #include <cstddef>
@@ -15,18 +16,15 @@
 namespace trundle::batch {
 
 struct Limits {
-  double forward, reverse, turning, linear_step, angular_step, wheel_radius, track_width, wheel_speed, timestep;
+  double forward, reverse, turning;
+  RampLimits ramp;
+  double timestep;
 };
 
 struct Lidar {
   Point mount;
   double range_min, reach;
   std::size_t first, end;  // of the beams
-};
-
-// What changes of one robot: the ramp before and after the wheels' limit, and the angles of the wheels.
-struct Motion {
-  double ramp_v, ramp_w, v, w, left_speed, right_speed;
 };
 
 struct Touched {
@@ -60,24 +58,6 @@ class RobotModel {
     const double half = (right - left) / (2.0 * kDiscs), across = (high - low) / 2.0;
     cover_radius = std::sqrt(half * half + across * across) * (1.0 + 1e-9);
     for (int i = 0; i < kDiscs; ++i) cover.push_back({left + (2 * i + 1) * half, (low + high) / 2.0});
-  }
-
-  // Come closer to the command by one substep.
-  void accelerate(Motion &motion, double v, double w) const {
-    if (motion.ramp_v == v && motion.ramp_w == w) return;
-    motion.ramp_v += std::min(limits.linear_step, std::max(-limits.linear_step, v - motion.ramp_v));
-    motion.ramp_w += std::min(limits.angular_step, std::max(-limits.angular_step, w - motion.ramp_w));
-    motion.v = motion.ramp_v;
-    motion.w = motion.ramp_w;
-    const double across = motion.w * limits.track_width / 2.0, most = limits.wheel_speed;
-    motion.left_speed = (motion.v - across) / limits.wheel_radius;
-    motion.right_speed = (motion.v + across) / limits.wheel_radius;
-    if (std::abs(motion.left_speed) > most || std::abs(motion.right_speed) > most) {
-      motion.left_speed = std::min(most, std::max(-most, motion.left_speed));
-      motion.right_speed = std::min(most, std::max(-most, motion.right_speed));
-      motion.v = limits.wheel_radius * (motion.left_speed + motion.right_speed) / 2.0;
-      motion.w = limits.wheel_radius * (motion.right_speed - motion.left_speed) / limits.track_width;
-    }
   }
 
   // The first thing that the footprint touches at a pose: a cell before movers, the movers by their numbers.

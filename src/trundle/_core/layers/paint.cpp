@@ -14,6 +14,7 @@ namespace {
 constexpr double kOne = 4294967296.0;
 constexpr double kMostScale = 1e4;
 constexpr std::ptrdiff_t kBlock = 64, kWord = 8;  // cells
+constexpr double kOnCell = 1e-4;
 constexpr double kWidest = 1e8;  // cells; differences fit into 31 bits
 
 std::int64_t to_fixed(double value) { return static_cast<std::int64_t>(std::floor(value * kOne + 0.5)); }
@@ -129,7 +130,17 @@ TRUNDLE_INLINE void paint_part(const Painted &p, CellRows<std::int8_t> cells, Ce
   const auto row_end = static_cast<std::ptrdiff_t>(std::clamp(std::floor(high[1]) + 2.0, 0.0, rows));
   const auto col_end = static_cast<std::ptrdiff_t>(std::clamp(std::floor(high[0]) + 2.0, 0.0, cols));
   const double across = 1.0 / (p.scale * p.scale);
+  // Cells that lie on those of the evidence, but for rounding: hits are at least half a 256th within theirs.
+  const std::int64_t on_col = std::llround(p.u0), on_row = std::llround(p.v0);
+  const bool lies_on = p.cos == 1.0 && p.sin == 0.0 && p.scale == 1.0 &&
+                       std::abs(p.u0 - static_cast<double>(on_col)) < kOnCell && std::abs(p.v0 - static_cast<double>(on_row)) < kOnCell;
   const auto put = TRUNDLE_LAMBDA(std::ptrdiff_t r, std::ptrdiff_t c) {
+    if (lies_on) {
+      const std::ptrdiff_t at_row = r - on_row, at_col = c - on_col;
+      if (at_row < 0 || at_col < 0 || at_row >= p.height || at_col >= p.width) return;
+      if (kept[at_row][at_col] == 0) cells[at_row][at_col] = kOccupied;
+      return;
+    }
     const std::uint8_t *point = p.points + 2 * (r * p.cols + c);
     const double u = static_cast<double>(c) + (point[0] + 0.5) / 256.0 - p.u0;
     const double v = static_cast<double>(r) + (point[1] + 0.5) / 256.0 - p.v0;

@@ -1,6 +1,7 @@
-// Names and arguments of these kernels in Python; driver.hpp and measures.hpp say what they do.
+// Names and arguments of these kernels in Python; their headers say what they do.
 #include "missions/driver.hpp"
 #include "missions/measures.hpp"
+#include "missions/period.hpp"
 
 #include <nanobind/stl/unique_ptr.h>
 
@@ -26,5 +27,6 @@ void bind_missions(nanobind::module_ &m) {
   m.def("stopping_poses", &stopping_poses, arg("x"), arg("y"), arg("yaw"), arg("v"), arg("w"), arg("goal_v"),
         arg("goal_w"), arg("forward"), arg("reverse"), arg("turning"), arg("acceleration"), arg("angular_acceleration"),
         arg("dt"), arg("turn_step"));
+  m.def("drive_period", &drive_period, arg("state"), arg("v"), arg("w"), arg("limits"), arg("steps"));
   m.def("outline_distances", &outline_distances, arg("outlines"), arg("polygons"));
 }

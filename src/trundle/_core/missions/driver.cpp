@@ -54,7 +54,8 @@ MissionDriver::MissionDriver(In<std::uint8_t, 2> costs, In<std::uint8_t, 2> free
   require(l[9] >= 1.0 && l[9] <= 1e4, "a control period has 1 to 10,000 substeps");
   require(p[2] > 1e-3 && p[12] < 1e3, "the lookahead must be positive, and the padding below a kilometre");
   limits_ = {l[0], l[1], l[2], l[3], l[4]};
-  wheel_radius_ = l[5], track_width_ = l[6], wheel_speed_ = l[7], timestep_ = l[8], period_ = l[10];
+  ramp_ = {l[3] * l[8], l[4] * l[8], l[5], l[6], l[7]};
+  timestep_ = l[8], period_ = l[10];
   substeps_ = static_cast<std::int64_t>(l[9]);
   pursuit_ = {p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11], p[12]};
   const double *g = goal.data(), *r = progress.data(), *o = origin.data(), *f = inflation.data();
@@ -72,37 +73,21 @@ bool MissionDriver::is_reached(const Mission &mission, const Pose &pose, const T
   return std::abs(twist.v) <= stopped_v_ && std::abs(twist.w) <= stopped_w_;
 }
 
-// As `CommandRamp`.
-void MissionDriver::accelerate(Wheels &wheels, const Twist &target) const {
-  if (wheels.ramp_v == target.v && wheels.ramp_w == target.w) return;
-  const double linear = limits_.acceleration * timestep_, angular = limits_.angular_acceleration * timestep_;
-  wheels.ramp_v += std::min(linear, std::max(-linear, target.v - wheels.ramp_v));
-  wheels.ramp_w += std::min(angular, std::max(-angular, target.w - wheels.ramp_w));
-  wheels.v = wheels.ramp_v, wheels.w = wheels.ramp_w;
-  const double across = wheels.w * track_width_ / 2.0, most = wheel_speed_;
-  double left = (wheels.v - across) / wheel_radius_, right = (wheels.v + across) / wheel_radius_;
-  if (std::abs(left) > most || std::abs(right) > most) {
-    left = std::min(most, std::max(-most, left)), right = std::min(most, std::max(-most, right));
-    wheels.v = wheel_radius_ * (left + right) / 2.0;
-    wheels.w = wheel_radius_ * (right - left) / track_width_;
-  }
-}
-
 // Drive one control period; returns whether the footprint has touched a blocked cell or the map's edge.
-bool MissionDriver::move(Pose &pose, Wheels &wheels, const Twist &command, Touching &touching) const {
+bool MissionDriver::move(Pose &pose, RampedMotion &motion, const Twist &command, Touching &touching) const {
   const Twist target = limits_.clamp(command);
-  const double fastest = std::max(std::abs(wheels.ramp_v), std::abs(target.v));
-  const double turning = std::max(std::abs(wheels.ramp_w), std::abs(target.w));
+  const double fastest = std::max(std::abs(motion.ramp_v), std::abs(target.v));
+  const double turning = std::max(std::abs(motion.ramp_w), std::abs(target.w));
   const double seconds = static_cast<double>(substeps_) * timestep_ * (1.0 + 1e-9);
   const bool is_free = ground_->is_surely_free(pose, footprint_, fastest * seconds, turning * seconds);
   double last_v = std::nan(""), last_w = 0.0, by_length = 0.0, by_turn = 0.0;
   ArcShares arc(0.0);
   bool touched = false;
   for (std::int64_t i = 0; i < substeps_; ++i) {
-    accelerate(wheels, target);
-    if (wheels.v != last_v || wheels.w != last_w) {
-      last_v = wheels.v, last_w = wheels.w;
-      by_length = wheels.v * timestep_, by_turn = wheels.w * timestep_;
+    motion.approach(target.v, target.w, ramp_);
+    if (motion.v != last_v || motion.w != last_w) {
+      last_v = motion.v, last_w = motion.w;
+      by_length = motion.v * timestep_, by_turn = motion.w * timestep_;
       arc = ArcShares(by_turn);
     }
     const double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw);
@@ -116,7 +101,7 @@ bool MissionDriver::move(Pose &pose, Wheels &wheels, const Twist &command, Touch
 
 MissionDriver::Drive::Drive(const MissionDriver &driver, const Mission &mission, const Patience &patience)
     : driver_(driver), mission_(mission),
-      pursuit_(driver.limits_, driver.track_width_, driver.footprint_, driver.padded_, driver.pursuit_),
+      pursuit_(driver.limits_, driver.ramp_.track_width, driver.footprint_, driver.padded_, driver.pursuit_),
       followed_(mission.check, mission.along, mission.checked),
       progress_(driver.progress_radius_, driver.progress_angle_), place_(patience.radius, patience.angle),
       patience_(patience.seconds), real_(mission.start) {
@@ -126,7 +111,7 @@ MissionDriver::Drive::Drive(const MissionDriver &driver, const Mission &mission,
 
 std::int64_t MissionDriver::Drive::look() {
   const Pose pose = stands_at(real_);
-  driven.rows.insert(driven.rows.end(), {pose.x, pose.y, pose.yaw, wheels_.v, wheels_.w, sent_.v, sent_.w});
+  driven.rows.insert(driven.rows.end(), {pose.x, pose.y, pose.yaw, motion_.v, motion_.w, sent_.v, sent_.w});
   if (has_touched_) return end(kTouched);
   if (driver_.is_reached(mission_, pose, twist())) return end(kArrived);
   const bool is_patient = place_.standing(pose, time()) <= patience_;
@@ -157,7 +142,7 @@ std::int64_t MissionDriver::Drive::decide() {
 void MissionDriver::Drive::move(const Twist &sent) {
   const Twist stand{0.0, 0.0};
   is_held_ = sent == stand && !(command == stand);
-  has_touched_ = driver_.move(real_, wheels_, sent, touching_);
+  has_touched_ = driver_.move(real_, motion_, sent, touching_);
   steps_ += driver_.substeps_;
   sent_ = sent;
 }

@@ -10,6 +10,7 @@
 #include "missions/progress.hpp"
 #include "missions/pure_pursuit.hpp"
 #include "shared/arrays.hpp"
+#include "shared/ramp.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -64,9 +65,6 @@ class MissionDriver {
     std::vector<double> rows;
     std::int64_t ending = kBeyond, standing = 0;
   };
-  struct Wheels {
-    double ramp_v = 0.0, ramp_w = 0.0, v = 0.0, w = 0.0;
-  };
   struct Patience {
     double radius = 0.0, angle = 0.0, seconds = 0.0;
   };
@@ -89,7 +87,7 @@ class MissionDriver {
    private:
     std::int64_t end(std::int64_t ending) { return driven.ending = ending; }
     double time() const { return static_cast<double>(steps_) * driver_.timestep_; }
-    missions::Twist twist() const { return {wheels_.v, wheels_.w}; }
+    missions::Twist twist() const { return {motion_.v, motion_.w}; }
 
     const MissionDriver &driver_;
     const Mission &mission_;
@@ -100,7 +98,7 @@ class MissionDriver {
     missions::ProgressChecker progress_, place_;
     double patience_;
     missions::Touching touching_;
-    Wheels wheels_;
+    RampedMotion motion_;
     missions::Pose real_;
     missions::Twist sent_{0.0, 0.0};
     std::int64_t steps_ = 0;
@@ -110,15 +108,15 @@ class MissionDriver {
   void check_mission(const Mission &mission) const;
   void drive_one(const Mission &mission, Driven &driven) const;
   bool is_reached(const Mission &mission, const missions::Pose &pose, const missions::Twist &twist) const;
-  void accelerate(Wheels &wheels, const missions::Twist &target) const;
-  bool move(missions::Pose &pose, Wheels &wheels, const missions::Twist &command, missions::Touching &touching) const;
+  bool move(missions::Pose &pose, RampedMotion &motion, const missions::Twist &command, missions::Touching &touching) const;
 
   std::vector<std::uint8_t> costs_, free_;
   missions::Outline footprint_, padded_;
   std::optional<missions::Ground> ground_;
   missions::SpeedLimits limits_;
   missions::PursuitSettings pursuit_;
-  double wheel_radius_, track_width_, wheel_speed_, timestep_, period_;
+  RampLimits ramp_;
+  double timestep_, period_;
   std::int64_t substeps_;
   double xy_tolerance_, yaw_tolerance_, stopped_v_, stopped_w_;
   double progress_radius_, progress_angle_, progress_allowance_;

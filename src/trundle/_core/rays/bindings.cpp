@@ -13,6 +13,8 @@ void bind_rays(nanobind::module_ &m) {
         arg("earlier_sensor"), arg("earlier_angles"), arg("earlier_through"), arg("seconds"));
   m.def("find_lone_hits", &find_lone_hits, arg("ranges"), arg("angles"), arg("sensor"), arg("earlier_ranges"),
         arg("earlier_angles"), arg("earlier_sensor"), arg("range_min"), arg("range_max"));
+  m.def("measure_ranges", &measure_ranges, arg("distances"), arg("noise"), arg("deviation"), arg("range_min"),
+        arg("range_max"));
   m.def("place_scan", &place_scan, arg("ranges"), arg("angles"), arg("mount"), arg("base"), arg("body"),
         arg("range_min"), arg("range_max"), arg("sensor"), arg("earlier_ranges"), arg("earlier_angles"),
         arg("earlier_sensor"));

@@ -21,6 +21,11 @@ nb::ndarray<nb::numpy, std::uint8_t> chebyshev_field(In<std::uint8_t, 2> blocked
 nb::ndarray<nb::numpy, double> cast_outline_rays(In<double, 2> segments, In<double, 2> discs, double x, double y,
                                                  double first, double step, std::int64_t count, double reach);
 
+// Ranges of a lidar from the distances along its beams: infinity beyond `range_max`, otherwise with an error of `deviation`
+// times the noise, within the lidar's ranges. The noise has a number for each beam, or none.
+nb::ndarray<nb::numpy, double> measure_ranges(In<double, 1> distances, In<double, 1> noise, double deviation,
+                                              double range_min, double range_max);
+
 // What has moved since an earlier scan of the same lidar, `seconds` ago, both of what they hit in the order of the beams:
 // a velocity for each point (0 for what stands), whether there is any, and (x, y, vx, vy) of points that have moved in.
 // `sensor` is a pose (x, y, yaw); `angles` of its beams are ascending, in its frame, and `through` is how far each of

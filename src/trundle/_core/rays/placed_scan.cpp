@@ -57,7 +57,8 @@ nb::tuple place_scan(In<double, 1> ranges, In<double, 1> angles, In<double, 1> m
                      {earlier_ranges.data(), earlier_angles.data(), earlier_sensor.data(), 0, earlier_count}, range_min, range_max);
     std::vector<double> seen(ranges.data(), ranges.data() + count);
     for (const std::int64_t i : lone) seen[static_cast<std::size_t>(i)] = kInfinity;  // as the beams beside it
-    points.reserve(2 * count);
+    points.resize(2 * count);
+    double *next = points.data();
     const double *m = mount.data(), *at = base.data(), *side = body.data();
     const double cos = std::cos(at[2]), sin = std::sin(at[2]);
     const Directions &beams = directions_of(angles.data(), count, m[2]);
@@ -70,11 +71,13 @@ nb::tuple place_scan(In<double, 1> ranges, In<double, 1> angles, In<double, 1> m
           within = x * side[3 * j] + y * side[3 * j + 1] <= side[3 * j + 2];
         }
         if (!within && std::isfinite(x) && std::isfinite(y)) {
-          points.insert(points.end(), {at[0] + cos * x - sin * y, at[1] + sin * x + cos * y});
+          *next++ = at[0] + cos * x - sin * y;
+          *next++ = at[1] + sin * x + cos * y;
         }
       }
       if (!(range >= range_min)) seen[i] = -kInfinity;  // beside one that measured nothing
     }
+    points.resize(static_cast<std::size_t>(next - points.data()));
     if (count > 0 && directions.front() > directions.back()) {
       std::reverse(directions.begin(), directions.end());
       std::reverse(seen.begin(), seen.end());

@@ -50,8 +50,11 @@ class EarlierSweeps {
       }
       for (std::size_t i = 0; i < hits.size(); ++i) {
         Hit &hit = hits[i];
+        if (hit.appeared) {
+          continue;  // nothing makes that still
+        }
         const Sight seen = before->judge(hit.point, margin, directions_[i]);
-        hit.appeared = hit.appeared || seen == Sight::kThrough;
+        hit.appeared = seen == Sight::kThrough;
         hit.still = hit.still || (age >= kStill && seen == Sight::kThere);
       }
     }

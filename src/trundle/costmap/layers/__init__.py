@@ -8,6 +8,7 @@ where the estimate of its time put it. Only an estimate that jumps makes them fo
 from trundle.costmap.layers.layer import EVERYWHERE, Layer, MapPart, MapWindow
 from trundle.costmap.layers.layered_costmap import LayeredCostmap, LayersSettings
 from trundle.costmap.layers.obstacle_layer import ObstacleLayer, ObstacleLayerSettings
+from trundle.costmap.layers.scan_placer import PlacedScan, PlacedScans, ScanPlacer
 
 __all__ = [
     "EVERYWHERE",
@@ -18,4 +19,7 @@ __all__ = [
     "MapWindow",
     "ObstacleLayer",
     "ObstacleLayerSettings",
+    "PlacedScan",
+    "PlacedScans",
+    "ScanPlacer",
 ]

@@ -163,14 +163,21 @@ class Extent:
         """Return the rows and columns that one or more windows reach into; None where they lie elsewhere."""
         window, _, place = self._place()
         rows, cols = window.rows, window.cols
-        low_x, low_y, high_x, high_y = zip(*windows, strict=True)
-        x0, y0, x1, y1 = min(low_x), min(low_y), max(high_x), max(high_y)
+        if len(windows) == 1:
+            x0, y0, x1, y1 = windows[0]
+        else:
+            low_x, low_y, high_x, high_y = zip(*windows, strict=True)
+            x0, y0, x1, y1 = min(low_x), min(low_y), max(high_x), max(high_y)
         if not math.isfinite(x0 + y0 + x1 + y1):
             return slice(0, rows), slice(0, cols)
-        edge, cos, sin = self.resolution, math.cos(place.yaw), math.sin(place.yaw)
-        corners = (x0, y0), (x1, y0), (x0, y1), (x1, y1)
-        across = [(place.x + cos * x - sin * y) / edge for x, y in corners]
-        up = [(place.y + sin * x + cos * y) / edge for x, y in corners]
+        edge = self.resolution
+        if place.yaw == 0.0:  # as below, without what is multiplied with 0
+            across, up = ((place.x + x0) / edge, (place.x + x1) / edge), ((place.y + y0) / edge, (place.y + y1) / edge)
+        else:
+            cos, sin = math.cos(place.yaw), math.sin(place.yaw)
+            corners = (x0, y0), (x1, y0), (x0, y1), (x1, y1)
+            across = tuple([(place.x + cos * x - sin * y) / edge for x, y in corners])
+            up = tuple([(place.y + sin * x + cos * y) / edge for x, y in corners])
         # Centres are looked up in the evidence, so cells up to half a cell's diagonal away may change.
         (row, row_end), (col, col_end) = _cells_between(up, rows), _cells_between(across, cols)
         return (slice(row, row_end), slice(col, col_end)) if row < row_end and col < col_end else None

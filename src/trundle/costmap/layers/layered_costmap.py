@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Annotated, Literal
 
@@ -17,6 +17,7 @@ from trundle.costmap.costmap_settings import CostmapSettings
 from trundle.costmap.layers.extent import Extent, read_static
 from trundle.costmap.layers.layer import EVERYWHERE, Layer, MapPart, MapWindow
 from trundle.costmap.layers.obstacle_layer import ObstacleLayer, ObstacleLayerSettings
+from trundle.costmap.layers.scan_placer import PlacedScans
 from trundle.errors import InputError
 from trundle.files.yaml_config import Config
 from trundle.geometry import FloatArray, Pose2D
@@ -276,23 +277,34 @@ class LayeredCostmap:
         places = as_array(moved, np.float64, "moved")
         if places.size and (places.ndim != 2 or places.shape[1] != 3 or not np.isfinite(places).all()):
             raise InputError(f"moved needs shape (N, 3): x, y and radius [m], finite, got shape {places.shape}")
-        places = places.reshape(-1, 3)
+        return self._follow(lambda layer: layer.update(taken, estimate), estimate, places.reshape(-1, 3))
+
+    def take(self, placed: PlacedScans, moved: FloatArray) -> Costmap:
+        """Do as `update` with scans that somebody has placed for several users; `moved` has shape (N, 3)."""
+        estimate, obstacle = placed.estimate, self._obstacle
+
+        def update(layer: Layer) -> MapWindow | None:
+            if obstacle is not None and layer is obstacle:
+                return obstacle.take(placed)
+            return layer.update([one.scan for one in placed.scans], estimate)
+
+        return self._follow(update, estimate, moved)
+
+    def _follow(self, update: Callable[[Layer], MapWindow | None], estimate: Estimate, moved: FloatArray) -> Costmap:
         with self._lock:
             if self._time is not None and not estimate.time > self._time:
                 raise InputError(
                     f"times must increase: an estimate of {estimate.time:g} s came after one of {self._time:g} s"
                 )
-            windows = [window for layer in self._layers if (window := layer.update(taken, estimate)) is not None]
+            windows = [update(layer) for layer in self._layers]
             if self._obstacle is not None:
-                forgot = self._obstacle.forget_movers(places, estimate.time)
-                windows += [] if forgot is None else [forgot]
-            if self._pose is None:
-                windows = [EVERYWHERE]
+                windows.append(self._obstacle.forget_movers(moved, estimate.time))
+            changed = [EVERYWHERE] if self._pose is None else [window for window in windows if window is not None]
             self._time, self._pose = estimate.time, estimate.pose
             if self._extent.follow(estimate.pose) or self._costmap is None:
                 self._rebuild()
             else:
-                self._repaint(windows)
+                self._repaint(changed)
             return self.costmap
 
     def _make_obstacle_layer(self, robot: Robot) -> ObstacleLayer:

@@ -12,10 +12,10 @@ import numpy.typing as npt
 from pydantic import Field, model_validator
 
 from trundle import _core
-from trundle.costmap.layers.evidence_grid import EvidenceGrid
-from trundle.costmap.layers.field_of_view import FieldOfView
+from trundle.costmap.layers.evidence_grid import EvidenceGrid, FieldOfView
 from trundle.costmap.layers.layer import EVERYWHERE, MapPart, MapWindow
-from trundle.costmap.layers.scan_filter import ScanFilter
+from trundle.costmap.layers.scan_placer import PlacedScan, PlacedScans, ScanPlacer
+from trundle.errors import InputError
 from trundle.files.config_fields import NotNegative, Positive
 from trundle.files.yaml_config import Config
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
@@ -134,26 +134,27 @@ class ObstacleLayer:
         reach = max(self.settings.raytrace_max_range, self.settings.obstacle_max_range) + _BESIDE_M
         self._half = reach if keep_within is None else check_number("keep_within", keep_within, 0.0, 2000.0, "m")
         self._robot = robot
-        self._filter = ScanFilter(robot, self.settings.source_timeout)
+        self._placer = ScanPlacer(robot, self.settings.source_timeout)
         timed = self.settings.observation_persistence is not None
         self._grid = EvidenceGrid(edge, timed=timed, rolling=keep_within is not None)
         self._rule = self.settings.misses_to_clear, self.settings.hits_to_mark
         self._sensors: dict[tuple[Pose2D, float, float], tuple[FloatArray, FloatArray]] = {}
         self._views: dict[str, tuple[Scan, FloatArray]] = {}
         self._last: Estimate | None = None
+        self._frame: int | None = None
         self._looked_at = -math.inf
 
     @property
     def warnings(self) -> Mapping[str, int]:
         """How often a scan was left out, by reason, and how often the pose or its correction jumped."""
-        return MappingProxyType(dict(self._filter.counts))
+        return MappingProxyType(dict(self._placer.counts))
 
     def reset(self) -> None:
         """Forget everything, for a new run."""
-        self._filter.reset()
+        self._placer.reset()
         self._grid.clear()
         self._views.clear()
-        self._last = None
+        self._last = self._frame = None
         self._looked_at = -math.inf
 
     def forget(self, pose: Pose2D, size: float, *, outside: bool) -> None:
@@ -200,15 +201,29 @@ class ObstacleLayer:
             SensorWarning: Once for each kind of scan that is left out; if the odometry jumps, which clears the layer;
                 and if the estimate is corrected by more than 1 m.
         """
-        jumped = self._filter.follow(estimate)
+        check_kind(estimate, Estimate, "an estimate", "a localizer's update returns one")
+        if self._last is not None and not estimate.time > self._last.time:
+            raise InputError(
+                f"times must increase: an estimate of {estimate.time:g} s came after one of {self._last.time:g} s"
+            )
+        return self.take(self._placer.place(scans, estimate))
+
+    def take(self, placed: PlacedScans) -> MapWindow | None:
+        """Mark and clear by new scans that somebody has placed for several users: `update` without its checks."""
+        estimate, last = placed.estimate, self._last
+        jumped = self._frame is not None and placed.frame != self._frame
         if jumped:
             self._grid.clear()
-        elif self._last is not None:
-            jumped = self._correct(self._last, estimate)
-        self._last = estimate
+        elif last is not None:
+            jumped = self._correct(last, estimate, placed.odom_pose)
+        self._last, self._frame = estimate, placed.frame
         pose, T_map_odom = estimate.pose, estimate.T_map_odom
         forgot = self._grid.hold(pose.x, pose.y, self._half)
-        boxes = [self._mark(scan, _in_map(T_map_odom, poses)) for scan, poses in self._filter.admit(scans)]
+        boxes = [
+            self._mark(one, _in_map(T_map_odom, one.poses))
+            for one in placed.scans
+            if not self._placer.is_stale(one.scan, estimate.time)
+        ]
         grid, persistence = self._grid, self.settings.observation_persistence
         if persistence is not None:
             boxes.append(_core.unmark_before(grid.cells, grid.times, estimate.time - persistence, *self._rule))
@@ -269,28 +284,28 @@ class ObstacleLayer:
         """Return where marked cells were hit [m], map frame, shape (N, 2)."""
         return self._grid.marks()
 
-    def _correct(self, before: Estimate, estimate: Estimate) -> bool:
+    def _correct(self, before: Estimate, estimate: Estimate, odom_pose: Pose2D) -> bool:
         """Forget what lies around the robot if the estimate jumps from the one before; return whether it does."""
         after, T_map_odom = estimate.pose, before.T_map_odom
         if estimate.T_map_odom is T_map_odom or estimate.T_map_odom == T_map_odom:
             return False
         # Where wheels slip and the same update puts that right, the pose goes on evenly: all marks are where they were.
-        believed, last = T_map_odom @ self._filter.odom_pose, before.pose
+        believed, last = T_map_odom @ odom_pose, before.pose
         moved = min(after.distance_to(believed), after.distance_to(last))
         turned = min(abs(wrap_angle(after.yaw - believed.yaw)), abs(wrap_angle(after.yaw - last.yaw)))
         if moved <= _JUMP_M and turned <= _JUMP_RAD:
             return False
         self._grid.forget(believed.x, believed.y, self._half, outside=False)
         if moved > _WORTH_A_WARNING_M:
-            self._filter.warn(
+            self._placer.warn(
                 "correction",
                 f"the estimate was corrected by {moved:.1f} m at {estimate.time:g} s: the obstacles sensed around the "
                 "robot are forgotten",
             )
         return True
 
-    def _mark(self, scan: Scan, poses: FloatArray) -> tuple[int, int, int, int]:
-        grid = self._grid
+    def _mark(self, placed: PlacedScan, poses: FloatArray) -> tuple[int, int, int, int]:
+        grid, scan = self._grid, placed.scan
         outline, limits = self._sensor_of(scan)
         if len(scan.angles):
             self._views[scan.lidar] = scan, poses
@@ -303,7 +318,7 @@ class ObstacleLayer:
             grid.resolution,
             poses,
             scan.angles,
-            scan.ranges,
+            placed.ranges,
             outline,
             limits,
             self._robot.lidars[scan.lidar].inf_is_valid,

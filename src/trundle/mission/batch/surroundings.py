@@ -9,7 +9,7 @@ from trundle.costmap.layers import LayersSettings
 from trundle.geometry import Goal, Pose2D
 from trundle.navigation import Navigator
 from trundle.navigation.obstacle_watch import MoverMemory
-from trundle.navigation.sensing import SensedMap, SensedTracks
+from trundle.navigation.sensing import SensedMap, SensedTracks, make_placer
 from trundle.observation import Estimate, Scan, Track
 
 
@@ -31,13 +31,14 @@ class Surroundings:
         self.tracks: tuple[Track, ...] = ()
         self._map = None if layers is None else SensedMap(self.costmap, navigator.robot, costmap=None, layers=layers)
         self._tracked = SensedTracks(navigator.robot, None, warn=False)
+        self._placer = make_placer(navigator.robot, False if layers is None else layers, None)
         self._movers, self._goal = MoverMemory(), goal
 
     def take(self, scans: Sequence[Scan], time: float, pose: Pose2D) -> None:
         """Take the scans that arrived up to now [s], and where the robot is."""
-        estimate = Estimate(time, pose)
+        placed = self._placer.place(scans, Estimate(time, pose))
         if self._map is not None:
-            self._map.update(scans, estimate, self._goal, self._movers.recent)
+            self._map.update(placed, self._goal, self._movers.recent)
             self.costmap = self._map.costmap
-        self.tracks = self._tracked.update(scans, estimate)
+        self.tracks = self._tracked.update(placed)
         self._movers.note(self.tracks, time)

@@ -25,7 +25,7 @@ from trundle.path import Path
 from trundle.registry import name_of
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim import RobotState, Simulator
-from trundle.sim.command_delay import DelayedSimulator
+from trundle.sim.wrapper import DelayedSimulator
 from trundle.worlds import World
 
 TIME_PER_GOAL_S = 60.0

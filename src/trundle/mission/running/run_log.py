@@ -16,7 +16,7 @@ from trundle.observation import LOCALIZATION_STATES, Estimate
 from trundle.path import Path
 from trundle.robots import Robot
 from trundle.sim import Contact, RobotState
-from trundle.sim.visibility import unseen_names
+from trundle.sim.lidar import unseen_names
 from trundle.worlds import World
 
 _STANDING_V = 0.05

@@ -36,8 +36,7 @@ from trundle.planning.grid.grid_search import GridSearch
 from trundle.planning.grid_planners.detours import Detours, TightPlaces
 from trundle.planning.motions import Motion, fit_motions, motions_before, poses_of
 from trundle.planning.queries.ends import End, place_to_turn, place_with_room
-from trundle.planning.queries.query import Query, no_path, none_found
-from trundle.planning.queries.query_planner import PosePlanner
+from trundle.planning.queries.query import PosePlanner, Query, no_path, none_found
 from trundle.values import check_count, check_number
 
 

@@ -15,7 +15,7 @@ from trundle.planning.cancellation import Patience
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.planning.motions import motions_along, poses_of
 from trundle.planning.queries.ends import REACH_CELLS, cells_near
-from trundle.planning.queries.query_planner import QueryPlanner
+from trundle.planning.queries.query import QueryPlanner
 from trundle.values import check_flag
 
 _WEIGHTS = np.ones(256, dtype=np.uint16)

@@ -8,14 +8,13 @@ import numpy as np
 
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
-from trundle.messages.makers import DIAGNOSTICS, POSE
-from trundle.messages.particle_cloud import PARTICLE_CLOUD, encode_particles, learn_particle_cloud
+from trundle.messages.makers import DIAGNOSTICS, PARTICLE_CLOUD, POSE, encode_particles, learn_particle_cloud
 from trundle.messages.qos import LATCHED, SENSOR, TRANSFORMS, Qos
 from trundle.mission import Step
 from trundle.navigation import NavigationStatus
 from trundle.observation import LocalizationState, describe_state
 from trundle.ros2.navigator_role.context import Kit
-from trundle.ros2.outputs.odometry_covariance import EXACT
+from trundle.ros2.outputs.motion import EXACT
 from trundle.ros2.outputs.output import Cadence
 from trundle.ros2.wire import Outlet, Wire
 

@@ -16,6 +16,7 @@ from trundle.mission.scenario import Setting
 from trundle.mission.setup import Place, SessionOptions, load_masks, session_options
 from trundle.ros2.actions import Action
 from trundle.ros2.navigator_role.behaviors import (
+    AssistedTeleop,
     Behave,
     read_back_up,
     read_drive_on_heading,
@@ -23,19 +24,22 @@ from trundle.ros2.navigator_role.behaviors import (
     read_wait,
 )
 from trundle.ros2.navigator_role.context import NAVIGATOR, Beliefs, Kit
-from trundle.ros2.navigator_role.costmap_outputs import FootprintOutput, GlobalCostmapOutput, LocalCostmapOutput
 from trundle.ros2.navigator_role.driving import Follow, Navigate
 from trundle.ros2.navigator_role.inputs import PoseInputs
 from trundle.ros2.navigator_role.lifecycle import Lifecycle
 from trundle.ros2.navigator_role.localization import NavigationDiagnosis, ParticleOutput, PoseOutput, StateOutput
-from trundle.ros2.navigator_role.maps import MapServices
-from trundle.ros2.navigator_role.outputs import MapOutput, MarkerOutput, PlanOutput
-from trundle.ros2.navigator_role.plans import ComputePath, PlanServer
+from trundle.ros2.navigator_role.outputs import (
+    FootprintOutput,
+    GlobalCostmapOutput,
+    LocalCostmapOutput,
+    MapOutput,
+    MarkerOutput,
+    PlanOutput,
+)
+from trundle.ros2.navigator_role.plans import ComputePath, PlanServer, SmoothPath
 from trundle.ros2.navigator_role.refusals import REFUSED_ACTIONS, Refuse
-from trundle.ros2.navigator_role.services import OPTIONAL, Services
-from trundle.ros2.navigator_role.smoothing import SmoothPath
+from trundle.ros2.navigator_role.services import OPTIONAL, MapServices, Services
 from trundle.ros2.navigator_role.tasks import Tasks
-from trundle.ros2.navigator_role.teleop import AssistedTeleop
 from trundle.ros2.navigator_role.waypoints import FollowWaypoints
 from trundle.ros2.outputs.output import Output
 from trundle.ros2.role import BridgeContext

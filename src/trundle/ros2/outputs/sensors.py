@@ -10,7 +10,7 @@ import numpy as np
 from trundle.geometry import Twist2D, wrap_angle
 from trundle.messages.qos import Qos
 from trundle.mission import Step
-from trundle.ros2.outputs.odometry_covariance import EXACT
+from trundle.ros2.outputs.motion import EXACT
 from trundle.ros2.outputs.output import Cadence
 from trundle.ros2.role import BridgeContext
 

@@ -18,8 +18,7 @@ from trundle.mission.scenario import Setting
 from trundle.mission.setup import Place, make_place
 from trundle.robots import Robot
 from trundle.ros2.profile import Profile
-from trundle.ros2.remote.localizer import RemoteLocalizer
-from trundle.ros2.remote.map_fit import MapFit
+from trundle.ros2.remote.localizer import MapFit, RemoteLocalizer
 from trundle.ros2.static_frames import StaticFramesMode
 from trundle.worlds import World
 

@@ -15,8 +15,7 @@ from trundle.geometry import FloatArray
 from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
 from trundle.sim.batch.arrays import BatchModel, blocked_cells, check_maps, check_recordings, make_model, spread
-from trundle.sim.batch.cpu import BatchEngine, CpuEngine, mask_of
-from trundle.sim.batch.crowds import RobotCrowds
+from trundle.sim.batch.cpu import BatchEngine, CpuEngine, RobotCrowds, mask_of
 from trundle.sim.batch.recording import MoverRecording
 from trundle.sim.lidar import LidarChoice, choose_lidars
 from trundle.sim.ramp import count_steps

@@ -16,9 +16,8 @@ from trundle.geometry.solids import Solid
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.lidar import LidarChoice, LidarSet, SceneBeams
 from trundle.sim.movers import MoverField
-from trundle.sim.physx.body import RobotBody, tilt_of
+from trundle.sim.physx.body import RobotBody, WheelOdometry, tilt_of
 from trundle.sim.physx.engine import check_installation
-from trundle.sim.physx.odometry import WheelOdometry
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.state import Contact, RobotState, Substep
 from trundle.sim.usd_simulator import SETTLE_S, UsdSimulator

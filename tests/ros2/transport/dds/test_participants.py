@@ -8,8 +8,8 @@ from hypothesis import given
 from ros2.random_messages import random_message
 from trundle.errors import InputError
 from trundle.messages import Codec, Distro
-from trundle.ros2.transport.dds import participants
-from trundle.ros2.transport.dds.participants import NodeEndpoints, Participants, decode_info, encode_info, gid_size
+from trundle.ros2.transport.dds import discovery
+from trundle.ros2.transport.dds.discovery import NodeEndpoints, Participants, decode_info, encode_info, gid_size
 
 GUID = bytes(range(16))
 NODES = (
@@ -23,7 +23,7 @@ def test_they_are_those_of_the_distribution(distro: Distro, size: int) -> None:
     codec = Codec(distro)
     assert gid_size(distro) == size
     data = encode_info(GUID, NODES, size)
-    message = codec.decode(participants.INFO_TYPE, data)
+    message = codec.decode(discovery.INFO_TYPE, data)
     assert codec.encode(message) == data
     assert bytes(message.gid.data[:16]) == GUID
     assert [node.node_name for node in message.node_entities_info_seq] == ["trundle", "länger"]
@@ -32,7 +32,7 @@ def test_they_are_those_of_the_distribution(distro: Distro, size: int) -> None:
 
 def test_random_ones_are_read_as_the_codec_reads_them() -> None:
     codec, rng = Codec("jazzy"), np.random.default_rng(2)
-    message = random_message(codec, participants.INFO_TYPE, rng)
+    message = random_message(codec, discovery.INFO_TYPE, rng)
     participant, nodes = decode_info(codec.encode(message), 16)
     assert participant == bytes(message.gid.data)
     for node, expected in zip(nodes, message.node_entities_info_seq, strict=True):
@@ -56,7 +56,7 @@ def test_half_a_message_is_refused(cut: int) -> None:
 
 
 def test_what_left_is_forgotten_and_memory_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(participants, "MOST", 3)
+    monkeypatch.setattr(discovery, "MOST", 3)
     known = Participants(16)
     guids = [bytes([number]) * 16 for number in range(5)]
     for number, guid in enumerate(guids):

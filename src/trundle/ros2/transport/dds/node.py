@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from trundle.errors import InputError
 from trundle.messages import Codec, Distro, Qos
-from trundle.messages.particle_cloud import learn_particle_cloud
+from trundle.messages.makers import learn_particle_cloud
 from trundle.ros2.transport.dds import domains
 from trundle.ros2.transport.dds.discovery import Discovery
 from trundle.ros2.transport.dds.endpoints import DdsPublisher, DdsSubscription

@@ -1,6 +1,6 @@
 """The part of the bridge that runs in the user's ROS: it relays the bytes of topics, services and actions.
 
-`process.py` starts it as a separate program, with the Python of the sourced ROS: Python 3.10 or later, any
+`link.py` starts it as a separate program, with the Python of the sourced ROS: Python 3.10 or later, any
 distribution from Humble on, any RMW. That Python need not have trundle, so this file imports nothing of trundle,
 and is long for that reason. It imports ROS only once it runs, so that trundle can import the protocol from it.
 

@@ -10,8 +10,9 @@ import math
 
 import warp as wp
 
-# No contraction of products and sums: bits would differ from the processor's. No derivatives: nobody asks for them.
-EXACT = {"fuse_fp": False, "fast_math": False, "enable_backward": False}
+# No contraction of products and sums: bits would differ from the processor's. No derivatives: nobody asks for them. No
+# loop over blocks, which takes registers: a thread for each number.
+EXACT = {"fuse_fp": False, "fast_math": False, "enable_backward": False, "default_grid_stride": False}
 
 ZERO, ONE, HALF, TWO, SIX = (wp.constant(wp.float64(value)) for value in (0.0, 1.0, 0.5, 2.0, 6.0))
 FAR = wp.constant(wp.float64(math.inf))

@@ -1,4 +1,9 @@
-"""Kernels that find what footprints touch: a thread for a substep of a robot."""
+"""Kernels that find what footprints touch first.
+
+Threads side by side look at the same robot: they take the same branches, and read the same cells. The poses of a step
+are known before, so all are looked at together. Contacts are numbers, of which the least is the first: by the number of
+the pose, then cells before movers, then by the number of the cell or the mover.
+"""
 
 # pyright: reportAttributeAccessIssue=false, reportInvalidTypeForm=false, reportOperatorIssue=false
 # pyright: reportCallIssue=false, reportIndexIssue=false, reportArgumentType=false
@@ -6,9 +11,12 @@
 import warp as wp
 
 from trundle.sim.batch.warp.arithmetic import EXACT, ONE, TOUCH, ZERO, clamped, far, greater, lesser, sin_cos
-from trundle.sim.batch.warp.model import NOTHING_BAD, Model, mover_at, placed_corner, to_cells, turned
+from trundle.sim.batch.warp.model import NOTHING_BAD, NOTHING_TOUCHED, Model, mover_at, placed_corner, to_cells, turned
 
-wp.set_module_options(EXACT)
+_BLOCK = 128
+wp.set_module_options(EXACT | {"block_dim": _BLOCK})
+
+_POSE, _MOVER = wp.constant(wp.int64(2**33)), wp.constant(wp.int64(2**32))
 
 
 @wp.func
@@ -36,10 +44,19 @@ def is_surely_free(model: Model, number: wp.int32, pose: wp.vec3d):
 
 
 @wp.func
-def first_overlap(model: Model, number: wp.int32, pose: wp.vec3d, edges: wp.array2d(dtype=wp.vec3d), thread: wp.int32):
-    """(row, col) of the first blocked cell that the footprint overlaps, or (−1, −1); as `first_overlap` in C++.
+def first_overlap(
+    model: Model,
+    number: wp.int32,
+    pose: wp.vec3d,
+    edges: wp.array2d(dtype=wp.vec3d),
+    at: wp.int32,
+    lane: wp.int32,
+    lanes: wp.int32,
+):
+    """Number of the first blocked cell that the footprint overlaps in every `lanes`-th row, or −1; see C++.
 
-    `edges` is memory for the corners of the footprint and the slopes of the edges that lead to them.
+    `edges` is memory for the corners of the footprint and the slopes of the edges that lead to them; all lanes of a
+    pose write the same there.
     """
     offset, row_count, col_count = model.shapes[number, 0], model.shapes[number, 1], model.shapes[number, 2]
     rows, cols = wp.float64(row_count), wp.float64(col_count)
@@ -60,22 +77,22 @@ def first_overlap(model: Model, number: wp.int32, pose: wp.vec3d, edges: wp.arra
             slope = (before_x - x) / (before_y - y)
         elif y > before_y:
             slope = (x - before_x) / (y - before_y)
-        edges[i, thread] = wp.vec3d(x, y, slope)
+        edges[i, at] = wp.vec3d(x, y, slope)
         low = lesser(low, y)
         high = greater(high, y)
         before_x = wp.float64(x)
         before_y = wp.float64(y)
     first_row = wp.int32(clamped(wp.floor(low + touch), ZERO, rows))
     last_row = wp.int32(clamped(wp.ceil(high - touch), ZERO, rows)) - 1
-    row = first_row
+    row = first_row + lane
     while row <= last_row:
         left, right = far(), -far()
         below = wp.float64(row)
         above = below + ONE
-        from_x = wp.float64(edges[corners - 1, thread][0])
-        from_y = wp.float64(edges[corners - 1, thread][1])
+        from_x = wp.float64(edges[corners - 1, at][0])
+        from_y = wp.float64(edges[corners - 1, at][1])
         for i in range(corners):
-            other = wp.vec3d(edges[i, thread])
+            other = wp.vec3d(edges[i, at])
             ax = wp.float64(from_x)
             ay = wp.float64(from_y)
             bx = wp.float64(other[0])
@@ -102,10 +119,10 @@ def first_overlap(model: Model, number: wp.int32, pose: wp.vec3d, edges: wp.arra
             while col < end_col:
                 free = wp.int32(model.cells[offset + row * col_count + col])
                 if free == 0:
-                    return wp.vec2i(row, col)
+                    return row * col_count + col
                 col += free
-        row += 1
-    return wp.vec2i(-1, -1)
+        row += lanes
+    return -1
 
 
 @wp.func
@@ -164,38 +181,43 @@ def overlaps_polygon(
     return True
 
 
-@wp.kernel
+@wp.kernel(launch_bounds=(_BLOCK, 8))
 def touch(
     model: Model,
     active: wp.array(dtype=wp.bool),
-    substeps: wp.int32,
+    number_of_first: wp.int32,
+    poses: wp.int32,
+    lanes: wp.int32,
     fault: wp.array(dtype=wp.int64),
     passed: wp.array2d(dtype=wp.vec3d),
     places: wp.array2d(dtype=wp.int64),
     steps: wp.array(dtype=wp.int64),
     edges: wp.array2d(dtype=wp.vec3d),
-    found: wp.array2d(dtype=wp.vec3i),
+    first: wp.array(dtype=wp.int64),
 ):
-    """Find what the footprint touches after each substep; a cell before movers, the movers by their numbers."""
-    substep, i = wp.tid()
-    if not active[i] or fault[0] != NOTHING_BAD:
+    """Look at some poses of a robot that follow each other, with a few threads each, for what it touches first."""
+    i, thread = wp.tid()
+    substep = thread // lanes
+    lane = thread - substep * lanes
+    contact = wp.int64(number_of_first + substep) * _POSE
+    if not active[i] or fault[0] != NOTHING_BAD or first[i] < contact:
         return
-    pose = passed[substep, i]
+    pose = passed[i, substep]
     number = wp.int32(places[i, 0])
     recording = wp.int32(places[i, 1])
-    found[substep, i] = wp.vec3i(0, 0, 0)
     if not is_surely_free(model, number, pose):
-        cell = first_overlap(model, number, pose, edges, substep * active.shape[0] + i)
-        if cell[0] >= 0:
-            found[substep, i] = wp.vec3i(1, cell[0], cell[1])
+        cell = first_overlap(model, number, pose, edges, i * poses + substep, lane, lanes)
+        if cell >= 0:
+            wp.atomic_min(first, i, contact + wp.int64(cell))
             return
     if recording < 0:
         return
-    # After the last substep the robot's clock stands at `steps`.
-    time = wp.float64(steps[i] - wp.int64(wp.max(substeps - 1 - substep, 0))) * model.timestep
+    # After the last of them the robot's clock stands at `steps`.
+    time = wp.float64(steps[i] - wp.int64(poses - 1 - substep)) * model.timestep
     present = model.recordings[recording]
     heading = sin_cos(pose[2])
-    for mover in range(present[0], present[1]):
+    mover = present[0] + lane
+    while mover < present[1]:
         at = mover_at(model, mover, time)
         dx = at[0] - pose[0]
         dy = at[1] - pose[1]
@@ -208,33 +230,42 @@ def touch(
             else:
                 hit = overlaps_polygon(model, heading, own[0], own[1], sin_cos(at[2]), dx, dy)
             if hit:
-                found[substep, i] = wp.vec3i(2, mover, 0)
+                wp.atomic_min(first, i, contact + _MOVER + wp.int64(mover))
                 return
+        mover += lanes
 
 
 @wp.kernel
 def settle(
+    model: Model,
     active: wp.array(dtype=wp.bool),
-    rows: wp.int32,
-    before: wp.int32,
-    number_of_first: wp.int32,
-    fault: wp.array(dtype=wp.int64),
-    found: wp.array2d(dtype=wp.vec3i),
+    places: wp.array2d(dtype=wp.int64),
+    first: wp.array(dtype=wp.int64),
     contacts: wp.array2d(dtype=wp.int64),
+    fault: wp.array(dtype=wp.int64),
+    told: wp.array(dtype=wp.int64),
 ):
-    """Keep the first contact of a step, of which `before` substeps were looked at already."""
+    """Write (kind, row or mover, col, number of the pose) of the first contacts, and tell the host of a fault."""
     i = wp.tid()
-    if not active[i] or fault[0] != NOTHING_BAD:
+    if fault[0] != NOTHING_BAD:
+        if i == 0:
+            told[0] = fault[0]
         return
-    if before > 0 and contacts[i, 0] != wp.int64(0):
+    if not active[i]:
         return
     for k in range(4):
         contacts[i, k] = wp.int64(0)
-    for substep in range(rows):
-        thing = found[substep, i]
-        if thing[0] != 0:
-            contacts[i, 0] = wp.int64(thing[0])
-            contacts[i, 1] = wp.int64(thing[1])
-            contacts[i, 2] = wp.int64(thing[2])
-            contacts[i, 3] = wp.int64(before + number_of_first + substep)
-            return
+    contact = first[i]
+    if contact == NOTHING_TOUCHED:
+        return
+    pose = contact // _POSE
+    thing = contact - pose * _POSE
+    if thing >= _MOVER:
+        contacts[i, 0] = wp.int64(2)
+        contacts[i, 1] = thing - _MOVER
+    else:
+        cols = wp.int64(model.shapes[wp.int32(places[i, 0]), 2])
+        contacts[i, 0] = wp.int64(1)
+        contacts[i, 1] = thing // cols
+        contacts[i, 2] = thing - thing // cols * cols
+    contacts[i, 3] = pose

@@ -23,7 +23,10 @@ _CHUNK = 16
 """Substeps whose contacts are looked for side by side."""
 
 _MOST_LOOKS = 2**20
-"""Threads that look for contacts, unless there are more robots: each needs memory for a footprint."""
+"""Poses that are looked at side by side, unless there are more robots: each needs memory for a footprint."""
+
+_MOST_LANES, _ENOUGH_THREADS = 8, 2**18
+"""Threads that share the rows of a footprint, where fewer would leave some of a GPU idle: an H100 runs some 2^17."""
 
 _MOST_LAUNCHES = 64
 """Chunks of a step that are recorded as a graph; longer steps are launched one by one."""
@@ -96,8 +99,8 @@ class WarpEngine:
         self._new_poses, self._new_errors = self._zeros((count, 3)), self._zeros((count, 2))
         self._new_places, self._new_keys = self._zeros((count, 2), wp.int64), self._zeros(count, wp.uint64)
         self._chunk = max(1, min(_CHUNK, _MOST_LOOKS // count))
-        self._passed = self._zeros((self._chunk, count), wp.vec3d)
-        self._found = self._zeros((self._chunk, count), wp.vec3i)
+        self._passed = self._zeros((count, self._chunk), wp.vec3d)
+        self._first = self._zeros(count, wp.int64)
         self._edges = self._zeros((len(model.outline), self._chunk * count), wp.vec3d)
         self._origins = self._zeros((max(self._lidars, 1), count), wp.vec4d)
         self._seen = self._zeros((max(self._most_movers, 1), count), wp.vec4d)
@@ -203,44 +206,37 @@ class WarpEngine:
             self._count,
             [active, *new, self._new_keys, self._fault, *state, self._errors, self._keys],
         )
-        self._launch_look(active, 0, 0, 0)
-        wp.copy(self._fault_here, self._fault)
+        self._launch_look(active, 0, 0)
+        self._launch_settle(active)
 
     def _launch_drive(self, active: Any, substeps: int) -> None:
         self._launch(motion.check_commands, self._count, [self._commands, self._fault])
         for before in range(0, substeps, self._chunk):
-            self._launch_look(active, before, min(self._chunk, substeps - before), 1)
-        wp.copy(self._fault_here, self._fault)
+            self._launch_look(active, before, min(self._chunk, substeps - before))
+        self._launch_settle(active)
 
-    def _launch_look(self, active: Any, before: int, substeps: int, number_of_first: int) -> None:
+    def _launch_look(self, active: Any, before: int, substeps: int) -> None:
         """Drive a few substeps, and look for contacts after each; without substeps where the robots are."""
         state = [self.poses, self.motions, self.wheels, self.lengths, self.steps]
         self._launch(
             motion.drive,
             self._count,
-            [self._model, active, self._commands, substeps, self._fault, *state, self._passed],
+            [self._model, active, self._commands, before, substeps, self._fault, *state, self._passed, self._first],
         )
-        rows = max(substeps, 1)
+        poses, number_of_first = max(substeps, 1), before + min(substeps, 1)
+        lanes = _MOST_LANES
+        while lanes > 1 and self._count * poses * lanes > _ENOUGH_THREADS:
+            lanes //= 2
+        where = [self._passed, self.places, self.steps, self._edges, self._first]
         self._launch(
             contacts.touch,
-            (rows, self._count),
-            [
-                self._model,
-                active,
-                substeps,
-                self._fault,
-                self._passed,
-                self.places,
-                self.steps,
-                self._edges,
-                self._found,
-            ],
+            (self._count, poses * lanes),
+            [self._model, active, number_of_first, poses, lanes, self._fault, *where],
         )
-        self._launch(
-            contacts.settle,
-            self._count,
-            [active, rows, before, number_of_first, self._fault, self._found, self.contacts],
-        )
+
+    def _launch_settle(self, active: Any) -> None:
+        found = [self.places, self._first, self.contacts]
+        self._launch(contacts.settle, self._count, [self._model, active, *found, self._fault, self._fault_here])
 
     def _launch_scan(self, active: Any, ranges: Any) -> None:
         self._launch(
@@ -248,20 +244,21 @@ class WarpEngine:
             (self._lidars, self._count),
             [self._model, active, self.poses, self.places, self._origins],
         )
+        shape = (self._count, self._beams)
         if self._most_movers:
             self._launch(
                 beams.place_movers,
                 (self._most_movers, self._count),
                 [self._model, active, self.poses, self.places, self.steps, self._seen],
             )
-        shape = (self._count, self._beams)
-        given = [self._model, active, self.places, self._origins, ranges]
-        wp.launch(beams.cast_beams, dim=shape, inputs=given, device=self._device, block_dim=beams.BLOCK)
+            self._launch(beams.meet_movers, shape, [self._model, active, self.places, self._seen, ranges])
         state = [self.places, self.steps, self._errors, self._keys]
-        self._launch(beams.finish_beams, shape, [self._model, active, *state, self._seen, ranges])
+        self._launch(beams.cast_beams, shape, [self._model, active, *state, self._origins, ranges])
 
     def _launch(self, kernel: Any, dim: Any, inputs: list[Any]) -> None:
-        wp.launch(kernel, dim=dim, inputs=inputs, device=self._device)
+        # Else blocks have 256 threads, whatever the module says; it would be compiled for both.
+        block = kernel.module.options["block_dim"]
+        wp.launch(kernel, dim=dim, inputs=inputs, device=self._device, block_dim=block)
 
     def _run(self, key: tuple[str, int, bool], launch: Callable[[], None]) -> None:
         """Launch; from the second time on as one graph, where the device has such."""

@@ -13,6 +13,7 @@ NO_FAULT = 2**62
 """What `fault` holds without one; else 8 × robot + kind, of the first robot. Nothing moves until the host raised it."""
 
 NOTHING_BAD = wp.constant(wp.int64(NO_FAULT))
+NOTHING_TOUCHED = wp.constant(wp.int64(2**62))
 COMMAND, POSE, MAP, RECORDING, ERRORS = range(1, 6)
 
 

@@ -11,6 +11,7 @@ from trundle.sim.batch.warp.model import (
     ERRORS,
     MAP,
     NOTHING_BAD,
+    NOTHING_TOUCHED,
     POSE,
     RECORDING,
     Model,
@@ -18,7 +19,8 @@ from trundle.sim.batch.warp.model import (
     to_cells,
 )
 
-wp.set_module_options(EXACT)
+# A warp is a block: the few thousand robots of a batch are on all multiprocessors then.
+wp.set_module_options(EXACT | {"block_dim": 32})
 
 
 @wp.kernel
@@ -97,6 +99,7 @@ def drive(
     model: Model,
     active: wp.array(dtype=wp.bool),
     commands: wp.array2d(dtype=wp.float64),
+    before: wp.int32,
     substeps: wp.int32,
     fault: wp.array(dtype=wp.int64),
     poses: wp.array2d(dtype=wp.float64),
@@ -105,11 +108,14 @@ def drive(
     lengths: wp.array(dtype=wp.float64),
     steps: wp.array(dtype=wp.int64),
     passed: wp.array2d(dtype=wp.vec3d),
+    first: wp.array(dtype=wp.int64),
 ):
-    """Drive some substeps, and write the pose after each; without substeps the pose now."""
+    """Drive some substeps after those `before`, and write the pose after each; without substeps the pose now."""
     i = wp.tid()
     if not active[i] or fault[0] != NOTHING_BAD:
         return
+    if before == 0:
+        first[i] = NOTHING_TOUCHED
     v = lesser(model.forward, greater(-model.reverse, commands[i, 0]))
     w = lesser(model.turning, greater(-model.turning, commands[i, 1]))
     dt, most = model.timestep, model.wheel_speed
@@ -120,7 +126,7 @@ def drive(
     left, right = wp.float64(motions[i, 4]), wp.float64(motions[i, 5])
     left_angle, right_angle, length = wp.float64(wheels[i, 0]), wp.float64(wheels[i, 1]), wp.float64(lengths[i])
     if substeps == 0:
-        passed[0, i] = wp.vec3d(x, y, yaw)
+        passed[i, 0] = wp.vec3d(x, y, yaw)
     by_length, by_turn, along, across = wp.float64(0.0), wp.float64(0.0), wp.float64(1.0), wp.float64(0.0)
     is_new = wp.bool(True)
     for substep in range(substeps):
@@ -156,7 +162,7 @@ def drive(
         left_angle = left_angle + left * dt
         right_angle = right_angle + right * dt
         length = length + wp.abs(by_length)
-        passed[substep, i] = wp.vec3d(x, y, yaw)
+        passed[i, substep] = wp.vec3d(x, y, yaw)
     poses[i, 0] = x
     poses[i, 1] = y
     poses[i, 2] = yaw

@@ -8,6 +8,7 @@ import warp as wp
 from trundle.sim.batch.warp.arithmetic import FAR, ONE, ZERO, clamped, greater, lesser
 
 _HUGE = wp.constant(wp.float64(1e300))
+_MARGIN, _REST = wp.constant(wp.float64(1e-5)), wp.constant(wp.float64(1.0 - 1e-5))
 
 
 @wp.func
@@ -16,19 +17,19 @@ def leaves(cell: wp.int32, start: wp.float64, inverse: wp.float64, ahead: wp.int
 
 
 @wp.func
-def cell_at(
+def cell_near_line(
     ties: wp.bool,
+    place: wp.float64,
     distance: wp.float64,
     origin: wp.int32,
     last: wp.int32,
     start: wp.float64,
-    along: wp.float64,
     inverse: wp.float64,
     step: wp.int32,
     ahead: wp.int32,
 ):
-    """The cell of one coordinate at a distance, between two; `RayAxis::cell_at`."""
-    guess = wp.floor(start + distance * along)
+    """The cell of one coordinate at a distance, between two; `RayAxis::cell_near_line`."""
+    guess = wp.floor(place)
     low = wp.min(origin, last)
     high = wp.max(origin, last)
     cell = wp.int32(0)
@@ -102,22 +103,30 @@ def cast_ray(
             return FAR
         col = wp.int32(clamped(wp.floor(x + distance * dx), ZERO, width - ONE))
         row = wp.int32(clamped(wp.floor(y + distance * dy), ZERO, height - ONE))
-    while distance <= reach:
-        free = wp.int32(cells[offset + row * cols + col])
-        if free == 0:
-            return distance
+    free = wp.int32(cells[offset + row * cols + col])
+    while free != 0:
         last_col = col + step_x * (free - 1)
         last_row = row + step_y * (free - 1)
         by_col = leaves(last_col, x, inverse_x, ahead_x)
         by_row = leaves(last_row, y, inverse_y, ahead_y)
-        if by_col < by_row:
-            row = cell_at(True, by_col, row, last_row, y, dy, inverse_y, step_y, ahead_y)
-            col = last_col + step_x
-            distance = by_col
-        else:
-            col = cell_at(False, by_row, col, last_col, x, dx, inverse_x, step_x, ahead_x)
-            row = last_row + step_y
-            distance = by_row
+        by_cols = by_col < by_row
+        distance = wp.where(by_cols, by_col, by_row)
+        if distance > reach:
+            return FAR
+        # The coordinate whose line is not crossed: most places are farther from a line than all that is rounded here.
+        # Rays side by side that cross a column and a row take the same branch.
+        place = wp.where(by_cols, y, x) + distance * wp.where(by_cols, dy, dx)
+        origin, last = wp.where(by_cols, row, col), wp.where(by_cols, last_row, last_col)
+        cell = wp.int32(place)
+        rest = place - wp.float64(cell)
+        if not (cell >= wp.min(origin, last) and cell <= wp.max(origin, last) and rest > _MARGIN and rest < _REST):
+            if by_cols:
+                cell = cell_near_line(True, place, distance, origin, last, y, inverse_y, step_y, ahead_y)
+            else:
+                cell = cell_near_line(False, place, distance, origin, last, x, inverse_x, step_x, ahead_x)
+        row = wp.where(by_cols, cell, last_row + step_y)
+        col = wp.where(by_cols, last_col + step_x, cell)
         if row < 0 or row >= rows or col < 0 or col >= cols:
             return FAR
-    return FAR
+        free = wp.int32(cells[offset + row * cols + col])
+    return distance

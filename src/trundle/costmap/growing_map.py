@@ -7,7 +7,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from trundle.costmap import Costmap, CostmapSettings
+from trundle.costmap.costmap import Costmap
+from trundle.costmap.costmap_settings import CostmapSettings
 from trundle.errors import InputError, MapError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps import OccupancyGrid
