@@ -198,6 +198,10 @@ class Domain:
     def transport(self, name: str) -> Any:
         return join("dds", self._distro)
 
+    def most_waiting(self, sender: Any, node: str) -> int:
+        """None, as far as the robot knows: it does not wait for those who read it."""
+        return 0
+
 
 class LossyRobot(FakeRobot):
     """Drops 5 % of what it sends, sends everything 0.1 s later, and 5 % of it twice."""
@@ -328,11 +332,13 @@ def lossy(given: argparse.Namespace) -> dict[str, Any]:
     A drive that ends early, as one does where the machine is so busy that all falls silent for long, is counted, and
     the next one sets off from where the robot stands, until they have taken the time.
     """
-    seconds, moved, contacts, at, drives = 0.0, 0.0, 0, Pose2D(2.0, 2.0), list[dict[str, Any]]()
+    seconds, moved, contacts, reached = 0.0, 0.0, 0, 0
+    at, drives = Pose2D(2.0, 2.0), list[dict[str, Any]]()
     while (left := given.seconds - seconds) > 0.0 and len(drives) < MOST_DRIVES:
         number = len(drives)
         at, drive = lossy_drive(given, at, left, number % len(PLACES))
         seconds, moved, contacts = seconds + drive["seconds"], moved + drive["moved"], contacts + drive["contacts"]
+        reached += drive["reached"]
         drives.append(drive)
         print(
             f"drive {number + 1} ended after {drive['seconds']:.0f} s and {drive['moved']:.0f} m: {drive['message']}; ",
@@ -340,18 +346,25 @@ def lossy(given: argparse.Namespace) -> dict[str, Any]:
         )
         print(f"stood {drive['stops']}; {drive['warnings']}", flush=True)
     early = len(drives) - 1
-    print(f"{seconds:.0f} s, {moved:.0f} m, {contacts} contacts; {early} drives ended early")
+    print(f"{seconds:.0f} s, {moved:.0f} m, {reached} goals, {contacts} contacts; {early} drives ended early")
     for number, drive in enumerate(drives, 1):
         if memory := drive["memory"]:
             print(f"memory of drive {number}: {memory[0]:.1f} MB after 30 s, {max(memory):.1f} at most, ", end="")
             print(f"{memory[-1]:.1f} at the end")
-    return {"moved": moved, "contacts": contacts, "early": early, "drives": drives, "seconds": seconds}
+    return {
+        "moved": moved,
+        "reached": reached,
+        "contacts": contacts,
+        "early": early,
+        "drives": drives,
+        "seconds": seconds,
+    }
 
 
 def lossy_drive(given: argparse.Namespace, start: Pose2D, seconds: float, first: int) -> tuple[Pose2D, dict[str, Any]]:
     """One drive of the lossy robot, of so long at most: where it ends, and what came of it."""
     own_domain()
-    ends = goals(1000)[2 * first :]
+    ends, reached = goals(1000)[2 * first :], 0
     with driven(given, LossyRobot, start, Habits(), *ends) as (drives, robot):
         began, moved, before = time.monotonic(), 0.0, robot.pose
         memory: list[float] = []
@@ -359,14 +372,17 @@ def lossy_drive(given: argparse.Namespace, start: Pose2D, seconds: float, first:
             time.sleep(0.1)
             moved += math.hypot(robot.pose.x - before.x, robot.pose.y - before.y)
             before = robot.pose
+            x, y = PLACES[(first + reached) % len(PLACES)]
+            reached += math.hypot(before.x - x, before.y - y) <= NEAR_M
             if time.monotonic() - began > 30.0 * (len(memory) + 1):
                 memory.append(memory_mb(drives.pid))
-                print(f"{time.monotonic() - began:.0f} s: {memory[-1]:.1f} MB, {moved:.0f} m; {load()}", flush=True)
+                print(f"{time.monotonic() - began:.0f} s: {memory[-1]:.1f} MB, {moved:.0f} m, ", end="")
+                print(f"{reached} goals, {len(robot.contacts)} contacts; {load()}", flush=True)
         took = time.monotonic() - began
         said = ended(drives, 30.0)
         at, contacts = robot.pose, len(robot.contacts)
     kept = {key: said[key] for key in ("message", "stops", "warnings")}
-    return at, {"moved": moved, "contacts": contacts, "memory": memory, "seconds": took, **kept}
+    return at, {"moved": moved, "contacts": contacts, "memory": memory, "seconds": took, "reached": reached, **kept}
 
 
 def main() -> None:

@@ -87,6 +87,12 @@ class FakeNetwork:
     def subscriptions(self, topic: str, type_name: str) -> list[FakeSubscription]:
         return [one for transport in self.transports for one in transport.subscriptions if one.is_for(topic, type_name)]
 
+    def most_waiting(self, sender: FakeTransport, node: str) -> int:
+        """How many messages of a transport wait in that subscription of a node where most of them do."""
+        ours = {one.source for one in tuple(sender.publishers)}
+        readers = [one for other in tuple(self.transports) if other.node == node for one in other.subscriptions]
+        return max((one.count_waiting(ours) for one in readers), default=0)
+
     def call(self, name: str, request: bytes) -> FakeCall:
         """Send a request to the node that serves it."""
         call = FakeCall(request)
@@ -169,6 +175,9 @@ class FakeTransport:
             ]
         return Graph(tuple(sorted(node.node for node in everyone)), tuple(endpoints), tuple(offers))
 
+    def endpoints(self, topic: str) -> tuple[Endpoint, ...]:
+        return tuple(one for one in self.graph().endpoints if one.topic == topic)
+
     def wait(self, timeout_s: float) -> bool:
         arrived = self._event.wait(timeout_s)
         self._event.clear()
@@ -242,7 +251,7 @@ class FakePublisher(_End):
 
     @property
     def matched(self) -> int:
-        return len(self._readers())
+        return sum(one.transport is not self.transport for one in self._readers())
 
     def write(self, data: bytes) -> None:
         with self.transport.network.lock:

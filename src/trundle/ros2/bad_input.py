@@ -112,6 +112,10 @@ def check_pose(pose: Any) -> Pose2D:
     return Pose2D(float(at.x), float(at.y), yaw)
 
 
+MOST_KINDS, OTHER_KINDS = 300, "others"
+"""So many kinds of warnings are told apart; all others are one."""
+
+
 class Warnings:
     """Counts what is dropped, and warns of the first of each kind; any thread may use it.
 
@@ -142,6 +146,8 @@ class Warnings:
             text: What came, and what becomes of it; or what makes that text, for the first one alone.
         """
         with self._lock:
+            if kind not in self._counts and len(self._counts) >= MOST_KINDS:  # names in them may be anyone's
+                kind, text = OTHER_KINDS, f"there are more than {MOST_KINDS} kinds of faults"
             self._counts[kind] += 1
             if self._counts[kind] > 1:
                 return

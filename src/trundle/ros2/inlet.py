@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import time as clock
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Protocol
@@ -52,6 +53,7 @@ class Inlet:
         type_name: Type of its messages.
         qos: What it is read with.
         received: How many messages came.
+        flooded_s: When a message was last dropped as one of too many in a second [s of real time].
     """
 
     def __init__(
@@ -69,7 +71,7 @@ class Inlet:
         self.topic, self.type_name, self.qos = topic, type_name, qos
         self._subscription, self._handler, self._newest = subscription, handler, newest
         self._second, self._count = 0, 0
-        self.received = 0
+        self.received, self.flooded_s = 0, -math.inf
 
     @property
     def writers(self) -> int:
@@ -92,7 +94,7 @@ class Inlet:
                 self._second, self._count = second, 0
             self._count += 1
             if self._count > MOST_A_SECOND:
-                floods = True
+                floods, self.flooded_s = True, clock.monotonic()
                 self._warn_of_flood(sample.source, wire)
             else:
                 self._handle(sample.data, sample.source, wire)

@@ -98,6 +98,18 @@ def test_topics_go_both_ways_to_the_bit(ros: Ros, transport: RclpyTransport, typ
     assert (publisher.node, publisher.ours) == ("/robots/peer", False)
 
 
+def test_another_node_of_the_same_name_is_not_ours(ros: Ros, transport: RclpyTransport) -> None:
+    other = RclpyTransport(ros.python, transport.settings, "trundle", "")
+    try:
+        for node in (transport, other):
+            node.publisher("/clock", "rosgraph_msgs/msg/Clock", Qos())
+        for node in (transport, other):
+            wait_for(node, lambda node=node: [one.node for one in node.endpoints("/clock")] == 2 * ["/trundle"])
+            assert sorted(one.ours for one in node.endpoints("/clock")) == [False, True]
+    finally:
+        other.close()
+
+
 def test_the_graph_and_the_types_are_those_of_ros(ros: Ros, transport: RclpyTransport, types: Types) -> None:
     names = [
         *("Arrays", "BoundedPlainSequences", "Constants", "Defaults", "Empty", "MultiNested", "Nested", "Strings"),
@@ -107,6 +119,8 @@ def test_the_graph_and_the_types_are_those_of_ros(ros: Ros, transport: RclpyTran
     known = ["nav_msgs/msg/Path", "sensor_msgs/msg/PointCloud2", "tf2_msgs/msg/TFMessage"]
     ros.script(PEERS / "types.py", *types_there, *known)
     mine = transport.publisher("/mine", "std_msgs/msg/String", Qos(3, "best_effort"))
+    own = transport.subscription("/mine", "std_msgs/msg/String", Qos(3, "best_effort"))
+    also = transport.subscription("/mine", "std_msgs/msg/String", Qos(3))
     messages: dict[str, Any] = {}
     for number, name in enumerate([*types_there, *known]):
         topic = f"/topic_{number}"
@@ -128,9 +142,11 @@ def test_the_graph_and_the_types_are_those_of_ros(ros: Ros, transport: RclpyTran
     assert types.constant("test_msgs/msg/Constants", "UINT16_CONST") == 2000
     graph = transport.graph()
     assert {"/trundle", "/types"} <= set(graph.nodes)
-    (own,) = graph.publishers("/mine")
-    assert (own.node, own.ours, own.qos.reliability) == ("/trundle", True, "best_effort")
-    assert mine.matched == 0
+    (writer,) = graph.publishers("/mine")
+    assert (writer.node, writer.ours, writer.qos.reliability) == ("/trundle", True, "best_effort")
+    assert set(transport.endpoints("/mine")) == {one for one in graph.endpoints if one.topic == "/mine"}
+    wait_for(transport, lambda: own.matched == 1)
+    assert (mine.matched, also.matched) == (0, 0)  # a node does not count what it reads itself
     with pytest.raises(InputError, match="nav_msgs of this ROS has no Nothing"):
         transport.publisher("/nothing", "nav_msgs/msg/Nothing", Qos())
     with pytest.raises(InputError, match=r"this ROS has no nope_msgs .*: apt install ros-"):

@@ -177,11 +177,7 @@ class FakeRobot:
     def _wait_until_taken(self) -> None:
         """Wait for the navigator to take what was sent, unless it does not listen now."""
         until = time.monotonic() + TAKEN_WITHIN_S
-        ours = {writer.source for writer in self._writers.values()}
-        readers = [
-            one for node in tuple(self.network.transports) if node.node == "/trundle" for one in node.subscriptions
-        ]
-        while any(one.count_waiting(ours) > MOST_WAITING for one in readers):
+        while self.network.most_waiting(self.transport, "/trundle") > MOST_WAITING:
             if time.monotonic() > until or self._ends.is_set():
                 return
             time.sleep(0.001)

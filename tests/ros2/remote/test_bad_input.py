@@ -124,10 +124,11 @@ def test_a_robot_that_cannot_be_located_stands(navigate: Navigate, more: dict[st
     drive = remote.bridge.drive
     assert drive is not None
     why = "the scans do not fit the map where the robot was told to be"
-    wait_for(lambda: why in remote.bridge.guard.reasons.get("not located", ""), "for the reason")
+    wait_for(lambda: why in " ".join(remote.bridge.guard.reasons.values()), "for the reason")
     drive.waits_s = 1.5
     remote.wait_for_end()
     assert why in drive.message
+    said_once(remote, why)
     assert not [command for _, command in remote.robot.commands if command != STAND]
 
 
@@ -166,8 +167,9 @@ def test_floods_are_cut_with_one_warning(
     remote = navigate(goal=None)
     wait_for(lambda: not remote.reasons)
     with sending(network, topic, lambda: make(remote.robot.make, remote.robot.time), 0.0003):
-        wait_for(lambda: f"{topic}: flood" in remote.kinds, "for the flood")
+        wait_for(lambda: f"{topic}: flood" in remote.kinds and "flood" in remote.reasons, "for the flood")
     assert len([line for line in remote.said if f"floods {topic} with more than" in line]) == 1
+    assert remote.bridge.guard.counts["flood"] == 1
     assert not [command for _, command in remote.robot.commands if command != STAND]
     wait_for(lambda: not remote.reasons, f"for the robot to be free: {remote.reasons}")
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
+from ros2.fake_transport import FakePublisher
 from ros2.navigator_role.conftest import wait_for
 from ros2.remote.conftest import STAND, START, Remote
 from trundle.geometry import Pose2D
@@ -39,14 +42,24 @@ def test_a_robot_is_driven_to_its_goal(navigate: Navigate, localizer: str) -> No
     ("habits", "remark"),
     [
         ({"stamps": False}, "odometry: stamp of 0"),
-        ({"ahead_s": 0.18, "clock_every": 5}, ""),
+        ({"ahead_s": 0.18}, "odometry: stamp ahead of /clock"),
+        ({"clock_every": 5}, "/clock: slow"),
         ({"speed_share": 0.5}, ""),
         ({"odometry": False}, ""),
         ({"tf": False, "static": False, "frame": "somewhere"}, ""),
         ({"clock": False, "stamps": False}, "odometry: stamp of 0"),
         ({"waits_for_pose": True, "when_commanded": True, "tf": False}, ""),
     ],
-    ids=["stamps of 0", "stamps ahead", "half speed", "only tf", "no tf", "wall time", "waits for its pose"],
+    ids=[
+        "stamps of 0",
+        "stamps ahead",
+        "slow clock",
+        "half speed",
+        "only tf",
+        "no tf",
+        "wall time",
+        "waits for its pose",
+    ],
 )
 @pytest.mark.slow
 def test_quirks_of_robots_are_taken_as_they_are(navigate: Navigate, habits: dict[str, object], remark: str) -> None:
@@ -62,6 +75,26 @@ def test_a_robot_that_locates_itself_is_told_where_it_starts(navigate: Navigate)
     check_arrival(remote)
     (told,) = remote.robot.told
     assert told.pose.pose.position.x == pytest.approx(START.x)
+
+
+@pytest.mark.slow
+def test_a_robot_is_told_where_it_starts_once_it_can_hear_it(navigate: Navigate, monkeypatch: Any) -> None:
+    matched, opens = FakePublisher.matched.fget, time.monotonic() + 3.0  # pyright: ignore[reportAttributeAccessIssue]
+
+    def late(publisher: FakePublisher) -> int:
+        return 0 if publisher.topic == "/initialpose" and time.monotonic() < opens else matched(publisher)
+
+    monkeypatch.setattr(FakePublisher, "matched", property(late))
+    written = FakePublisher.write
+
+    def write(publisher: FakePublisher, data: bytes) -> None:
+        if publisher.topic != "/initialpose" or publisher.matched:
+            written(publisher, data)
+
+    monkeypatch.setattr(FakePublisher, "write", write)
+    remote = navigate(habits={"waits_for_pose": True})
+    check_arrival(remote)
+    assert len(remote.robot.told) == 1
 
 
 def test_what_came_before_the_clock_is_not_taken_for_newer(navigate: Navigate) -> None:

@@ -111,7 +111,7 @@ def test_a_map_of_another_site_does_not_fit_and_the_robot_stands(
     OccupancyGrid(other, 0.05).save(tmp_path / "other.yaml")
     assert load(client, str(tmp_path / "other.yaml")).result == 0
     wait_for(lambda: "do not fit the map" in remote.bridge.localizer.why, "for the reason")
-    assert "not located" in remote.reasons
+    assert "the scans do not fit the map" in remote.reasons
 
 
 def test_files_that_are_no_map_change_nothing(navigate: Navigate, client: Client, tmp_path: Path) -> None:

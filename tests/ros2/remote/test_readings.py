@@ -3,24 +3,40 @@
 from __future__ import annotations
 
 import math
+import threading
+import time as clock
 from typing import Any
 
 import numpy as np
 import pytest
 
+from ros2.fake_transport import FakeNetwork
 from ros2.remote.conftest import jazzy
 from ros2.remote.robot import make_cloud
 from trundle.geometry import Pose2D
-from trundle.messages import MessageMaker
+from trundle.messages import MessageMaker, Qos
 from trundle.observation import Scan
+<<<<<<< HEAD
+from trundle.robots import Lidar, Robot
+from trundle.ros2.bad_input import MOST_KINDS, BadInputError, Warnings
+from trundle.ros2.names import Names
+from trundle.ros2.profile import Profile
+from trundle.ros2.remote.clouds import Band, read_cloud
+from trundle.ros2.remote.commands import Sources
+=======
 from trundle.robots import Lidar
 from trundle.ros2.bad_input import BadInputError
+>>>>>>> main
 from trundle.ros2.remote.frames import FrameTree
-from trundle.ros2.remote.mounts import Mount, mount_matrix
+from trundle.ros2.remote.guard import Guard
+from trundle.ros2.remote.inputs import RobotInputs
+from trundle.ros2.remote.mounts import Mount, Mounts, mount_matrix
 from trundle.ros2.remote.readings import read_scan
 from trundle.ros2.remote.robot import RunTime
 from trundle.ros2.remote.scans import Band, read_cloud
 from trundle.ros2.remote.streams import RobotClock, Stream
+from trundle.ros2.types import Types
+from trundle.ros2.wire import Wire
 
 FORWARD = Mount(mount_matrix(0.2, 0.0, 0.3, 0.0))
 LIDAR = Lidar(x=0.2, y=0.0, z=0.3, fov=math.pi, range_max=10.0)
@@ -32,6 +48,52 @@ def make_message(ranges: list[float], first: float = -0.1, step: float = 0.1) ->
     message = MessageMaker(jazzy()).scan(scan, "lidar")
     message.ranges = np.array(ranges, dtype=np.float32)
     return message
+
+
+def test_scans_that_are_heard_at_a_time_are_taken_together() -> None:
+    network, robot = FakeNetwork(), Robot.load("nova_carter")
+    transport, theirs = network.transport(), network.transport("robot")
+    types = Types(jazzy(), transport)
+    wire = Wire(transport, types, Names())
+    inputs = RobotInputs(wire, Profile.load("plain"), robot, Guard(wire.warn), Sources(wire))
+    inputs.open()
+    decode, taken = types.decode, list[int]()
+
+    def slow(name: str, data: bytes) -> Any:
+        clock.sleep(0.05)  # for the other thread, which takes what there is
+        return decode(name, data)
+
+    types.decode = slow  # pyright: ignore[reportAttributeAccessIssue]
+    for name in inputs.sensors:
+        message = make_message([1.0, 1.0])
+        message.header.stamp.sec = int(clock.time())
+        theirs.publisher(f"/{name}/scan", message.__msgtype__, Qos()).write(jazzy().encode(message))
+    driver = threading.Thread(target=lambda: inputs.wait_for_scan(10.0) and taken.append(len(inputs.take_scans())))
+    driver.start()
+    wire.do_round()
+    driver.join()
+    assert len(inputs.sensors) == 2
+    assert taken == [2]
+
+
+def test_a_frame_of_scans_that_tf_lacks_is_remarked_on_once_tf_has_had_time() -> None:
+    transport = FakeNetwork().transport()
+    wire = Wire(transport, Types(jazzy(), transport), Names())
+    robot = Robot.load("jackal")
+    (sensor,) = Profile.load("plain").sensors_of(robot).values()
+    mounts = Mounts(wire, FrameTree(), "base_link", robot)
+    for now, said in ((0.0, 0), (1.0, 0), (3.0, 1)):
+        assert mounts.find("front", sensor, "velodyne", now).pose.x == robot.lidars["front"].x
+        assert wire.warnings.counts.get("scans of front: frame", 0) == said
+
+
+def test_kinds_of_warnings_are_bounded_whatever_names_are_in_them() -> None:
+    said: list[str] = []
+    warnings = Warnings(said.append)
+    for number in range(1000):
+        warnings.warn(f"tf: junk{number}", f"junk{number} is dropped")
+    assert len(warnings.counts) == len(said) == MOST_KINDS + 1
+    assert sum(warnings.counts.values()) == 1000
 
 
 def test_a_range_of_0_is_no_measurement_and_one_out_of_range_is_too_close_or_free() -> None:

@@ -12,9 +12,9 @@ from ros2.fake_transport import FakeNetwork
 from ros2.navigator_role.conftest import wait_for
 from ros2.remote.conftest import STAND, START, Remote, jazzy
 from ros2.remote.robot import LATCHED
-from trundle.geometry import Pose2D, Twist2D
+from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.messages import MessageMaker, Qos
-from trundle.mission import SetPose
+from trundle.mission import SetGoal, SetPose
 
 Navigate = Callable[..., Remote]
 FAR = (8.0, 5.0)
@@ -48,6 +48,19 @@ def test_silence_stops_the_robot_until_it_is_over(navigate: Navigate, habit: str
     remote.wait_until_moving()
 
 
+def test_a_robot_that_sent_odometry_without_being_asked_does_not_set_off_without(navigate: Navigate) -> None:
+    remote = navigate(goal=None, habits={"tf": False})
+    wait_for(lambda: remote.bridge.inputs.odometry_stream.count > 100)  # longer than that after a command
+    remote.put(SetGoal(Goal.of(FAR)))
+    remote.wait_until_moving()
+    remote.habits.odometry = False
+    remote.wait_until_standing()
+    stood = time.monotonic()
+    time.sleep(2.5)
+    assert not [command for at, command in list(remote.robot.commands) if at > stood and command != STAND]
+    assert "odometry silent" in remote.reasons
+
+
 def test_a_silent_map_to_odom_stops_the_robot(navigate: Navigate) -> None:
     remote = navigate(goal=FAR, localizer="tf", start=None, habits={"map_odom": START})
     remote.wait_until_moving()
@@ -57,10 +70,11 @@ def test_a_silent_map_to_odom_stops_the_robot(navigate: Navigate) -> None:
     remote.wait_until_moving()
 
 
-def test_a_second_map_to_odom_stops_the_robot(navigate: Navigate) -> None:
+@pytest.mark.parametrize("apart", [Pose2D(0.0, 0.0), Pose2D(0.1, 0.1)], ids=["told", "near"])
+def test_a_second_map_to_odom_stops_the_robot(navigate: Navigate, apart: Pose2D) -> None:
     remote = navigate(goal=FAR)
     remote.wait_until_moving()
-    remote.habits.map_odom = START
+    remote.habits.map_odom = START @ apart
     check_stop(remote, "two localizers")
 
 

@@ -10,13 +10,14 @@ from trundle.control import CollisionMonitor, MonitorSettings
 from trundle.errors import UnknownNameError
 from trundle.mission import Observer, Scenario
 from trundle.mission.scenario import Setting
-from trundle.ros2.inlet import Record
+from trundle.ros2.inlet import MOST_A_SECOND, Record
 from trundle.ros2.names import Names
 from trundle.ros2.profile import Profile
 from trundle.ros2.remote.commands import CommandOutput, Sources
 from trundle.ros2.remote.guard import Guard, GuardedMonitor, Reasons
 from trundle.ros2.remote.inputs import RobotInputs
 from trundle.ros2.remote.localizer import RemoteLocalizer, TfLocalizer
+from trundle.ros2.remote.map_fit import MISFIT
 from trundle.ros2.remote.publishing import StartPose, StaticFrames
 from trundle.ros2.remote.robot import RemoteRobot
 from trundle.ros2.remote.role import NOT_LOCATED, GoalDrive, RemoteRole
@@ -27,6 +28,9 @@ from trundle.ros2.runs import MakeObservers, NetworkRuns
 if TYPE_CHECKING:
     from trundle.ros2.transport.transport import Transport
     from trundle.ros2.types import Types
+
+FLOODS_S = 1.5
+"""A topic is flooded until this long after a message of it was dropped [s of real time]: the rest of a second is."""
 
 
 class RemoteBridge(NetworkRuns):
@@ -109,6 +113,7 @@ class RemoteBridge(NetworkRuns):
             for rule in (
                 self._located,
                 self._connected,
+                self._flooded,
                 inputs.silences,
                 inputs.outline.rule,
                 robot.odometry_rule,
@@ -149,11 +154,19 @@ class RemoteBridge(NetworkRuns):
     def _located(self, now: float) -> Reasons:
         if self.localizer.is_located:
             return {}
-        return {"not located": self.localizer.why or NOT_LOCATED}
+        why = self.localizer.why or NOT_LOCATED
+        return {MISFIT if why.startswith(MISFIT) else "not located": why}  # the other kind was reported at the start
 
     def _connected(self, now: float) -> Reasons:
         lost = self.wire.transport.lost
         return {"connection lost": f"the other side is lost: {lost}"} if lost else {}
+
+    def _flooded(self, now: float) -> Reasons:
+        """Return which topics are flooded: what the robot said may be among what was dropped."""
+        topics = [one.topic for one in tuple(self.wire.inlets) if now - one.flooded_s < FLOODS_S]
+        return (
+            {"flood": f"{' and '.join(topics)} flooded: more than {MOST_A_SECOND} messages a second"} if topics else {}
+        )
 
 
 def _monitor(setting: Setting) -> CollisionMonitor | None:

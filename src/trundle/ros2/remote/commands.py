@@ -86,6 +86,7 @@ class CommandOutput:
 
     Attributes:
         sent: The last command.
+        written: When one was last sent [s of real time].
         moving_since: Since when it is a motion [s of real time]; None while the robot stands.
         messages: How many were sent.
         readers: The nodes that read them, besides ours.
@@ -115,7 +116,7 @@ class CommandOutput:
         self._given = clock.monotonic()
         self._stood_since: float | None = -math.inf  # it was never driven: it is left alone
         self._ended = False
-        self.sent = STAND
+        self.sent, self.written = STAND, -math.inf
         self.moving_since: float | None = None
         self.messages = 0
         self.readers: tuple[str, ...] = ()
@@ -173,6 +174,7 @@ class CommandOutput:
     def _write(self, command: Twist2D, now: float) -> None:
         self._note(command, now)
         self._recent.append(command)
+        self.written = now
         self.messages += 1
         twist = self._make.twist(command)
         kind = self._kind
@@ -203,9 +205,10 @@ class CommandOutput:
         if now - self._looked >= LOOKS_S:
             self._looked = now
             try:
-                found = self._wire.look_around().subscriptions(self._topic)
+                ends = self._wire.transport.endpoints(self._topic)
             except TrundleError:
-                found = ()
+                ends = ()
+            found = [one for one in ends if one.kind == "subscription"]
             read = {one.type_name for one in found if not one.ours} & self._outlets.keys()
             self.readers = tuple(sorted({one.node or one.source for one in found if not one.ours}))
             # A robot that reads both types would take each command twice.

@@ -9,11 +9,13 @@ import numpy as np
 from trundle.geometry import FloatArray, Pose2D
 
 MOST_FRAMES = 2000
+"""More frames than this are a fault, and are not kept: the largest robots have some hundreds."""
 
 OVERTAKES_S = 0.5
 """A transform whose stamp is older than that of the one before by more than this is of a time that was reset [s]: what
 waited while the time was reset may come after that, with stamps of before."""
-"""More frames than this are a fault, and are not kept: the largest robots have some hundreds."""
+
+_HERE = np.eye(4)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,7 +100,11 @@ class FrameTree:
 
     def find(self, ancestor: str, frame: str) -> Placed | None:
         """Return where a frame is in another one, which may be above it, below it or beside it; None in two trees."""
-        up, down = self._path(frame), self._path(ancestor)
+        up = self._path(frame)
+        for name, matrix, time in up:
+            if name == ancestor:
+                return Placed(matrix, time)
+        down = self._path(ancestor)
         above = {name: number for number, (name, _, _) in enumerate(down)}
         for name, matrix, time in up:
             number = above.get(name)
@@ -110,12 +116,12 @@ class FrameTree:
 
     def _path(self, frame: str) -> list[tuple[str, FloatArray, float | None]]:
         """Return each frame from this one up, with this one's pose in it and the newest stamp between them."""
-        found: list[tuple[str, FloatArray, float | None]] = [(frame, np.eye(4), None)]
+        found: list[tuple[str, FloatArray, float | None]] = [(frame, _HERE, None)]
         edge = self._edges.get(frame)
         while edge is not None:
             _, matrix, time = found[-1]
             newest = edge.time if time is None or (edge.time is not None and edge.time > time) else time
-            found.append((edge.parent, edge.matrix @ matrix, newest))
+            found.append((edge.parent, edge.matrix if matrix is _HERE else edge.matrix @ matrix, newest))
             edge = self._edges.get(edge.parent)
         return found
 

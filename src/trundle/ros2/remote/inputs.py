@@ -21,7 +21,7 @@ from trundle.robots import Robot
 from trundle.ros2.bad_input import BadInputError
 from trundle.ros2.profile import Profile
 from trundle.ros2.remote.commands import Sources
-from trundle.ros2.remote.frames import FrameTree
+from trundle.ros2.remote.frames import MOST_FRAMES, FrameTree
 from trundle.ros2.remote.guard import Guard, Reasons
 from trundle.ros2.remote.map_odom import MapOdomInput
 from trundle.ros2.remote.mounts import Mounts
@@ -66,7 +66,7 @@ class RobotInputs:
         frames: The transforms.
         odometry: The newest odometry, or None.
         map_odom: map → odom from outside.
-        changed: Notified when a scan has arrived.
+        changed: Notified when scans have arrived: once for all that were heard at a time, as those of two lidars are.
         outline: Whether the robot has the outline of its file.
     """
 
@@ -93,6 +93,7 @@ class RobotInputs:
         self.odometry_stream, self.tf_stream = Stream("odometry"), Stream("odometry of tf")
         self.scan_streams = {name: Stream(f"scans of {name}") for name in self.sensors}
         self.jumps = 0
+        self._heard: list[Scan] = []
         self._scans: deque[Scan] = deque(maxlen=MOST_SCANS)
         self.outline = OutlineCheck(self.frames, self._base, robot)
         mounts = Mounts(wire, self.frames, self._base, robot)
@@ -117,6 +118,7 @@ class RobotInputs:
             wire.listen(topics.odom, "nav_msgs/msg/Odometry", AS_IT_COMES, self._take_odometry, wakes=False)
         for name, sensor in self.sensors.items():
             self._laser.listen(name, sensor)
+        wire.every_round(self._pass_on_scans)
         wire.every_round(self._laser.look)
         wire.every_round(self.outline.look)
 
@@ -155,6 +157,9 @@ class RobotInputs:
             self._jumped("clock jumped", f"the time of {self._profile.topics.clock} has jumped")
         elif is_first:  # what came before has times of another clock
             self._forget()
+        elif self.clock.is_slow:
+            text = f"{self._profile.topics.clock} goes on in steps of {self.clock.least_step:.2f} s"
+            self._wire.warn("/clock: slow", f"{text}: stamps tell the time in between")
 
     def _jumped(self, kind: str, text: str) -> None:
         """Forget what was before a jump, and let the robot stand: it has to be told where it is."""
@@ -165,6 +170,7 @@ class RobotInputs:
 
     def _forget(self) -> None:
         with self.changed:
+            self._heard.clear()
             self._scans.clear()
             self._laser.clear()
             self.frames.clear_moving()
@@ -192,9 +198,9 @@ class RobotInputs:
             except InputError as error:
                 why = str(error)
             if why:
-                self._wire.warn(
-                    f"tf: {child}", f"a transform of {self._wire.describe_source(source)} is dropped: {why}"
-                )
+                kind = "tf: frames" if len(self.frames) >= MOST_FRAMES else f"tf: {child}"
+                text = f"a transform of {self._wire.describe_source(source)} is dropped: {why}"
+                self._wire.warn(kind, text)
                 if {parent, child} == {self._odom, self._base}:
                     self._contradicts(f"a transform {parent} → {child} is no part of one tree")
                 continue
@@ -314,9 +320,15 @@ class RobotInputs:
 
     def _take_scan(self, scan: Scan) -> None:
         self.scan_streams[scan.lidar].mark(self._real())
-        with self.changed:
-            self._scans.append(scan)
-            self.changed.notify_all()
+        self._heard.append(scan)
+
+    def _pass_on_scans(self) -> None:
+        """Let the one that drives take what was heard; each scan by itself would be a control period of its own."""
+        if self._heard:
+            with self.changed:
+                self._scans += self._heard
+                self._heard.clear()
+                self.changed.notify_all()
 
     # Stamps ---------------------------------------------------------------------------------------------------------
 
@@ -342,6 +354,9 @@ class RobotInputs:
         if stamp < now - OLD_S:
             self._drop(what, "stamp in the past", f"its stamp {stamp:.3f} s is {now - stamp:.2f} s old", "")
             return None
+        if lead := self.clock.lead(what, stamp):
+            text = f"{what}: stamps are {lead:.2f} s ahead of /clock, and taken as they are"
+            self._wire.warn(f"{what}: stamp ahead of /clock", text)
         return stamp
 
     def _compare_clocks(self, what: str, ahead: float) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from typing import Any
 
 from trundle.geometry import Pose2D, wrap_angle
@@ -12,8 +13,8 @@ _SAME_M, _SAME_RAD = 1e-3, 1e-3
 """A map → odom that differs by less [m, rad] is the one before: AMCL and slam_toolbox repeat theirs until they have
 located the robot again."""
 
-_OWN_M = 0.5
-"""One that is so near [m] to what was published here is our own."""
+_OWN_M, _OWNS_KEPT = 1e-9, 64
+"""One that differs by less [m] from one of the last that were published here, for three seconds, is our own."""
 
 _NOTHING = "the robot is not located yet: nobody has published map → odom"
 
@@ -29,7 +30,7 @@ class MapOdomInput:
         why: Why it does not; empty where it does.
         is_static: Whether the newest one was sent once for good, on /tf_static.
         stream: How often it comes.
-        published: map → odom as it was last published here; the transport may send it back without saying whose it is.
+        published: map → odom as it was published here lately; the transport may send it back without saying whose.
     """
 
     def __init__(self) -> None:
@@ -37,14 +38,14 @@ class MapOdomInput:
         self.why = _NOTHING
         self.is_static = False
         self.stream = Stream("map → odom")
-        self.published: Pose2D | None = None
+        self.published: deque[Pose2D] = deque(maxlen=_OWNS_KEPT)
         self._before: Pose2D | None = None
         """The one from before a jump, until another one comes."""
 
     def is_own(self, transform: Any) -> bool:
         """Return whether a transform of a publisher that nobody knows is what was published here."""
-        sent, at = self.published, transform.transform.translation
-        return sent is not None and abs(at.x - sent.x) < _OWN_M and abs(at.y - sent.y) < _OWN_M
+        at = transform.transform.translation
+        return any(abs(at.x - sent.x) < _OWN_M and abs(at.y - sent.y) < _OWN_M for sent in self.published.copy())
 
     def take(self, pose: Pose2D, now: float, *, is_static: bool) -> None:
         """Take one that came at a real time [s]."""

@@ -84,6 +84,11 @@ class Mounts:
                     f"scans of {name}: frame",
                     f"scans of {name} have the frame {frame!r}, which tf lacks: {expected!r} is taken",
                 )
+            elif frame not in ("", expected) and mount is not None:  # tf has had time to come
+                self._wire.warn(
+                    f"scans of {name}: frame",
+                    f"scans of {name} have the frame {frame!r}, which tf lacks: the robot's file says where it is",
+                )
         made = listed if found is None else Mount(found.matrix)
         apart, turned = made.pose.distance_to(listed.pose), abs(wrap_angle(made.pose.yaw - listed.pose.yaw))
         if apart > MOUNT_M or turned > MOUNT_RAD:

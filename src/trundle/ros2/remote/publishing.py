@@ -16,6 +16,7 @@ from trundle.ros2.profile import Profile
 from trundle.ros2.remote.commands import Sources
 from trundle.ros2.remote.inputs import RobotInputs
 from trundle.ros2.remote.localizer import RemoteLocalizer, TfLocalizer
+from trundle.ros2.remote.mounts import mount_matrix
 from trundle.ros2.role import BridgeContext
 from trundle.ros2.wire import Wire
 
@@ -70,6 +71,7 @@ class StaticFrames:
             mount = Pose2D(lidar.x, lidar.y, lidar.yaw)
             transforms.append(make.transform(0.0, base, child, mount, lidar.z))
             names.append(child)
+            self._inputs.frames.add(base, child, mount_matrix(lidar.x, lidar.y, lidar.z, lidar.yaw), None)
         if not transforms or topic is None:
             return
         self.published = tuple(names)
@@ -117,11 +119,15 @@ class StartPose:
             return
         self._looked = now
         try:
-            found = self._context.wire.look_around().subscriptions(self._outlet.topic)
+            ends = self._context.wire.transport.endpoints(self._outlet.topic)
         except TrundleError:
             return
-        listeners = {one.source or one.node for one in found if not one.ours and one.type_name == POSE}
+        others = [one for one in ends if one.kind == "subscription" and not one.ours and one.type_name == POSE]
+        listeners = {one.source or one.node for one in others if one.qos.durability == "volatile"}
         if listeners - self._told:
+            self._outlet.look()
+            if self._outlet.readers < len(listeners):  # what is written now would not reach a new one: the next time
+                return
             self._sent = pose
             self._outlet.write(self._context.maker.pose_estimate(self._inputs.now, pose, None, self._frame))
         self._told = listeners

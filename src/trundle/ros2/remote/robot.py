@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import time as system
 from collections.abc import Callable
-from dataclasses import replace
 
 from trundle.geometry import Pose2D, Twist2D
-from trundle.observation import Observation
+from trundle.observation import Observation, Scan, make_scan
 from trundle.robots import Robot, WheelSpeeds
 from trundle.ros2.remote.commands import CommandOutput
 from trundle.ros2.remote.guard import Reasons
@@ -30,6 +29,9 @@ LEAST_STEP_S = 1e-3
 
 WAKE_S = 0.2
 """A robot that sends no odometry gets a command to stand so often [s]: some send it only while they are commanded."""
+
+UNASKED_S = 1.0
+"""A robot that sends odometry so long after the last command [s] sends it without being commanded."""
 
 BLIND_TRIES, BLIND_PAUSE_S = 3, 2.0
 """How often a robot sets off without odometry, which some send only when they move, and the pause after each [s]."""
@@ -104,8 +106,7 @@ class RemoteRobot(Simulator):
         self._time = RunTime()
         self._stepped = real()
         self._woken = 0.0
-        self._blind = 0
-        self._blind_until = 0.0
+        self._blind, self._blind_until, self._sends_unasked = 0, 0.0, False
         self._pose, self._jumps = _ORIGIN, inputs.jumps
         self.T_run_odom, self._has_jumped = _ORIGIN, False
 
@@ -182,7 +183,7 @@ class RemoteRobot(Simulator):
                 pose, twist = odometry.at(now), odometry.twist
             self._pose = self.T_run_odom @ pose
         offset = self._time.offset
-        scans = tuple(replace(scan, time=min(scan.time - offset, time)) for scan in taken)
+        scans = tuple(_at(scan, min(scan.time - offset, time)) for scan in taken)
         seen = Observation(time, twist, self._pose, scans)
         estimate = self._localizer.update(seen)
         return RobotState(time, estimate.pose, twist, _STILL, _STILL, self._pose, scans=scans, odometry_twist=twist)
@@ -199,17 +200,21 @@ class RemoteRobot(Simulator):
     def odometry_rule(self, now: float) -> Reasons:
         """Return whether the robot has to stand as its odometry is silent; a rule of the guard.
 
-        A robot that stands needs none: where it was, it still is. It may set off without, for as long as a silence may
-        last, and then has to send some.
+        A robot that sends odometry only while it is commanded needs none where it stands: where it was, it still is. It
+        may set off without, for as long as a silence may last, and then has to send some.
         """
         inputs, since = self._inputs, self._commands.moving_since
         if inputs.odometry is None:
             return {"odometry missing": "odometry: nothing has come yet, neither on its topic nor on tf"}
+        stream = max(inputs.odometry_stream, inputs.tf_stream, key=lambda one: one.last)
+        if not self._sends_unasked and stream.last - self._commands.written > UNASKED_S:
+            self._sends_unasked = not self._commands.others(now)
         if not inputs.odometry_silent:
             self._blind, self._blind_until = 0, 0.0
             return {}
-        stream = max(inputs.odometry_stream, inputs.tf_stream, key=lambda one: one.last)
         silent = {"odometry silent": f"odometry: nothing new for {now - stream.last:.2f} s"}
+        if self._sends_unasked:
+            return silent
         if since is not None:
             if now - max(since, stream.last) > stream.allowed_s:
                 self._blind += 1
@@ -219,3 +224,11 @@ class RemoteRobot(Simulator):
         if self._blind >= BLIND_TRIES or now < self._blind_until:
             return silent
         return {}
+
+
+def _at(scan: Scan, time: float) -> Scan:
+    """Return a scan, whose numbers were checked when it was read, at a time of the run [s]."""
+    return make_scan(
+        *(scan.lidar, time, scan.mount, scan.height, scan.angles, scan.ranges),
+        *(scan.range_min, scan.range_max, scan.time_increment),
+    )

@@ -162,7 +162,7 @@ class RemoteRole(NavigatorRole):
         self._monitor.set_latency(latency)
 
     def _note_map_odom(self) -> None:
-        self._inputs.map_odom.published = self._kit.beliefs.now.map_odom
+        self._inputs.map_odom.published.append(self._kit.beliefs.now.map_odom)
 
 
 class _First:

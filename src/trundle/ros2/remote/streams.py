@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 
 LEAST_SILENCE_S, MOST_SILENCE_S = 0.25, 0.4
 """A stream is silent after three of its periods, within these [s of real time]: a robot stops within half a second."""
@@ -77,6 +78,7 @@ class RobotClock:
         jumps: How often the time has jumped.
         settings: How often `offset` has changed, which makes all times before those of another clock.
         age: Mean age of stamps on arrival [s].
+        least_step: The shortest step of /clock [s].
     """
 
     def __init__(self) -> None:
@@ -87,6 +89,8 @@ class RobotClock:
         self.stream = Stream("/clock")
         self._clock: float | None = None
         self._stamp: float | None = None
+        self.least_step = math.inf
+        self._leads: Counter[str] = Counter()
 
     @property
     def epoch(self) -> tuple[int, int, bool]:
@@ -106,11 +110,23 @@ class RobotClock:
         gap, passed = time - before, real - self.stream.last
         if gap != 0.0:
             self.stream.mark(real)
+            self.least_step = min(self.least_step, abs(gap))
         if gap < -JUMP_BACK_S or gap > max(JUMP_AHEAD_S, 100.0 * passed):
             self.jumps += 1
             self._stamp = None
             return True
         return False
+
+    @property
+    def is_slow(self) -> bool:
+        """Whether /clock has just turned out to go on in long steps; it is true for one message."""
+        return self.stream.count == MANY and self.least_step > SLOW_S
+
+    def lead(self, what: str, stamp: float) -> float:
+        """Return how far a stamp of a topic is ahead of /clock [s], where many in a row are; else 0."""
+        ahead = stamp - self._clock if self.is_simulated and self._clock is not None else 0.0
+        self._leads[what] = self._leads[what] + 1 if ahead > LEADS_S else 0
+        return ahead if self._leads[what] >= MANY else 0.0
 
     def see(self, stamp: float, wall: float) -> None:
         """Take the stamp [s] of a message that arrived at a time of this machine's clock [s]; 0 is no stamp."""
@@ -140,6 +156,13 @@ class RobotClock:
             return self._clock if self._stamp is None else max(self._clock, self._stamp)
         return wall + self.offset
 
+
+MANY = 20
+"""So many messages show what a robot sends: a busy machine makes some of any robot look late."""
+
+SLOW_S, LEADS_S = 0.08, 0.12
+"""Remarked on are a /clock all of whose steps are longer than the first [s], and stamps that are farther ahead of it
+than the second, which is a little more than the step of one of 10 Hz."""
 
 AHEAD_S = 0.25
 """Stamps are taken that are ahead of /clock by up to this [s]: 0.2 s are usual where /clock comes at 10 Hz."""

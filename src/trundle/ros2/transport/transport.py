@@ -110,7 +110,7 @@ class Publisher(Protocol):
 
     @property
     def matched(self) -> int:
-        """How many subscriptions get what is written."""
+        """How many subscriptions of other nodes get what is written."""
         ...
 
     def write(self, data: bytes) -> None:
@@ -276,6 +276,10 @@ class Transport(Protocol):
 
     def graph(self) -> Graph:
         """Return who is on the network now."""
+        ...
+
+    def endpoints(self, topic: str) -> tuple[Endpoint, ...]:
+        """Return the publishers and subscriptions that a topic has now; the whole graph takes far longer."""
         ...
 
     def wait(self, timeout_s: float) -> bool:

@@ -57,6 +57,21 @@ def test_a_message_wakes_its_reader_and_names_its_source(open_node: Open) -> Non
     assert (sample.source, endpoint.ours, endpoint.node) == (endpoint.source, False, "/trundle")
 
 
+def test_a_node_does_not_hear_itself(open_node: Open) -> None:
+    ours, theirs = open_node(), open_node("theirs")
+    publisher, own = ours.publisher("/tf", TEXT, Qos()), ours.subscription("/tf", TEXT, Qos())
+    subscription = theirs.subscription("/tf", TEXT, Qos())
+    until(lambda: subscription.matched == 1 and publisher.matched == 1, "a match")
+    publisher.write(text("x"))
+    assert [one.data for one in received(theirs, subscription, 1)] == [text("x")]
+    assert (publisher.matched, own.matched, own.take()) == (1, 0, [])
+    until(lambda: len(theirs.endpoints("/tf")) == 3 and len(ours.endpoints("/tf")) == 3, "all to be seen")
+    (writer,) = (one for one in theirs.endpoints("/tf") if one.kind == "publisher")
+    assert (writer.node, writer.ours) == ("/trundle", False)
+    assert {(one.node, one.ours) for one in ours.endpoints("/tf")} == {("/trundle", True), ("/theirs", False)}
+    assert ours.endpoints("/other") == ()
+
+
 def test_a_late_joiner_gets_the_last_latched_message_alone(open_node: Open) -> None:
     publisher = open_node().publisher("/map", TEXT, LATCHED)
     for word in ("old", "newer", "newest"):

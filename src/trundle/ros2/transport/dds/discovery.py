@@ -8,9 +8,13 @@ from __future__ import annotations
 import re
 import struct
 import threading
+<<<<<<< HEAD
+from collections.abc import Iterable, Iterator
+=======
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+>>>>>>> main
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from trundle.errors import InputError
@@ -275,12 +279,21 @@ class Discovery:
             ours = self._node
         if ours.full_name not in {node.full_name for node in nodes}:
             nodes.append(ours)
-        owners = {guid: node.full_name for node in nodes for guid in (*node.readers, *node.writers)}
+        owners = _owners(nodes)
         return Graph(
             tuple(sorted({node.full_name for node in nodes})),
             tuple(self._endpoint(kind, one, owners) for kind, one in found if ros_topic(one.topic_name)),
             tuple(sorted(self._offers(found, owners), key=lambda offer: (offer.name, offer.kind, offer.node))),
         )
+
+    def endpoints(self, topic: str) -> tuple[Endpoint, ...]:
+        """Return the publishers and subscriptions that a topic has now."""
+        self.drain()
+        with self._lock:
+            nodes = [*self._participants.nodes([one.key.bytes for one in self._read("participant")]), self._node]
+            every: list[_Found] = [(kind, one) for kind in _KINDS for one in self._read(kind)]
+        owners = _owners(nodes)
+        return tuple(self._endpoint(kind, one, owners) for kind, one in every if ros_topic(one.topic_name) == topic)
 
     def _announce(self) -> None:
         self._write(self._writer._ref, encode_info(self._guid, [self._node], self._gid_size))
@@ -324,3 +337,8 @@ class Discovery:
             elif "/_action/" in name:
                 continue
             yield Offer(what, name, type_name, owners.get(one.key.bytes, ""), one.participant_key.bytes == self._guid)
+
+
+def _owners(nodes: Iterable[NodeEndpoints]) -> dict[bytes, str]:
+    """Return the full name of the node of each endpoint, by its GUID."""
+    return {guid: node.full_name for node in nodes for guid in (*node.readers, *node.writers)}

@@ -40,7 +40,7 @@ class DdsPublisher:
 
     @property
     def matched(self) -> int:
-        """How many subscriptions get what is written."""
+        """How many subscriptions of other nodes get what is written."""
         return 0 if self._closed else self._writer.get_publication_matched_status().current_count
 
     def write(self, data: bytes) -> None:

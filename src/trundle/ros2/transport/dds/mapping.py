@@ -137,11 +137,11 @@ def writer_qos(qos: Qos, type_hash: str) -> DdsQos:
 
 
 def reader_qos(qos: Qos, type_hash: str, *, kept: int) -> DdsQos:
-    """Return the policies of a reader that holds `kept` messages."""
+    """Return the policies of a reader that holds `kept` messages, and gets none of its own participant."""
     from cyclonedds.core import Policy
     from cyclonedds.core import Qos as DdsQos
 
-    return DdsQos(*_common(qos, type_hash), Policy.History.KeepLast(kept))
+    return DdsQos(*_common(qos, type_hash), Policy.History.KeepLast(kept), Policy.IgnoreLocal.Participant)
 
 
 def kept_by_reader(qos: Qos) -> int:

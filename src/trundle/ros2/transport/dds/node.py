@@ -17,7 +17,7 @@ from trundle.ros2.transport.dds.endpoints import DdsPublisher, DdsSubscription
 from trundle.ros2.transport.dds.library import Writing, delete, every_sample, require, version
 from trundle.ros2.transport.dds.mapping import IdlTypes, dds_topic, kept_by_reader, reader_qos, writer_qos
 from trundle.ros2.transport.domain import Settings
-from trundle.ros2.transport.transport import ActionHandler, Graph, Handler
+from trundle.ros2.transport.transport import ActionHandler, Endpoint, Graph, Handler
 
 if TYPE_CHECKING:
     from cyclonedds.core import Qos as DdsQos
@@ -124,6 +124,10 @@ class DdsTransport:
     def graph(self) -> Graph:
         """Return who is on the network now."""
         return Graph() if self._closed else self._discovery.graph()
+
+    def endpoints(self, topic: str) -> tuple[Endpoint, ...]:
+        """Return the publishers and subscriptions that a topic has now."""
+        return () if self._closed else self._discovery.endpoints(topic)
 
     def wait(self, timeout_s: float) -> bool:
         """Wait until something arrived or `wake` was called; False if neither happened in time."""

@@ -28,6 +28,7 @@ import struct
 import sys
 import threading
 import time
+import uuid
 from collections import deque
 
 HEADER = struct.Struct("<IBI")
@@ -52,6 +53,15 @@ CANCELING_S = 2.0
 COUNTS_EVERY_S = 0.2
 LOOKS_NS, QUIET_NS = 100_000_000, 20_000_000
 """Topics are looked at this often at least; the second where some have messages that wake nobody."""
+
+GATHERS_S = 0.001
+"""What comes so soon after a message that wakes somebody goes with it [s], as the scans of two lidars do."""
+
+MARKS_S = 2.0
+"""So long is waited at most for ROS to know a node's own endpoints [s]."""
+
+PARTICIPANT = 24
+"""Hex digits of a GUID of DDS that are those of its participant."""
 
 MOST_AT_ONCE = 50
 """So many messages of a topic are taken before it is the turn of the next."""
@@ -375,7 +385,10 @@ class Topics:
                 waiting.add_subscription(handle)
             waiting.add_guard_condition(self._changed.handle)
             waiting.wait(looks_ns)
-            idle = waking.keys() - waiting.get_ready_entities("subscription")
+            idle = waking.keys()
+            if waiting.get_ready_entities("subscription"):
+                idle = ()
+                time.sleep(GATHERS_S)
             found = []
             try:
                 for subscription, stream, _ in taken:
@@ -436,9 +449,27 @@ class Node:
         else:
             self._executor = SingleThreadedExecutor(context=self.context)
         self._executor.add_node(self.node)
+        self._mark = self._make_mark() if "zenoh" not in rclpy.get_rmw_implementation_identifier() else None
+        self._participant = ""
         self.topics = Topics(self.context, outbox, lambda text: self._report(text))
         self._is_leaving = False
         self._thread = threading.Thread(target=self._spin, name="spin", daemon=True)
+
+    @property
+    def participant(self):
+        """The part of GUIDs that all endpoints of this node have, in hex; "" where it is not known."""
+        until = time.monotonic() + MARKS_S
+        while self._mark is not None and not self._participant and time.monotonic() < until:
+            time.sleep(0.01)
+            for info in self.node.get_publishers_info_by_topic(self._mark.topic_name):
+                self._participant = bytes(info.endpoint_gid).hex()[:PARTICIPANT]
+        return self._participant
+
+    def _make_mark(self):
+        """Offer a topic that nobody else has: other nodes may have the same name."""
+        return self.node.create_publisher(
+            load_kind("rcl_interfaces/msg/Log"), f"_{self.node.get_name()}_{uuid.uuid4().hex}", 1
+        )
 
     def start(self, report):
         """Take what arrives; `report` is called with what goes wrong."""
@@ -535,7 +566,7 @@ class Relay:
     def _call(self, number, payload):
         call = json.loads(payload)
         do = call.pop("do")
-        if do in ("graph", "definition"):
+        if do in ("graph", "endpoints", "definition"):
             self._slow_calls.put((number, getattr(self, "_do_" + do), call))
         else:
             self._reply(number, getattr(self, "_do_" + do), call)
@@ -653,11 +684,7 @@ class Relay:
         from rclpy import action
 
         node = self._home.node
-        endpoints = []
-        for topic, _ in node.get_topic_names_and_types():
-            infos = [("publisher", info) for info in node.get_publishers_info_by_topic(topic)]
-            infos += [("subscription", info) for info in node.get_subscriptions_info_by_topic(topic)]
-            endpoints += [_endpoint(kind, topic, info) for kind, info in infos]
+        endpoints = [end for topic, _ in node.get_topic_names_and_types() for end in _endpoints(node, topic)]
         questions = {
             "service server": node.get_service_names_and_types_by_node,
             "service client": node.get_client_names_and_types_by_node,
@@ -673,8 +700,19 @@ class Relay:
                         {"kind": kind, "name": offer, "type": types[0], "node": name, "namespace": namespace}
                         for offer, types in ask(name, namespace)
                     ]
-        ours = [(home.node.get_name(), home.node.get_namespace()) for home in [self._home, *self._more_homes]]
-        return {"nodes": nodes, "endpoints": endpoints, "offers": offers, "ours": ours}
+        return {"nodes": nodes, "endpoints": endpoints, "offers": offers, **self._ours()}
+
+    def _do_endpoints(self, topic):
+        return {"endpoints": _endpoints(self._home.node, topic), **self._ours()}
+
+    def _ours(self):
+        """Return our nodes, and their participants where all are known."""
+        homes = [self._home, *self._more_homes]
+        participants = [home.participant for home in homes]
+        return {
+            "ours": [(home.node.get_name(), home.node.get_namespace()) for home in homes],
+            "participants": participants if all(participants) else [],
+        }
 
     # Messages
 
@@ -694,7 +732,7 @@ class Relay:
             time.sleep(COUNTS_EVERY_S)
             try:
                 counts = {
-                    "publishers": {n: p.get_subscription_count() for n, p in list(self._publishers.items())},
+                    "publishers": {n: self._count_readers(p) for n, p in list(self._publishers.items())},
                     "subscriptions": {n: _count_publishers(s) for n, s in list(self._subscriptions.items())},
                     "dropped": {n: s.dropped for n, s in list(self._streams.items())},
                 }
@@ -703,6 +741,16 @@ class Relay:
             if counts != last:
                 last = counts
                 self.outbox.put(COUNTS, 0, json.dumps(counts).encode())
+
+    def _count_readers(self, publisher):
+        """Count the subscriptions of others that match a publisher: rclpy has no way to leave out our own."""
+        count = publisher.get_subscription_count()
+        if count:
+            count -= sum(
+                one.topic == publisher.topic and one.msg_type is publisher.msg_type and _fit(publisher, one)
+                for one in list(self._subscriptions.values())
+            )
+        return max(count, 0)
 
     # Services and actions
 
@@ -794,6 +842,22 @@ def _count_publishers(subscription):
     """Count the publishers of a subscription; Humble's cannot: -1."""
     count = getattr(subscription, "get_publisher_count", None)
     return -1 if count is None else count()
+
+
+def _fit(publisher, subscription):
+    """Return whether a subscription asks for no more than a publisher offers."""
+    from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+
+    offered, asked = publisher.qos_profile, subscription.qos_profile
+    is_less = asked.reliability == ReliabilityPolicy.RELIABLE != offered.reliability
+    return not is_less and not asked.durability == DurabilityPolicy.TRANSIENT_LOCAL != offered.durability
+
+
+def _endpoints(node, topic):
+    """Return the publishers and subscriptions of a topic."""
+    publishers, subscriptions = node.get_publishers_info_by_topic(topic), node.get_subscriptions_info_by_topic(topic)
+    found = [_endpoint("publisher", topic, info) for info in publishers]
+    return found + [_endpoint("subscription", topic, info) for info in subscriptions]
 
 
 def _endpoint(kind, topic, info):

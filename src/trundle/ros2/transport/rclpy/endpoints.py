@@ -29,7 +29,7 @@ class RelayedPublisher:
         outbox: To the child.
 
     Attributes:
-        matched: How many subscriptions get what is written.
+        matched: How many subscriptions of other nodes get what is written.
     """
 
     def __init__(self, number: int, qos: Qos, outbox: child.Outbox) -> None:

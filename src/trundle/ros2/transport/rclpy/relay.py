@@ -173,6 +173,15 @@ class RclpyTransport:
         """
         return read_graph(self._link.call("graph"))
 
+    def endpoints(self, topic: str) -> tuple[Endpoint, ...]:
+        """Return the publishers and subscriptions that a topic has now.
+
+        Raises:
+            TransportError: If the child is gone.
+        """
+        report = self._link.call("endpoints", topic=topic)
+        return tuple(_endpoint(entry, report) for entry in report["endpoints"])
+
     def wait(self, timeout_s: float) -> bool:
         """Wait until something arrived, `wake` was called or the child is gone; False if not in time."""
         has_arrived = self._arrived.wait(timeout_s)
@@ -297,7 +306,7 @@ class RclpyTransport:
 def read_graph(report: Mapping[str, Any]) -> Graph:
     """Read the graph of a child's report, without what ROS's own tools hide: names with a part that begins with "_"."""
     ours = {full_name(*node) for node in report["ours"]}
-    endpoints = [_endpoint(entry, ours) for entry in report["endpoints"] if not _is_hidden(entry["topic"])]
+    endpoints = [_endpoint(entry, report) for entry in report["endpoints"] if not _is_hidden(entry["topic"])]
     offers = [_offer(entry, ours) for entry in report["offers"] if not _is_hidden(entry["name"])]
     nodes = sorted({full_name(*node) for node in report["nodes"]})
     return Graph(tuple(node for node in nodes if not _is_hidden(node)), tuple(endpoints), tuple(offers))
@@ -314,8 +323,9 @@ def _is_hidden(name: str) -> bool:
     return any(part.startswith("_") for part in name.split("/"))
 
 
-def _endpoint(entry: Mapping[str, Any], ours: set[str]) -> Endpoint:
-    node = full_name(entry["node"], entry["namespace"])
+def _endpoint(entry: Mapping[str, Any], report: Mapping[str, Any]) -> Endpoint:
+    node, participants = full_name(entry["node"], entry["namespace"]), report.get("participants")
+    is_namesake = participants and entry["gid"][: child.PARTICIPANT] not in participants
     best_effort, latched = entry["reliability"] == "best_effort", entry["durability"] == "transient_local"
     return Endpoint(
         kind=entry["kind"],
@@ -329,7 +339,7 @@ def _endpoint(entry: Mapping[str, Any], ours: set[str]) -> Endpoint:
         ),
         node=node,
         source=entry["gid"] if entry["kind"] == "publisher" else "",
-        ours=node in ours,
+        ours=not is_namesake and node in {full_name(*one) for one in report["ours"]},
     )
 
 
