@@ -16,17 +16,11 @@ from ros2.remote.robot import make_cloud
 from trundle.geometry import Pose2D
 from trundle.messages import MessageMaker, Qos
 from trundle.observation import Scan
-<<<<<<< HEAD
 from trundle.robots import Lidar, Robot
 from trundle.ros2.bad_input import MOST_KINDS, BadInputError, Warnings
 from trundle.ros2.names import Names
 from trundle.ros2.profile import Profile
-from trundle.ros2.remote.clouds import Band, read_cloud
 from trundle.ros2.remote.commands import Sources
-=======
-from trundle.robots import Lidar
-from trundle.ros2.bad_input import BadInputError
->>>>>>> main
 from trundle.ros2.remote.frames import FrameTree
 from trundle.ros2.remote.guard import Guard
 from trundle.ros2.remote.inputs import RobotInputs

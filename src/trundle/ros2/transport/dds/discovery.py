@@ -8,13 +8,9 @@ from __future__ import annotations
 import re
 import struct
 import threading
-<<<<<<< HEAD
-from collections.abc import Iterable, Iterator
-=======
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
->>>>>>> main
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from trundle.errors import InputError
