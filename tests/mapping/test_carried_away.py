@@ -99,3 +99,16 @@ def test_an_unknown_wall_after_a_way_that_showed_little_is_no_other_place(blind_
         assert judge(seen, ahead, 0.0, 10) == "here"
     answers = [judge(seen, ahead, 0.0, 100) for _ in range(3)]
     assert answers[-1] == said
+
+
+@pytest.mark.parametrize("step", [Pose2D(0.35, 0.0), Pose2D(0.0, 0.0, 0.2)])
+def test_a_robot_that_moves_where_it_was_carried_to_is_noticed(step):
+    """The mapper gives the motion since the last scan that it used: it grows while scans are in doubt."""
+    judge = CarriedAway(10.0).judge
+    seen, moved = Observation(0.0, Twist2D(), Pose2D(0.0, 0.0), ()), Pose2D(0.0, 0.0)
+    assert judge(seen, step, 0.9, 100) == "here"
+    answers = []
+    for _ in range(3):
+        moved = moved @ step
+        answers.append(judge(seen, moved, 0.0, 100))
+    assert answers == ["in doubt", "in doubt", "carried away"]

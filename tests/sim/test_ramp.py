@@ -41,6 +41,11 @@ def test_any_other_period_is_refused(dt):
         count_steps(dt, 0.005)
 
 
+def test_a_period_of_too_many_steps_is_refused():
+    with pytest.raises(InputError, match="more than 10,000,000"):
+        count_steps(200.0, 1e-5)
+
+
 @pytest.mark.parametrize(
     ("command", "message"),
     [

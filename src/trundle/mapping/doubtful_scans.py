@@ -92,7 +92,7 @@ class CarriedAway:
 
         Args:
             observation: The scans.
-            moved: Motion by the odometry since the scans before.
+            moved: Motion by the odometry since the last scans that showed the place where the robot should be.
             fit: How well they fit to what was seen before, 0 to 1.
             points: How many of their points were matched.
         """
@@ -101,11 +101,12 @@ class CarriedAway:
         if self._scene.is_another(observation.scans, observation.odometry, surprising=surprising):
             return "carried away"
         # After a way on which it saw nearly nothing, a wall that it comes to may well be one that it has not seen.
-        self._unknown += far, turn
-        strange = bool((self._unknown < (_NEAR_M, _NEAR_RAD)).all()) and fit < _STRANGE_FIT and points >= _FEWEST_POINTS
+        way = self._unknown + np.array((far, turn))
+        strange = bool((way < (_NEAR_M, _NEAR_RAD)).all()) and fit < _STRANGE_FIT and points >= _FEWEST_POINTS
         self._strange = self._strange + 1 if strange else 0
-        if fit >= _STRANGE_FIT and points >= _FEWEST_POINTS:
-            self._unknown[:] = 0.0
         if self._strange >= _STRANGE_SCANS:
             return "carried away"
-        return "in doubt" if self._strange or self._scene.is_doubtful else "here"
+        if self._strange or self._scene.is_doubtful:
+            return "in doubt"
+        self._unknown = np.zeros(2) if fit >= _STRANGE_FIT and points >= _FEWEST_POINTS else way
+        return "here"

@@ -183,7 +183,7 @@ class Canvas:
         """
         cells = draw_cells(self._counts, np.array((_LEAST_ENDS, _LEAST_SHARE, _LEAST_BEAMS)))
         self._leave_specks(cells, places)
-        _fill_specks(cells, _SPECK_M2 / self.resolution**2)
+        _fill_specks(cells, _SPECK_M2 / self.resolution**2 + 1e-9)
         for view in (cells, cells.T):
             _close_gaps(view, math.floor(self.widest_gap_m / self.resolution + 1e-9))
         seen = cells >= 0

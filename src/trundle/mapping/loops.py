@@ -282,10 +282,8 @@ def compute_drift(length: float) -> tuple[float, float]:
 _TOLERANCE_M, _TOLERANCE_SHARE = 0.3, 0.03  # so far behind a point a beam has to end
 _ASIDE_RAD = math.radians(1.5)  # between a point and the beams beside it
 _LIDARS_APART_M = 0.2
-_COMPARED, _COMPARED_FRAMES = (
-    360,
-    4,
-)  # of a key frame, and of a submap: at least so many are compared, where there are as many
+_COMPARED = 360  # points of a key frame: at least so many are compared, where there are as many
+_COMPARED_FRAMES = 4  # key frames of a submap, likewise
 _FEWEST = 100  # of what is compared, so many points are where the other place's beams reach
 
 

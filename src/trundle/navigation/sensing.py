@@ -121,7 +121,7 @@ class SensedMap:
         self._layered: LayeredCostmap | None = None
         self._hits_noted_at = -math.inf
         self._waiting: tuple[PlacedScan, ...] = ()
-        self._frame = 0
+        self._frame: object = None
         self._time: float | None = None
         self._last_pose: Pose2D | None = None
         self._T_map_odom: Pose2D | None = None
@@ -248,7 +248,7 @@ class SensedMap:
                 self._waiting += placed.scans
                 return
             self._go_back(time)
-        if self._waiting and placed.frame == self._frame:
+        if self._waiting and placed.frame is self._frame:
             placed = replace(placed, scans=(*self._waiting, *placed.scans))
         self._waiting, self._reset_time, self._time, self._frame = (), False, time, placed.frame
         if self._layered is None:

@@ -29,6 +29,7 @@ class Motion(NamedTuple):
 
 
 LONGEST_PERIOD_S = 3600.0
+_MOST_STEPS = 10_000_000
 """Longest plausible control period."""
 
 
@@ -153,13 +154,18 @@ def count_steps(dt: float, timestep: float) -> int:
     """Return the number of physics steps in a control period.
 
     Raises:
-        InputError: If `dt` [s] is not a positive multiple of `timestep` [s], or longer than an hour. It is not rounded,
-            because time would drift.
+        InputError: If `dt` [s] is not a positive multiple of `timestep` [s], longer than an hour, or of more than ten
+            million steps. It is not rounded, because time would drift.
     """
     steps = round(dt / timestep) if 0.0 < as_number(dt, "a control period") <= LONGEST_PERIOD_S else 0
     if steps < 1 or abs(steps * timestep - dt) > 1e-9 * max(1.0, steps):
         raise InputError(
             f"a control period of {dt} s is not a multiple of the physics step of {timestep} s; "
             f"use one of at most {LONGEST_PERIOD_S:g} s, or make the simulator with a timestep that divides it"
+        )
+    if steps > _MOST_STEPS:
+        raise InputError(
+            f"a control period of {dt:g} s has {steps:,} physics steps of {timestep:g} s, more than {_MOST_STEPS:,}; "
+            "use a shorter one"
         )
     return steps

@@ -93,7 +93,7 @@ class Tracker:
         """Forget all scans and tracks, at the start of a run."""
         self._placer.reset()
         self._time: float | None = None
-        self._frame: int | None = None
+        self._frame: object = None
         self._forget()
 
     def _forget(self) -> None:
@@ -126,7 +126,7 @@ class Tracker:
         """Do as `update` with scans that somebody has placed for several users."""
         now = placed.estimate.time
         self._go_on(now)
-        if self._frame is not None and placed.frame != self._frame:
+        if self._frame is not None and placed.frame is not self._frame:
             self._forget()
         self._time, self._frame = now, placed.frame
         taken = [one for one in placed.scans if not self._placer.is_stale(one.scan, now)]

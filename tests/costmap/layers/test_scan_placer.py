@@ -39,7 +39,7 @@ def test_a_scan_is_where_its_sensor_was_at_its_own_time():
     sensor = moving_at(0.05).pose @ MOUNT
     assert one.poses.shape == (1, 3)
     assert one.poses[0] == pytest.approx(sensor.as_tuple())
-    assert (placed.odom_pose, placed.arrived) == (moving_at(0.1).pose, 1)
+    assert (placed.odom_pose, len(placed.arrived)) == (moving_at(0.1).pose, 1)
 
 
 def test_beams_that_are_measured_one_after_the_other_have_a_pose_each():
@@ -67,7 +67,7 @@ def test_scans_that_cannot_be_used_are_counted_and_have_arrived():
     given = [scan(0.1), scan(0.9), scan(0.9), scan(2.0), scan(0.9, lidar="top")]
     placed = placer.place(given, moving_at(1.0))
     assert [one.scan for one in placed.scans] == [given[1]]
-    assert placed.arrived == 5
+    assert len(placed.arrived) == 5
     assert placer.counts == {"stale": 1, "out of order": 1, "future": 1, "unknown lidar": 1}
 
 

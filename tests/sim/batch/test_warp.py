@@ -262,3 +262,18 @@ def test_a_gpu_that_is_not_there_is_named():
 def test_a_number_that_no_gpu_has_is_named():
     with pytest.raises(InputError, match="has cuda:0"):
         make("cuda:99")
+
+
+def test_scans_after_a_reset_know_nothing_of_those_before_where_a_recording_is_empty(device):
+    walls = np.zeros((160, 240), np.int8)
+    walls[[0, -1], :] = walls[:, [0, -1]] = 100
+    empty = MoverRecording((), np.zeros((0, 1, 3)))
+    sims = [
+        BatchSimulator(OccupancyGrid(walls, 0.05), CARTER, count=1, lidar=True, recordings=[empty], device=where)
+        for where in ("cpu", "cuda")
+    ]
+    for sim in sims:
+        for pose in ((1.2, 4.0, 0.0), (6.0, 4.0, 0.0)):
+            sim.reset(np.array([pose]), recordings=0)
+            sim.scan()
+    assert np.asarray(sims[1].ranges.numpy()).tobytes() == np.asarray(sims[0].ranges).tobytes()

@@ -280,13 +280,16 @@ class LayeredCostmap:
         return self._follow(lambda layer: layer.update(taken, estimate), estimate, places.reshape(-1, 3))
 
     def take(self, placed: PlacedScans, moved: FloatArray) -> Costmap:
-        """Do as `update` with scans that somebody has placed for several users; `moved` has shape (N, 3)."""
+        """Do as `update` with scans that somebody has placed for several users; `moved` has shape (N, 3).
+
+        What was left out of them is in the counts of their `ScanPlacer`, not in `warnings`.
+        """
         estimate, obstacle = placed.estimate, self._obstacle
 
         def update(layer: Layer) -> MapWindow | None:
             if obstacle is not None and layer is obstacle:
                 return obstacle.take(placed)
-            return layer.update([one.scan for one in placed.scans], estimate)
+            return layer.update(placed.arrived, estimate)
 
         return self._follow(update, estimate, moved)
 

@@ -141,7 +141,7 @@ class ObstacleLayer:
         self._sensors: dict[tuple[Pose2D, float, float], tuple[FloatArray, FloatArray]] = {}
         self._views: dict[str, tuple[Scan, FloatArray]] = {}
         self._last: Estimate | None = None
-        self._frame: int | None = None
+        self._frame: object = None
         self._looked_at = -math.inf
 
     @property
@@ -211,7 +211,7 @@ class ObstacleLayer:
     def take(self, placed: PlacedScans) -> MapWindow | None:
         """Mark and clear by new scans that somebody has placed for several users: `update` without its checks."""
         estimate, last = placed.estimate, self._last
-        jumped = self._frame is not None and placed.frame != self._frame
+        jumped = self._frame is not None and placed.frame is not self._frame
         if jumped:
             self._grid.clear()
         elif last is not None:

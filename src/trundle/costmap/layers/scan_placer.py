@@ -51,15 +51,15 @@ class PlacedScans:
         estimate: Where the robot is now.
         odom_pose: Pose of base_link in the odom frame.
         scans: Those that can be used, in the order in which they came.
-        frame: Counts how often the odom frame has changed: what was placed in another one lies nowhere in this.
-        arrived: How many arrived, with those that cannot be used.
+        frame: Stands for the odom frame: what was placed in another one lies nowhere in this.
+        arrived: All that arrived, with those that cannot be used.
     """
 
     estimate: Estimate
     odom_pose: Pose2D
     scans: tuple[PlacedScan, ...]
-    frame: int
-    arrived: int
+    frame: object
+    arrived: tuple[Scan, ...]
 
 
 class ScanPlacer:
@@ -83,7 +83,6 @@ class ScanPlacer:
         self._warns = warn
         self._source_timeout = source_timeout
         self._poses = PoseBuffer()
-        self._frame = 0
         self.reset()
 
     def reset(self) -> None:
@@ -94,7 +93,7 @@ class ScanPlacer:
         self._newest: dict[str, float] = {}
 
     def _forget(self) -> None:
-        self._frame += 1
+        self._frame = object()
         self._poses.clear()
         self._before: dict[str, PlacedScan] = {}
 
@@ -113,7 +112,7 @@ class ScanPlacer:
         if estimate.time != self._time:
             self._follow(estimate)
         placed = tuple([one for scan in taken if (one := self._place(scan)) is not None])
-        return PlacedScans(estimate, self._pose, placed, self._frame, len(taken))
+        return PlacedScans(estimate, self._pose, placed, self._frame, tuple(taken))
 
     def _follow(self, estimate: Estimate) -> None:
         """Take the next pose; where it jumps, poses before it are useless."""
@@ -130,8 +129,8 @@ class ScanPlacer:
         self._poses.add(estimate.time, pose)
         self.warn(
             "jump",
-            f"the pose jumped by {moved:.1f} m and {math.degrees(turned):.0f} degrees at {estimate.time:g} s: the "
-            "obstacles sensed before are forgotten",
+            f"the pose jumped by {moved:.1f} m and {math.degrees(turned):.0f} degrees at {estimate.time:g} s: what "
+            "was sensed before is forgotten",
         )
 
     def warn(self, kind: str, message: str, *, stacklevel: int = 4) -> None:

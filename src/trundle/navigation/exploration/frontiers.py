@@ -103,7 +103,7 @@ def find_frontiers(
     """
     settings = ExplorerSettings() if settings is None else settings
     edge = costmap.resolution
-    unseen = _without_specks(costmap.unknown_cells, settings.speck_area / edge**2)
+    unseen = _without_specks(costmap.unknown_cells, settings.speck_area / edge**2 - 1e-9)
     row, col = (int(index) for index in costmap.world_to_cell(pose.x, pose.y))
     if not costmap.contains(row, col) or not unseen.any():
         return []
@@ -154,7 +154,8 @@ def shows_floor(costmap: Costmap, pose: Pose2D) -> bool:
 def _opening(costmap: Costmap, rows: _Cells, cols: _Cells) -> float:
     """Return how much floor the robot's centre is kept from by what is unknown beside a stretch of the border [m²].
 
-    The cells within the footprint's inscribed radius of the border count that no obstacle keeps it from.
+    It counts the cells within the footprint's inscribed radius of the border, seen or not, that no obstacle keeps it
+    from.
     """
     radius = math.ceil(costmap.inscribed_radius / costmap.resolution)
     top, left = max(0, int(rows.min()) - radius), max(0, int(cols.min()) - radius)
@@ -278,7 +279,7 @@ class GivenUp:
     """A frontier that the robot could not look at.
 
     Attributes:
-        x, y: Its middle, map frame [m].
+        x, y: Where it is, map frame [m], as of a `Frontier`.
         reason: Why.
         gain: How much unknown space it would have shown [m²].
     """

@@ -1,8 +1,8 @@
 """Kernels that find what footprints touch first.
 
 Threads side by side look at the same robot: they take the same branches, and read the same cells. The poses of a step
-are known before, so all are looked at together. Contacts are numbers, of which the least is the first: by the number of
-the pose, then cells before movers, then by the number of the cell or the mover.
+are known before, so 16 at a time are looked at together. Contacts are numbers, of which the least is the first: by the
+number of the pose, then cells before movers, then by the number of the cell or the mover.
 """
 
 # pyright: reportAttributeAccessIssue=false, reportInvalidTypeForm=false, reportOperatorIssue=false

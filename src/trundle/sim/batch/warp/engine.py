@@ -251,6 +251,7 @@ class WarpEngine:
                 (self._most_movers, self._count),
                 [self._model, active, self.poses, self.places, self.steps, self._seen],
             )
+        if self._recordings:  # also where nothing moves in any: this clears the ranges before
             self._launch(beams.meet_movers, shape, [self._model, active, self.places, self._seen, ranges])
         state = [self.places, self.steps, self._errors, self._keys]
         self._launch(beams.cast_beams, shape, [self._model, active, *state, self._origins, ranges])
