@@ -280,10 +280,7 @@ class LayeredCostmap:
         return self._follow(lambda layer: layer.update(taken, estimate), estimate, places.reshape(-1, 3))
 
     def take(self, placed: PlacedScans, moved: FloatArray) -> Costmap:
-        """Do as `update` with scans that somebody has placed for several users; `moved` has shape (N, 3).
-
-        What was left out of them is in the counts of their `ScanPlacer`, not in `warnings`.
-        """
+        """Do as `update` with scans that a `ScanPlacer` has placed and counted; `moved` has shape (N, 3)."""
         estimate, obstacle = placed.estimate, self._obstacle
 
         def update(layer: Layer) -> MapWindow | None:
