@@ -150,7 +150,8 @@ def converse(bench: Bench, role: str, out: Path) -> Talk:
     names = {one["topic"] for one in offered}
     first = commands[0][0]
     readers = sum(topic == first for topic, *_ in commands)
-    looking = bench.client("graph.py", "trundle", json.dumps(sorted(names)), first, readers)
+    sought = json.dumps(sorted({topic for topic, *_ in commands}))
+    looking = bench.client("graph.py", "trundle", json.dumps(sorted(names)), sought, first, readers)
     listening = bench.client("listener.py", asked(offered))
     kept = {one["topic"] for one in once} - RARE
     heard = collect(listening, names - kept - RARE, 5)

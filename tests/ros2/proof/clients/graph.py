@@ -1,7 +1,8 @@
 """Print what `ros2 node list`, `ros2 node info NODE` and `ros2 topic info -v` would, as a line of JSON.
 
-graph.py NODE TOPICS TOPIC READERS: asks until the node is there and offers those topics, a JSON list, and TOPIC has its
-readers. A node's topics are found one by one, and its endpoints some time after their names.
+graph.py NODE TOPICS READ TOPIC READERS: asks until the node is there, offers the TOPICS and subscribes to those of
+READ, both JSON lists, and TOPIC has its readers. A node's topics are found one by one, and its endpoints some time
+after their names.
 """
 
 import json
@@ -25,7 +26,8 @@ def endpoint(info):
 def main():
     rclpy.init()
     asking = rclpy.create_node("asking")
-    name, topics, topic, readers = sys.argv[1], set(json.loads(sys.argv[2])), sys.argv[3], int(sys.argv[4])
+    name, topics, read = sys.argv[1], *(set(json.loads(given)) for given in sys.argv[2:4])
+    topic, readers = sys.argv[4], int(sys.argv[5])
     until = time.monotonic() + 60
     while time.monotonic() < until:
         nodes = [one for one, _ in asking.get_node_names_and_namespaces()]
@@ -34,6 +36,7 @@ def main():
             subscribers = dict(asking.get_subscriber_names_and_types_by_node(name, "/"))
             if (
                 topics <= publishers.keys()
+                and read <= subscribers.keys()
                 and all(asking.get_publishers_info_by_topic(one) for one in topics)
                 and len(asking.get_subscriptions_info_by_topic(topic)) >= readers
             ):
