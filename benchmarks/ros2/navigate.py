@@ -1,4 +1,4 @@
-"""`trundle ros2 navigate`, in a process of its own, with robots that behave and with robots that do not.
+"""`trundle ros2 navigate`, in a separate process, with robots that behave and with robots that do not.
 
 python benchmarks/ros2/navigate.py missions [--count 100] [--speed 1] [--transport dds]
 python benchmarks/ros2/navigate.py load [--seconds 60]

@@ -122,7 +122,7 @@ def work(options: argparse.Namespace) -> None:
 
 
 def run_once(before: Path | None, options: argparse.Namespace) -> dict[str, Any]:
-    """Drive in a process of its own, with this package or that of another checkout."""
+    """Drive in a separate process, with this package or that of another checkout."""
     command = [sys.executable, __file__, "--work", "--seconds", str(options.seconds)]
     command += ["--map", options.map] if options.map else []
     command += ["--before", str(before)] if before else []

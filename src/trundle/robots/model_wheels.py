@@ -242,7 +242,7 @@ _SIDEWAYS = re.compile(r"planar_?move|force_based_move", re.IGNORECASE)
 """Gazebo's plugins that push a robot's body in every direction. Robots with two plain wheels are given one, too."""
 
 _ROLLERS = 4
-"""A wheel with at least this many rotating parts of its own is treated as having rollers."""
+"""A wheel with at least this many rotating parts is treated as having rollers."""
 
 
 def refuse_omni_wheels(path: Path, model: Any, data: Any, wheels: Sequence[ModelWheel]) -> None:

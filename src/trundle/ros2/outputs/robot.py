@@ -62,7 +62,7 @@ def fixed_transforms(context: BridgeContext) -> list[Any]:
 class WheelFrames:
     """Publishes the frames of the wheels on /tf, as robot_state_publisher does; with "auto", only where none is there.
 
-    A node that reads the joint states and publishes transforms is taken for one.
+    A node that reads the joint states and publishes transforms counts as one.
 
     Args:
         context: The bridge.

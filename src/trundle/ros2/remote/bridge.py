@@ -16,8 +16,7 @@ from trundle.ros2.profile import Profile
 from trundle.ros2.remote.commands import CommandOutput, Sources
 from trundle.ros2.remote.guard import Guard, GuardedMonitor, Reasons
 from trundle.ros2.remote.inputs import RobotInputs
-from trundle.ros2.remote.localizer import RemoteLocalizer, TfLocalizer
-from trundle.ros2.remote.map_fit import MISFIT
+from trundle.ros2.remote.localizer import MISFIT, RemoteLocalizer, TfLocalizer
 from trundle.ros2.remote.publishing import StartPose, StaticFrames
 from trundle.ros2.remote.robot import RemoteRobot
 from trundle.ros2.remote.role import NOT_LOCATED, GoalDrive, RemoteRole

@@ -28,6 +28,9 @@ mirrored scans do both.
 SCANS = 5
 """So many scans are judged, the latest ones: the localizer refines a pose that it was told with the first of them."""
 
+MISFIT = "the scans do not fit the map"
+"""So begins why a robot stands that is not where it was told to be."""
+
 _TOLERANCE_M, _DEPTH_M = 0.25, 0.3
 _BEAMS = 180
 _LONGEST_M = 15.0
@@ -65,7 +68,7 @@ class MapFit:
         if agree >= LEAST_AGREE and through <= MOST_THROUGH:
             return ""
         return (
-            f"the scans do not fit the map where the robot was told to be: {100 * agree:.0f} % of the beams agree, and "
+            f"{MISFIT} where the robot was told to be: {100 * agree:.0f} % of the beams agree, and "
             f"{100 * through:.0f} % of what can be compared go through walls. Is it the map of this site, is the pose "
             "right, and do the angles of the scans run the right way?"
         )

@@ -137,7 +137,7 @@ def writer_qos(qos: Qos, type_hash: str) -> DdsQos:
 
 
 def reader_qos(qos: Qos, type_hash: str, *, kept: int) -> DdsQos:
-    """Return the policies of a reader that holds `kept` messages, and gets none of its own participant."""
+    """Return the policies of a reader that holds `kept` messages, and none that its participant wrote."""
     from cyclonedds.core import Policy
     from cyclonedds.core import Qos as DdsQos
 
