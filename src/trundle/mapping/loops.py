@@ -73,6 +73,8 @@ class LoopFinder:
         self._submaps = submaps
         self._pending: list[Loop] = []
         self._tried: dict[int, int] = {}
+        # What beams pass through, of each match that was asked for: those that wait are asked for again and again.
+        self._passed: dict[tuple[int, int, tuple[float, float, float]], float] = {}
 
     def search(self, node: int, surface: Surface, cloud: Surface, *, tries: int = _FAR_TRIES) -> list[Loop]:
         """Return loops of a key frame that count from now on: near ones, and far ones that agree with others.
@@ -177,6 +179,7 @@ class LoopFinder:
     def _prove(self, loop: Loop) -> list[Loop]:
         """Return the loop and those that agree with it, if they are enough; keep it otherwise."""
         self._pending = [one for one in self._pending if one.b > loop.b - _KEPT][-_MOST_PENDING:]
+        self._passed = {key: share for key, share in self._passed.items() if key[1] > loop.b - _KEPT}
         clique = self._clique(loop)
         self._pending.append(loop)
         if len(clique) < _AGREE or not self._beats_rivals(clique) or not self._is_possible(clique):
@@ -211,7 +214,10 @@ class LoopFinder:
         return sum(one.fit - _THROUGH_COUNTS * self._through(one) for one in loops) / len(loops)
 
     def _through(self, loop: Loop) -> float:
-        return seen_through(self._nodes, self._submaps, loop.a, loop.b, loop.transform)
+        key = loop.a, loop.b, loop.transform.as_tuple()
+        if key not in self._passed:
+            self._passed[key] = seen_through(self._nodes, self._submaps, loop.a, loop.b, loop.transform)
+        return self._passed[key]
 
     def _moved_by(self, loops: list[Loop]) -> float:
         """How far from where the poses say key frames are matched, in the mean [m]; 0 in another part."""
@@ -296,6 +302,14 @@ class _Beams:
     lengths: FloatArray
 
 
+@dataclass(frozen=True, slots=True)
+class _View:
+    """A key frame: some of its points, seen from it, shape (N, 2), and the beams of each lidar."""
+
+    points: FloatArray
+    lidars: tuple[_Beams, ...]
+
+
 def seen_through(nodes: Nodes, submaps: Submaps, a: int, b: int, transform: Pose2D) -> float:
     """Return the share of points that the other place's beams pass through, of those that they reach; 1 without any.
 
@@ -312,29 +326,32 @@ def seen_through(nodes: Nodes, submaps: Submaps, a: int, b: int, transform: Pose
         b: A key frame.
         transform: Pose of the key frame seen from the middle node.
     """
-    submap, seen = submaps.all[submaps.of_node[a]], nodes.key_surface(b)
+    submap, seen = submaps.all[submaps.of_node[a]], _view(nodes, b)
     reached = through = 0
     for node in range(submap.first, submap.last + 1, max(1, (submap.last + 1 - submap.first) // _COMPARED_FRAMES)):
-        known = nodes.key_surface(node)
+        known = _view(nodes, node)
         T_node_b = submaps.seen_from_middle(submap, node).inverse() @ transform
         for viewer, other, pose in ((known, seen, T_node_b), (seen, known, T_node_b.inverse())):
-            points = pose.transform_points(other.points[:: max(1, len(other.points) // _COMPARED)])
-            for beams in _lidars(viewer):
+            points = pose.transform_points(other.points)
+            for beams in viewer.lidars:
                 counts = _count(beams, points)
                 reached, through = reached + counts[0], through + counts[1]
     return through / reached if reached >= _FEWEST else 1.0
 
 
-def _lidars(surface: Surface) -> Iterator[_Beams]:
-    """The beams of each lidar; in a surface they come one lidar after the other."""
-    if not len(surface.points):
-        return
-    apart = np.hypot(*np.diff(surface.sensors, axis=0).T)
-    for part in np.split(np.arange(len(surface.points)), np.flatnonzero(apart > _LIDARS_APART_M) + 1):
-        origin = surface.sensors[part].mean(axis=0)
-        bearings, lengths = _polar(surface.points[part] - origin)
+def _view(nodes: Nodes, node: int) -> _View:
+    """What a key frame saw; the points of one lidar come after those of another."""
+    points, sensors = nodes.key_points(node)
+    if not len(points):
+        return _View(points, ())
+    lidars = []
+    apart = np.hypot(*np.diff(sensors, axis=0).T)
+    for part in np.split(np.arange(len(points)), np.flatnonzero(apart > _LIDARS_APART_M) + 1):
+        origin = sensors[part].mean(axis=0)
+        bearings, lengths = _polar(points[part] - origin)
         order = np.argsort(bearings, kind="stable")
-        yield _Beams(origin, bearings[order], lengths[order])
+        lidars.append(_Beams(origin, bearings[order], lengths[order]))
+    return _View(points[:: max(1, len(points) // _COMPARED)], tuple(lidars))
 
 
 def _count(beams: _Beams, points: FloatArray) -> tuple[int, int]:

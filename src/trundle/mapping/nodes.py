@@ -148,6 +148,10 @@ class Nodes:
 
     def key_surface(self, node: int) -> Surface:
         """Return what the scans at the node itself saw, one of each lidar, seen from the node."""
+        return make_surface(*self.key_points(node))
+
+    def key_points(self, node: int) -> tuple[FloatArray, FloatArray]:
+        """Return the points of `key_surface`, and where their beams began, each (N, 2)."""
         seen: set[int] = set()
         points, sensors = [np.empty((0, 2))], [np.empty((0, 2))]
         for scan in self.scans_of(node):
@@ -157,7 +161,7 @@ class Nodes:
             ends, starts = self.beams(scan)
             points.append(ends)
             sensors.append(starts)
-        return make_surface(np.concatenate(points), np.concatenate(sensors))
+        return np.concatenate(points), np.concatenate(sensors)
 
     def beams(self, scan: ScanRecord) -> tuple[FloatArray, FloatArray]:
         """Return where the beams of a scan with a return ended and began, seen from its node, each (N, 2)."""
