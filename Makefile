@@ -76,13 +76,13 @@ test-ray: dev $(VENV)/.trundle-ray
 test-learning: dev
 	@test -e $(VENV)/.trundle-learning || { $(INSTALL) --target $(VENV)/learning $$($(BIN)/python scripts/requirements.py learning) \
 	  && touch $(VENV)/.trundle-learning; }
-	PYTHONPATH=$(VENV)/learning $(BIN)/python -m pytest $(HANGS) tests/gym tests/sim/batch
+	PYTHONPATH=$(abspath $(VENV)/learning) $(BIN)/python -m pytest $(HANGS) tests/gym tests/sim/batch
 
 # Beside the environment: ovphysx asks for an older packaging than pytest, so nothing of it may be installed there.
 test-physx: dev
 	@test -e $(VENV)/.trundle-physx || { $(INSTALL) --no-deps --target $(VENV)/physx $$($(BIN)/python scripts/requirements.py physx) \
 	  && touch $(VENV)/.trundle-physx; } || echo "PhysX cannot be installed here: its tests are skipped"
-	PYTHONPATH=$(VENV)/physx $(BIN)/python -m pytest $(HANGS) tests/sim/physx
+	PYTHONPATH=$(abspath $(VENV)/physx) $(BIN)/python -m pytest $(HANGS) tests/sim/physx
 
 # The other tests of this folder run in `make test` too, where the environments are there.
 test-ros2: dev ros2-env

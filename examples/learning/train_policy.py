@@ -47,6 +47,10 @@ device = torch.device(args.device)
 torch.manual_seed(args.seed)
 torch.set_float32_matmul_precision("high")
 SCALES = torch.tensor([each for _, scale in NORMALISATION.values() for each in scale], device=device)
+# In training half of the robots live in mirrored worlds, as many again: beams in reverse order, left and right swapped.
+# This needs a lidar that looks straight ahead or back all round, on the axis of a robot whose sides are equal.
+REVERSED = (-torch.arange(BEAMS, device=device)) % BEAMS
+LATERAL = torch.tensor([0, 0, 1] + [0, 1] * (1 + POINTS), dtype=torch.bool, device=device)  # of goal, velocity, path
 
 
 class Network(nn.Module):
@@ -78,15 +82,22 @@ def as_tensor(values) -> torch.Tensor:
     return tensor.float() if tensor.is_floating_point() else tensor
 
 
-def look(observed: dict) -> torch.Tensor:
+def swap_sides(values: torch.Tensor, mirrored: torch.Tensor) -> torch.Tensor:
+    """Change the sign of what is to the left or turns there, of the robots that are mirrored."""
+    return torch.where(mirrored[:, None] & LATERAL[: values.shape[1]], -values, values)
+
+
+def look(observed: dict, mirrored: torch.Tensor) -> torch.Tensor:
     """Put what is observed into one tensor, shape (robots, SEEN); near walls differ more than far ones."""
     rest = torch.cat([as_tensor(observed[name]).flatten(1) for name in NORMALISATION], dim=1) / SCALES
-    return torch.cat([as_tensor(observed["ranges"]).add(0.1).log(), rest], dim=1)
+    ranges = as_tensor(observed["ranges"]).add(0.1).log()
+    ranges = torch.where(mirrored[:, None], ranges[:, REVERSED], ranges)
+    return torch.cat([ranges, swap_sides(rest, mirrored)], dim=1)
 
 
-def know(observed: dict) -> torch.Tensor:
+def know(observed: dict, mirrored: torch.Tensor) -> torch.Tensor:
     """What only the value sees, shape (robots, KNOWN)."""
-    return as_tensor(observed["critic"]) / SCALES[:KNOWN]
+    return swap_sides(as_tensor(observed["critic"]) / SCALES[:KNOWN], mirrored)
 
 
 def chance_of(actions: torch.Tensor, mean: torch.Tensor, log_std: torch.Tensor) -> torch.Tensor:
@@ -94,9 +105,10 @@ def chance_of(actions: torch.Tensor, mean: torch.Tensor, log_std: torch.Tensor) 
     return -(0.5 * ((actions - mean) / log_std.exp()).square() + log_std).sum(-1)
 
 
-def drive(env: gymnasium.vector.VectorEnv, actions: torch.Tensor):
+def drive(env: gymnasium.vector.VectorEnv, actions: torch.Tensor, mirrored: torch.Tensor):
     """Step the environment; actions beyond its bounds are cut off."""
     given = actions.clamp(-1.0, 1.0)
+    given = torch.stack([given[:, 0], torch.where(mirrored, -given[:, 1], given[:, 1])], dim=1)
     observed, rewards, terminated, truncated, info = env.step(given if device.type == "cuda" else given.numpy())
     return observed, as_tensor(rewards), as_tensor(terminated), as_tensor(truncated), info
 
@@ -155,12 +167,12 @@ def judge(network: Network, kind: str) -> str:
     observed, _ = env.reset(seed=10_000)
     state, nothing = torch.zeros(args.judge, WIDTH, device=device), torch.zeros(1, args.judge, KNOWN, device=device)
     fresh = torch.zeros(1, args.judge, dtype=torch.bool, device=device)
-    over, arrived, soon, touched = (torch.zeros(args.judge, dtype=torch.bool, device=device) for _ in range(4))
+    over, arrived, soon, touched, no = (torch.zeros(args.judge, dtype=torch.bool, device=device) for _ in range(5))
     spl = torch.zeros(args.judge, device=device)
     while not over.all():
-        mean, _, states = network(look(observed)[None], nothing, fresh, state)
+        mean, _, states = network(look(observed, no)[None], nothing, fresh, state)
         state = states[-1]
-        observed, _, terminated, truncated, info = drive(env, mean[0])
+        observed, _, terminated, truncated, info = drive(env, mean[0], no)
         success = ~over & as_tensor(info["is_success"])
         arrived |= success
         soon |= success & (as_tensor(info["time_s"]) <= 120.0)
@@ -205,6 +217,7 @@ keep = {
 now = {name: zeros(*keep[name].shape[1:], dtype=keep[name].dtype) for name in ("seen", "known", "begun")}
 state, first_state, spread = zeros(robots, WIDTH), zeros(robots, WIDTH), zeros()
 part = zeros(robots // parts, dtype=torch.int64)
+mirrored = torch.arange(robots, device=device) % 2 == 1
 
 
 @torch.no_grad()
@@ -251,7 +264,7 @@ def recorded(work):
 
 def take(observed: dict, begun: torch.Tensor) -> None:
     """Make what is observed what the robots see `now`."""
-    for name, values in (("seen", look(observed)), ("known", know(observed)), ("begun", begun)):
+    for name, values in (("seen", look(observed, mirrored)), ("known", know(observed, mirrored)), ("begun", begun)):
         now[name].copy_(values)
 
 
@@ -292,7 +305,7 @@ for update in range(args.updates):
         lap("inference", is_measured)
         # The step after the end of an episode begins the next one, and its action does not count.
         begun, keep["counts"][step] = ended, ~ended
-        observed, rewards, terminated, truncated, info = drive(env, action)
+        observed, rewards, terminated, truncated, info = drive(env, action, mirrored)
         ended = terminated | truncated
         lap("environment", is_measured)
         # At first a contact costs less: a robot that fears walls before it knows how to drive learns to stand still.
@@ -303,7 +316,8 @@ for update in range(args.updates):
             [(ended & as_tensor(info[name])).sum() for name in ("is_success", "contact")] + [ended.sum()]
         )
     with torch.no_grad():
-        following = network(look(observed)[None], know(observed)[None], begun[None], state)[1][0]
+        after = look(observed, mirrored)[None], know(observed, mirrored)[None]
+        following = network(*after, begun[None], state)[1][0]
         later = zeros(robots)
         for step in reversed(range(steps)):
             gain = keep["rewards"][step] + DISCOUNT * following * ~keep["over"][step] - keep["values"][step]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -41,7 +42,7 @@ class Missions:
     Attributes:
         poses: (x, y, yaw) of the starts, map frame, shape (n, 3); a yaw of NaN is drawn for each episode.
         goals: (x, y) [m], shape (n, 2).
-        fields: Which field of distances is of the goal, shape (n,).
+        fields: Which of the map's fields of distances is of the goal, shape (n,).
         distances: Shortest path [m], shape (n,).
     """
 
@@ -59,7 +60,7 @@ class Arena:
         grids: The maps.
         names: What they are called.
         missions: Of each map.
-        fields: Distances to goals [m], infinite where the robot cannot go, each of the shape of its map.
+        fields: Of each map its distances to goals [m], infinite where the robot cannot go, each of the map's shape.
         recordings: Of the movers of each map, none or several.
         known: The maps that a robot has, where they lack something; else `grids`.
     """
@@ -70,7 +71,7 @@ class Arena:
         grids: Sequence[OccupancyGrid],
         names: Sequence[str],
         missions: Sequence[Missions],
-        fields: Sequence[npt.NDArray[np.float32]],
+        fields: Sequence[Sequence[npt.NDArray[np.float32]]],
         recordings: Sequence[Sequence[MoverRecording]],
         known: Sequence[OccupancyGrid] | None = None,
     ) -> None:
@@ -84,9 +85,10 @@ class Arena:
         self.starts = np.concatenate([each.poses for each in missions])
         self.goals = np.concatenate([each.goals for each in missions])
         self.distances = np.concatenate([each.distances for each in missions])
-        self.mission_fields = np.concatenate([each.fields for each in missions])
-        self.distances_to_goals = np.concatenate([field.ravel() for field in fields])
-        self.field_starts = _starts_of([field.size for field in fields])
+        first_fields = _starts_of([len(of_map) for of_map in fields])
+        self.mission_fields = np.concatenate([m.fields + at for m, at in zip(missions, first_fields, strict=True)])
+        self.distances_to_goals = np.concatenate([field.ravel() for of_map in fields for field in of_map])
+        self.field_starts = _starts_of([field.size for of_map in fields for field in of_map])
         self.shapes = np.array([grid.shape for grid in grids])
         self.map_starts = _starts_of(self.shapes.prod(axis=1))
         x, y, yaw = np.array([grid.origin.as_tuple() for grid in grids]).T
@@ -102,13 +104,15 @@ class Arena:
         """
         maps = np.repeat(np.arange(len(self.grids)), self.mission_counts)
         steps = max(1, round(length / self.resolution))
-        found: list[npt.NDArray[np.int32]] = []
         costmaps = [Costmap.from_grid(grid, self.robot) for grid in grids]
-        for mission in np.unique(self.mission_fields, return_index=True)[1]:
-            costmap = costmaps[maps[mission]]
-            cell = [int(index) for index in costmap.world_to_cell(*self.goals[mission])]
-            found.append(_descend(cost_field(_guide_costs(costmap), cell, threads=1), steps))
-        return np.concatenate(found)
+        guides = [_guide_costs(costmap) for costmap in costmaps]
+
+        def descend_to(mission: int) -> npt.NDArray[np.int32]:
+            cell = [int(index) for index in costmaps[maps[mission]].world_to_cell(*self.goals[mission])]
+            return _descend(cost_field(guides[maps[mission]], cell, threads=1), steps)
+
+        with ThreadPoolExecutor() as pool:  # NumPy and the kernel leave Python to other threads
+            return np.concatenate(list(pool.map(descend_to, np.unique(self.mission_fields, return_index=True)[1])))
 
     def costs(self) -> npt.NDArray[np.uint8]:
         """Return the costs of all maps that a robot has, one after the other."""
@@ -154,19 +158,20 @@ def make_arena(settings: NavigationSettings, robot: Robot) -> Arena:
         ScenarioError: If one has no room for a mission.
     """
     places = [place for one in settings.given_worlds() for place in _places(settings, robot, one)]
-    grids, known, names, missions, fields = [], [], [], [], list[npt.NDArray[np.float32]]()
-    recordings: list[list[MoverRecording]] = []
-    for number, (name, world, grid) in enumerate(places):
-        rng = np.random.default_rng([settings.seed, SPLITS.index(settings.split), number])
-        known.append(grid)
+    names, known = [name for name, _, _ in places], [grid for _, _, grid in places]
+    grids, recordings = list[OccupancyGrid](), list[list[MoverRecording]]()
+    for number, (_, world, grid) in enumerate(places):
         if settings.unmapped_boxes:
             world, grid = _add_boxes(settings, robot, world, grid, number)
-        found, of_goals = pick_missions(grid, robot, rng, settings.min_distance, name, first_field=len(fields))
         grids.append(grid)
-        names.append(name)
-        missions.append(found)
-        fields += of_goals
         recordings.append(_record(settings, robot, world))
+
+    def pick(number: int) -> tuple[Missions, list[npt.NDArray[np.float32]]]:
+        rng = np.random.default_rng([settings.seed, SPLITS.index(settings.split), number])
+        return pick_missions(grids[number], robot, rng, settings.min_distance, names[number])
+
+    with ThreadPoolExecutor() as pool:
+        missions, fields = zip(*pool.map(pick, range(len(grids))), strict=True)
     return Arena(robot, grids, names, missions, fields, recordings, known if settings.unmapped_boxes else None)
 
 
@@ -185,7 +190,7 @@ def _add_boxes(
 
 
 def pick_missions(
-    grid: OccupancyGrid, robot: Robot, rng: np.random.Generator, least: float, name: str, *, first_field: int
+    grid: OccupancyGrid, robot: Robot, rng: np.random.Generator, least: float, name: str
 ) -> tuple[Missions, list[npt.NDArray[np.float32]]]:
     """Pick missions on a map, both ends where the robot can turn all round; and the fields of their goals.
 
@@ -226,7 +231,7 @@ def pick_missions(
             f"where {robot.name} (swing radius {costmap.circumscribed_radius:.2f} m) can turn; use a wider world or "
             "another robot"
         )
-    of = np.repeat(np.arange(len(rows)), [len(poses) for poses, _, _ in rows]) + first_field
+    of = np.repeat(np.arange(len(rows)), [len(poses) for poses, _, _ in rows])
     poses, goals, away = (np.concatenate(parts) for parts in zip(*rows, strict=True))
     return Missions(poses, goals, of, away), fields
 
@@ -296,7 +301,7 @@ def record_movers(settings: NavigationSettings, robot: Robot, world: World) -> l
 
 
 def fixed_mission(
-    grid: OccupancyGrid, robot: Robot, start: Pose2D, goal: tuple[float, float], name: str, *, first_field: int
+    grid: OccupancyGrid, robot: Robot, start: Pose2D, goal: tuple[float, float], name: str
 ) -> tuple[Missions, list[npt.NDArray[np.float32]]]:
     """Return the one mission of a map, and the field of its goal.
 
@@ -310,4 +315,4 @@ def fixed_mission(
     if field is None or not costmap.contains(*at) or not np.isfinite(field[at]):
         raise ScenarioError(f"{name}: no path leads from {start.as_tuple()} to {goal} for {robot.name}")
     away = np.array([float(field[at])])
-    return Missions(np.array([start.as_tuple()]), np.array([goal]), np.array([first_field]), away), [field]
+    return Missions(np.array([start.as_tuple()]), np.array([goal]), np.array([0]), away), [field]

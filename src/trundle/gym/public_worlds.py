@@ -96,10 +96,10 @@ def _arena(
         corner, far = np.minimum(low[:2], ends.min(axis=0) - _ROOM), np.maximum(high[:2], ends.max(axis=0) + _ROOM)
         bounds = (float(corner[0]), float(corner[1])), (float(far[0]), float(far[1]))
         grid = make_map(settings, robot, world, bounds)
-        mission, of_goal = fixed_mission(grid, robot, start, goal, name, first_field=len(fields))
+        mission, of_goal = fixed_mission(grid, robot, start, goal, name)
         grids.append(grid)
         missions.append(mission)
-        fields += of_goal
+        fields.append(of_goal)
         recordings.append(record_movers(settings, robot, world))
     return Arena(robot, grids, [name for name, _ in worlds], missions, fields, recordings)
 
