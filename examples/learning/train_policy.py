@@ -23,7 +23,9 @@ parser.add_argument("--steps", type=int, default=32, help="of each update; gradi
 parser.add_argument("--parts", type=int, default=32, help="batches of an epoch, as large as each other")
 parser.add_argument("--width", type=int, default=256, help="units of each layer")
 parser.add_argument("--path", action="store_true", help="follow a path on a map that lacks some boxes")
-parser.add_argument("--worlds", type=int, default=300, help="of each kind: mazes and offices; with --path, warehouses")
+parser.add_argument(
+    "--worlds", type=int, default=400, help="offices; twice as many mazes, or with --path as many warehouses"
+)
 parser.add_argument("--judge", type=int, default=500, help="missions of each kind in unseen worlds")
 parser.add_argument("--seed", type=int, default=0)
 parser.add_argument("--out", default="policy.onnx")
@@ -190,7 +192,7 @@ env = gymnasium.make_vec(
     "trundle/Navigation-v0",
     num_envs=args.envs,
     world=list(KINDS),
-    worlds=args.worlds,
+    worlds=[args.worlds, args.worlds] if args.path else [2 * args.worlds, args.worlds],  # mazes differ more
     seed=args.seed,
     max_time_s=200.0,
     device=str(device),

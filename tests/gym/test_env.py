@@ -213,6 +213,9 @@ def test_a_step_needs_a_reset(quick_options):
             InputError,
             "worlds has no effect where world is a map or a world",
         ),
+        ({"world": ["maze", "office"], "worlds": [3]}, InputError, "worlds has 1 numbers for 2 of world"),
+        ({"world": ["maze", "office"], "worlds": [3, 0]}, InputError, r"worlds\[1\] must be an integer from 1"),
+        ({"world": "maze", "worlds": "3"}, InputError, "worlds must be an integer"),
         ({"device": "cuda"}, InputError, "cpu"),
         ({"render_mode": "ansi"}, UnknownNameError, "rgb_array"),
     ],
@@ -234,6 +237,11 @@ def test_several_worlds_of_several_kinds(quick_options):
     assert len(env.episodes.arena.names) == 4
     coarse = NavigationEnv(world=World.from_map(GRID), robot="turtlebot3_burger", resolution=0.1)
     assert coarse.episodes.arena.resolution == 0.1
+
+
+def test_each_kind_of_world_has_its_own_number():
+    env = NavigationEnv(world=["maze", "office"], worlds=[2, 1], robot="turtlebot3_burger", beams=36)
+    assert [name.split("/")[0] for name in env.episodes.arena.names] == ["maze", "maze", "office"]
 
 
 def test_the_environments_are_registered():

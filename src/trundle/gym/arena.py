@@ -157,7 +157,7 @@ def make_arena(settings: NavigationSettings, robot: Robot) -> Arena:
         InputError: If a world or a map cannot be used.
         ScenarioError: If one has no room for a mission.
     """
-    places = [place for one in settings.given_worlds() for place in _places(settings, robot, one)]
+    places = [place for one, count in settings.given_worlds() for place in _places(settings, robot, one, count)]
     names, known = [name for name, _, _ in places], [grid for _, _, grid in places]
     grids, recordings = list[OccupancyGrid](), list[list[MoverRecording]]()
     for number, (_, world, grid) in enumerate(places):
@@ -243,7 +243,9 @@ def distances_to(costmap: Costmap, cell: npt.ArrayLike) -> npt.NDArray[np.float3
     return (field * np.float32(costmap.resolution)).astype(np.float32)
 
 
-def _places(settings: NavigationSettings, robot: Robot, given: object) -> list[tuple[str, World | None, OccupancyGrid]]:
+def _places(
+    settings: NavigationSettings, robot: Robot, given: object, count: int
+) -> list[tuple[str, World | None, OccupancyGrid]]:
     """Name, world and map of what an environment is given."""
     kind = kind_of(given)
     if kind == "map":
@@ -254,9 +256,7 @@ def _places(settings: NavigationSettings, robot: Robot, given: object) -> list[t
         world = given if isinstance(given, World) else World.load(str(given))
         return [(world.name, world, make_map(settings, robot, world))]
     first = SPLITS.index(settings.split) * _WORLDS_OF_A_SPLIT + settings.seed * _WORLDS_OF_A_SEED
-    worlds = [
-        World.generate(str(given), seed=first + number, **settings.world_options) for number in range(settings.worlds)
-    ]
+    worlds = [World.generate(str(given), seed=first + number, **settings.world_options) for number in range(count)]
     return [
         (f"{given}/{first + number}", world, make_map(settings, robot, world)) for number, world in enumerate(worlds)
     ]

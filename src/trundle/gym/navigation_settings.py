@@ -69,7 +69,8 @@ class NavigationSettings:
         robot: The robot, its name or its file.
         seed: Which generated worlds, 0 to 99,999.
         split: "train", "validation" or "test": their generated worlds, and their missions, are different ones.
-        worlds: How many worlds are generated of each name; where none is generated, it is refused.
+        worlds: How many worlds are generated of each name, or a list with the number for each of `world`; where none is
+            generated, it is refused.
         world_options: Options of the generated worlds, as for `World.generate`; likewise.
         resolution: Edge of a cell of maps made of worlds [m]; refused where all are maps.
         lidar: Which lidars observe: True for all of the robot's, or names. If None, the first.
@@ -100,7 +101,7 @@ class NavigationSettings:
     robot: Robot | str = "nova_carter"
     seed: int = 0
     split: Split = "train"
-    worlds: int = 4
+    worlds: int | Sequence[int] = 4
     world_options: Mapping[str, Any] = field(default_factory=dict)
     resolution: float = 0.05
     lidar: LidarChoice | None = None
@@ -125,7 +126,7 @@ class NavigationSettings:
         if self.split not in SPLITS:
             raise UnknownNameError("split", str(self.split), SPLITS)
         check_count("seed", self.seed, 0, 99_999)
-        check_count("worlds", self.worlds, 1, 10_000)
+        self.given_worlds()
         check_count("movers", self.movers, 0, 500)
         check_count("crowd", self.crowd, 0, 500)
         check_count("path_points", self.path_points, 0, 200)
@@ -175,24 +176,29 @@ class NavigationSettings:
                 hint = f" (did you mean {nearest[0]}?)" if nearest else ""
                 raise InputError(f"an environment has no option {name}{hint}; there are: {', '.join(known)}")
         settings = cls(**options)
-        kinds = {kind_of(each) for each in settings.given_worlds()}
+        kinds = {kind_of(each) for each, _ in settings.given_worlds()}
         for name, users in _USED_BY.items():
             if name in options and not kinds.intersection(users):
                 what = "a map" if kinds == {"map"} else "a map or a world"
                 raise InputError(f"the option {name} has no effect where world is {what}: leave it out")
         return settings
 
-    def given_worlds(self) -> Sequence[WorldLike]:
-        """Return what `world` holds, one or several.
+    def given_worlds(self) -> Sequence[tuple[WorldLike, int]]:
+        """Return what `world` holds, one or several, each with how many worlds are to be generated of it.
 
         Raises:
-            InputError: If that is nothing.
+            InputError: If that is nothing, or a number is out of range.
         """
         given = self.world
         each = list(given) if isinstance(given, Sequence) and not isinstance(given, str) else [given]
         if not each:
             raise InputError("an environment needs at least one world")
-        return each
+        if not isinstance(self.worlds, Sequence) or isinstance(self.worlds, str):
+            return [(one, check_count("worlds", self.worlds, 1, 10_000)) for one in each]
+        if len(self.worlds) != len(each):
+            raise InputError(f"worlds has {len(self.worlds)} numbers for {len(each)} of world: give one for each")
+        counts = [check_count(f"worlds[{place}]", count, 1, 10_000) for place, count in enumerate(self.worlds)]
+        return list(zip(each, counts, strict=True))
 
     @property
     def timestep(self) -> float:
