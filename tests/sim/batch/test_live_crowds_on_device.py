@@ -173,7 +173,9 @@ def test_a_crowd_without_room_is_refused_by_robot_and_nothing_is_reset(device):
         simulator.reset((0.6, 0.6, 0.0), recordings=0, seeds=[1, 2, 3])
         simulator.step((0.2, 0.0), PERIOD)
         before, movers = np.array(simulator._host(simulator.poses)), simulator.movers(0)
-        with pytest.raises(WorldError, match=r"robot 1: the crowd 'people': found no place.*Nothing was reset") as error:
+        with pytest.raises(
+            WorldError, match=r"robot 1: the crowd 'people': found no place.*Nothing was reset"
+        ) as error:
             simulator.reset(where, robots=[0, 1], recordings=0)
         texts.append(str(error.value))
         assert np.array_equal(simulator._host(simulator.poses), before)

@@ -328,9 +328,7 @@ def _first(chosen: npt.NDArray[np.int64] | None, bad: npt.ArrayLike) -> int:
     return first if chosen is None else int(chosen[first])
 
 
-def _find_device(
-    name: str, threads: int
-) -> Callable[[BatchModel, Sequence[MoverRecording], int], BatchEngine]:
+def _find_device(name: str, threads: int) -> Callable[[BatchModel, Sequence[MoverRecording], int], BatchEngine]:
     """Return what makes the state of a batch on a device.
 
     Raises:

@@ -43,7 +43,7 @@ _QUARTER_PI, _HALF_PI = wp.constant(wp.float64(0.25 * math.pi)), wp.constant(wp.
 
 @wp.func
 def exp_of(x: wp.float64):
-    """e to the power of a number of at most 0."""
+    """The exponential function of a number of at most 0."""
     if not (x > _VANISHES):
         return ZERO
     whole = wp.floor(x * _PER_LN_2 + HALF)
@@ -188,9 +188,7 @@ def give_way(
 
 
 @wp.func
-def from_outline(
-    corners: wp.array(dtype=wp.vec2d), own: wp.vec2i, at: wp.vec3d, yaw: wp.float64, robot: wp.vec4d
-):
+def from_outline(corners: wp.array(dtype=wp.vec2d), own: wp.vec2i, at: wp.vec3d, yaw: wp.float64, robot: wp.vec4d):
     """The distance of the robot's centre from an outline at a pose; 0 inside."""
     turn = sin_cos(yaw)
     dx, dy = robot[0] - at[0], robot[1] - at[1]

@@ -90,6 +90,16 @@ def length_of(x: wp.float64, y: wp.float64):
 
 
 @wp.func
+def distance_of(a: wp.vec2d, b: wp.vec2d):
+    return length_of(a[0] - b[0], a[1] - b[1])
+
+
+@wp.func
+def place_of(at: wp.vec3d):
+    return wp.vec2d(at[0], at[1])
+
+
+@wp.func
 def index_at(time: wp.float64):
     """How many steps there are at a time; `CrowdState::index_at`."""
     return wp.int32(wp.floor(time / PERIOD + _ALMOST))

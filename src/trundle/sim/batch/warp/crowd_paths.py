@@ -87,11 +87,11 @@ def spread_from(
             cost = own + (through + wp.int64(crowds.costs[offset + other])) * _DIAGONAL
             # A diagonal step needs both cells beside it free.
             allowed = (
-                search.costs[block, cell + rows * cols] != _BLOCKED
-                and search.costs[block, cell + across] != _BLOCKED
+                search.costs[block, cell + rows * cols] != _BLOCKED and search.costs[block, cell + across] != _BLOCKED
             )
         if allowed and cost < search.costs[block, other]:
-            if cost < wp.atomic_min(search.costs, block, other, cost):
+            before = wp.atomic_min(search.costs, block, other, cost)
+            if cost < before:
                 offer(search, block, front, other)
 
 
@@ -166,7 +166,7 @@ def fill_costs(
 @wp.func
 def shown_cost(cost: wp.int64):
     """A cost to go as C++ has it: rounded to float32, infinite where there is no path."""
-    if cost == _BLOCKED or cost == _UNREACHED:
+    if cost < wp.int64(0) or cost == _UNREACHED:
         return _INFINITE
     return wp.float32(wp.float64(cost) * _UNIT)
 
@@ -224,7 +224,7 @@ def choose_retreat(
         middle = middle_of(crowds, crowd, cell)
         away = length_of(middle[0] - here[0], middle[1] - here[1])
         cost = wp.int64(search.costs[block, cell])
-        if away >= _LEAST_RETREAT and cost != _BLOCKED and cost != _UNREACHED:
+        if away >= _LEAST_RETREAT and cost >= wp.int64(0) and cost != _UNREACHED:
             return cell
     return wp.int32(-1)
 

@@ -12,8 +12,8 @@ import warp as wp
 
 from trundle.sim.batch.warp.arithmetic import EXACT, ZERO, far
 from trundle.sim.batch.warp.crowd_draws import draw_uniform, draw_whole, seed_words, start_draws
+from trundle.sim.batch.warp.crowd_goals import far_cell
 from trundle.sim.batch.warp.crowd_model import NOTHING_DUE, START, Crowds, CrowdState, length_of, middle_of
-from trundle.sim.batch.warp.crowd_steps import far_cell
 from trundle.sim.batch.warp.model import NO_ROOM, NOTHING_BAD, blame
 
 wp.set_module_options(EXACT | {"block_dim": 32})

@@ -1,16 +1,12 @@
-"""Kernels that step live crowds: `CrowdState` of `_core/crowds/walk.cpp`, a thread for a member or a robot."""
+"""Kernels that step live crowds: `next` of `_core/crowds/walk.cpp`, a thread for a member around a robot."""
 
 # pyright: reportAttributeAccessIssue=false, reportInvalidTypeForm=false, reportOperatorIssue=false
 # pyright: reportCallIssue=false, reportIndexIssue=false, reportArgumentType=false
 
-import math
-
 import warp as wp
 
 from trundle.sim.batch.warp.arithmetic import EXACT, ONE, ZERO, clamped, far, greater, lesser, sin_cos
-from trundle.sim.batch.warp.crowd_draws import draw_uniform, draw_whole
 from trundle.sim.batch.warp.crowd_forces import (
-    PI,
     TAU,
     TINY,
     bearing_of,
@@ -24,156 +20,31 @@ from trundle.sim.batch.warp.crowd_forces import (
 from trundle.sim.batch.warp.crowd_model import (
     NOTHING_DUE,
     PERIOD,
-    RETREATS,
-    ROBOT_MARGIN,
-    STEP,
     Crowds,
     CrowdState,
     around_col,
     around_row,
     cell_of,
-    has_path,
+    distance_of,
     index_at,
     is_free,
     length_of,
     member_at,
     middle_of,
+    place_of,
 )
-from trundle.sim.batch.warp.crowd_paths import BLOCKING
-from trundle.sim.batch.warp.model import NOTHING_BAD, Model
+from trundle.sim.batch.warp.model import Model
 
 wp.set_module_options(EXACT | {"block_dim": 64})
 
-_LEAST_WALK, _THERE, _STUCK_S, _SOMEWHERE = (wp.constant(wp.float64(value)) for value in (4.0, 0.4, 2.0, 0.5))
 _SWING, _SLOW, _NEARER = (wp.constant(wp.float64(value)) for value in (0.2, 0.02, 1e-12))
 _MOST_TURN, _MOST_STEER = wp.constant(wp.float64(4.0 * 0.05)), wp.constant(wp.float64(1.2 * 0.05))
-_TURNS_FIRST = wp.constant(wp.float64(math.pi / 1.2))
-
-
-@wp.func
-def distance_of(a: wp.vec2d, b: wp.vec2d):
-    return length_of(a[0] - b[0], a[1] - b[1])
-
-
-@wp.func
-def place_of(at: wp.vec3d):
-    return wp.vec2d(at[0], at[1])
 
 
 @wp.func
 def place_in_plane(places: wp.array2d(dtype=wp.vec2d), member: wp.int32, robot: wp.int32):
     """A copy: what is read from an array is a reference to it."""
     return wp.vec2d(places[member, robot][0], places[member, robot][1])
-
-
-@wp.func
-def far_cell(crowds: Crowds, draws: wp.array3d(dtype=wp.uint64), crowd: wp.int32, row: wp.int32, robot: wp.int32,
-             here: wp.vec2d):  # fmt: skip
-    """A free cell at least as far away as a walk, if one is found soon; `row` is that of the draws."""
-    first, count = crowds.floors[crowd, 4], crowds.floors[crowd, 5]
-    cell = wp.int32(crowds.free[first + draw_whole(draws, row, robot, count)])
-    for _i in range(8):
-        if distance_of(middle_of(crowds, crowd, cell), here) < _LEAST_WALK:
-            cell = wp.int32(crowds.free[first + draw_whole(draws, row, robot, count)])
-        else:
-            break
-    return cell
-
-
-@wp.kernel
-def begin_step(
-    model: Model,
-    crowds: Crowds,
-    state: CrowdState,
-    active: wp.array(dtype=wp.bool),
-    fault: wp.array(dtype=wp.int64),
-    places: wp.array2d(dtype=wp.int64),
-    steps: wp.array(dtype=wp.int64),
-    passed: wp.array2d(dtype=wp.vec3d),
-    speeds: wp.array2d(dtype=wp.float64),
-    substeps: wp.int32,
-):
-    """Find the crowds that the next of some substeps takes beyond their last step, and the robot's motion then."""
-    i = wp.tid()
-    if i == 0:
-        state.queued[0] = 0
-    state.due[i] = NOTHING_DUE
-    if not active[i] or fault[0] != NOTHING_BAD or places[i, 1] < wp.int64(0):
-        return
-    if crowds.scenes[wp.int32(places[i, 1]), 3] == 0:
-        return
-    for substep in range(substeps):
-        time = wp.float64(steps[i] - wp.int64(substeps - 1 - substep)) * model.timestep
-        if index_at(time) > state.index[i]:
-            pose = passed[i, substep]
-            turn = sin_cos(pose[2])
-            speed = speeds[i, substep]
-            state.robots[i] = wp.vec4d(pose[0], pose[1], speed * turn[1], speed * turn[0])
-            state.radius[i] = model.radius
-            state.index[i] = state.index[i] + 1
-            state.due[i] = STEP
-            return
-
-
-@wp.func
-def is_blocked(crowds: Crowds, state: CrowdState, scene: wp.int32, member: wp.int32, robot: wp.int32):
-    """Whether anybody is next to someone who is stuck."""
-    first, members = crowds.scenes[scene, 2], crowds.scenes[scene, 3]
-    here = place_of(state.at[member, robot])
-    radius = crowds.radii[first + member]
-    for k in range(members):
-        apart = distance_of(place_of(state.at[k, robot]), here)
-        if apart < crowds.radii[first + k] + radius + BLOCKING and apart > ZERO:
-            return True
-    if not crowds.sees[first + member]:
-        return False
-    apart = distance_of(wp.vec2d(state.robots[robot][0], state.robots[robot][1]), here)
-    return apart < radius + state.radius[robot] + ROBOT_MARGIN + BLOCKING and apart > ZERO
-
-
-@wp.kernel
-def choose_goals(crowds: Crowds, state: CrowdState, places: wp.array2d(dtype=wp.int64)):
-    """Draw where those go next who are there or stuck, and queue those who need a path."""
-    i = wp.tid()
-    if state.due[i] == NOTHING_DUE:
-        return
-    scene = wp.int32(places[i, 1])
-    first_crowd, first, members = crowds.scenes[scene, 0], crowds.scenes[scene, 2], crowds.scenes[scene, 3]
-    if state.due[i] == STEP:
-        for k in range(members):
-            state.at[k, i] = state.next_at[k, i]
-            state.velocity[k, i] = state.next_velocity[k, i]
-    for k in range(members):
-        crowd = crowds.crowd_of[first + k]
-        row = crowd - first_crowd
-        here = place_of(state.at[k, i])
-        wait = wp.float64(state.waits[k, i])
-        if distance_of(here, state.was_at[k, i]) >= _SOMEWHERE:
-            state.was_at[k, i] = here
-            wait = lesser(wait, ZERO)
-        else:
-            wait = wait + PERIOD
-        goal = middle_of(crowds, crowd, state.goals[k, i])
-        there = distance_of(goal, here) < greater(_THERE, crowds.radii[first + k])
-        state.retreats[k, i, 0] = -1
-        if there or wait > _STUCK_S:
-            if there or not is_blocked(crowds, state, scene, k, i):
-                state.goals[k, i] = far_cell(crowds, state.draws, crowd, row, i, here)
-                state.windows[k, i] = wp.vec4i(0, 0, 0, 0)
-                state.disc_counts[k, i] = 0
-            else:
-                for n in range(RETREATS):
-                    drawn = draw_whole(state.draws, row, i, crowds.floors[crowd, 5])
-                    state.retreats[k, i, n] = crowds.free[crowds.floors[crowd, 4] + drawn]
-            wait = -draw_uniform(state.draws, row, i, ZERO, _STUCK_S)
-            if crowds.steers[first + k]:
-                wait = wait - _TURNS_FIRST
-            else:
-                wait = wait - ZERO
-        state.waits[k, i] = wait
-        cell = cell_of(crowds, crowd, here[0], here[1])
-        if state.retreats[k, i, 0] >= 0 or not has_path(crowds, state, crowd, k, i, cell):
-            state.queue[wp.atomic_add(state.queued, 0, 1)] = wp.vec2i(k, i)
 
 
 @wp.func
@@ -185,10 +56,7 @@ def ahead_of(crowds: Crowds, state: CrowdState, crowd: wp.int32, member: wp.int3
     for _i in range(crowds.floors[crowd, 3]):
         place = (cell // cols - window[0]) * window[3] + cell % cols - window[1]
         step = wp.int32(state.paths[robot, member, place // 2])
-        if place % 2 == 0:
-            step = step % 16
-        else:
-            step = step // 16
+        step = wp.where(place % 2 == 0, step % 16, step // 16)
         cell += around_row(step) * cols + around_col(step)
     return middle_of(crowds, crowd, cell)
 
@@ -205,8 +73,9 @@ def turn_of(crowds: Crowds, state: CrowdState, member: wp.int32, number: wp.int3
         seen, robot_radius = state.robots[robot], state.radius[robot]
         apart = distance_of(place_of(at), wp.vec2d(seen[0], seen[1]))
         if apart < crowds.radii[number] + robot_radius + _SWING:
-            if swings_into(crowds.corners, crowds.outlines[number], at, turned, seen, robot_radius):
-                return at[2]
+            meets = swings_into(crowds.corners, crowds.outlines[number], at, turned, seen, robot_radius)
+            if meets:
+                return wp.float64(at[2])
     return turned
 
 
@@ -224,7 +93,9 @@ def sum_of_repulsion(crowds: Crowds, state: CrowdState, scene: wp.int32, robot: 
     others = crowds.scenes[scene, 5]
     row = crowds.scenes[scene, 6] + wp.min(state.index[robot], crowds.scenes[scene, 7] - 1) * others
     for k in range(others):
-        pushed = repulsion(p, radius, direction, crowds.others[row + k], crowds.other_radii[crowds.scenes[scene, 4] + k])
+        pushed = repulsion(
+            p, radius, direction, crowds.others[row + k], crowds.other_radii[crowds.scenes[scene, 4] + k]
+        )
         x = x + pushed[0]
         y = y + pushed[1]
     return wp.vec2d(x, y)

@@ -16,16 +16,19 @@ from trundle.geometry import FloatArray
 from trundle.sim.batch.arrays import BatchModel
 from trundle.sim.batch.cpu import reach_of
 from trundle.sim.batch.recording import LiveCrowds
-from trundle.sim.batch.warp import crowd_draws, crowd_paths, crowd_starts, crowd_steps
+from trundle.sim.batch.warp import crowd_draws, crowd_goals, crowd_paths, crowd_starts, crowd_steps
 from trundle.sim.batch.warp import crowd_model as shared
 from trundle.worlds.movers.walk import PERIOD_S
 
 _MOST_CELLS = 2**31 - 1
 _WINDOW, _LEAST_WINDOW = 256, 32
-"""Largest and smallest edge of the square in which the path of a member is kept [cells]: who leaves it searches again."""
+"""Largest and smallest edge of the square in which a member's path is kept [cells]: who leaves it searches again."""
 
-_PATH_BYTES, _SEARCH_BYTES = 2**32, 2**30
-"""Memory for the paths of all members, where smaller squares keep to it, and for the blocks that search."""
+_FOR_PATHS, _FOR_SEARCH = 4, 8
+"""Shares of the free memory: of paths, where smaller squares keep to it, and of the blocks that search."""
+
+_MEMORY_OF_CPU = 2**33
+"""What Warp's CPU device counts as free [bytes]; it is for tests."""
 
 _MOST_BLOCKS = 1024
 """Blocks that search side by side: an H200 runs eight on each of its 132 multiprocessors."""
@@ -69,6 +72,7 @@ class WarpCrowds:
                 f"the floors of live crowds have {cells:,} cells in all, more than the {_MOST_CELLS:,} of a device; "
                 "use fewer crowds, or smaller areas"
             )
+        self._free_memory = device.free_memory if device.is_cuda else _MEMORY_OF_CPU
         self._model = self._put_model(live, len(batch.recordings) - 1)
         self._state = self._make_state(max(len(walk.arrays.floors) for walk in walks))
         self._starts = self._make_starts(max(len(walk.arrays.floors) for walk in walks))
@@ -94,7 +98,7 @@ class WarpCrowds:
         # One more than the periods that fit in, wherever the first begins.
         for _ in range(math.floor(substeps * self._timestep / PERIOD_S + 1e-6) + 1 if substeps else 0):
             given = [active, fault, places, steps, passed, speeds, substeps]
-            self._launch(crowd_steps.begin_step, self._count, [model, self._model, self._state, *given])
+            self._launch(crowd_goals.begin_step, self._count, [model, self._model, self._state, *given])
             self._step(places)
             self.place(model, active, places, steps, substeps)
 
@@ -118,11 +122,9 @@ class WarpCrowds:
 
     def _step(self, places: Any) -> None:
         model, state = self._model, self._state
-        self._launch(crowd_steps.choose_goals, self._count, [model, state, places])
+        self._launch(crowd_goals.choose_goals, self._count, [model, state, places])
         blocks, lanes = len(self._search.costs), self._lanes
-        self._launch(
-            crowd_paths.find_paths, (blocks, lanes), [model, state, self._search, places, blocks, lanes]
-        )
+        self._launch(crowd_paths.find_paths, (blocks, lanes), [model, state, self._search, places, blocks, lanes])
         shape = (self._members, self._count)
         self._launch(crowd_steps.push_members, shape, [model, state, places])
         reached, slid = state.reached, state.slid
@@ -185,7 +187,10 @@ class WarpCrowds:
     def _window_of(self, longest: int) -> int:
         """The edge of the squares for paths: the largest that memory allows."""
         window = _WINDOW
-        while window > _LEAST_WINDOW and self._members * self._count * window * window // 2 > _PATH_BYTES:
+        while (
+            window > _LEAST_WINDOW
+            and self._members * self._count * window * window // 2 > self._free_memory // _FOR_PATHS
+        ):
             window //= 2
         return min(window, longest - 2)
 
@@ -220,7 +225,7 @@ class WarpCrowds:
         # On Warp's CPU device threads run one after the other: a block is one.
         self._lanes = crowd_paths.BLOCK if self._device.is_cuda else 1
         wanted = min(_MOST_BLOCKS, self._members * self._count) if self._device.is_cuda else 1
-        blocks = max(1, min(wanted, _SEARCH_BYTES // (20 * cells)))
+        blocks = max(1, min(wanted, self._free_memory // _FOR_SEARCH // (20 * cells)))
         search.costs, search.stamps = self._zeros((blocks, cells), wp.int64), self._zeros((blocks, cells), wp.int32)
         search.fronts, search.sizes = self._zeros((blocks, 2, cells), wp.int32), self._zeros((blocks, 3), wp.int32)
         search.discs = self._zeros((blocks, self._members + 1), wp.vec3d)
@@ -231,4 +236,3 @@ class WarpCrowds:
 
     def _array(self, values: Any, dtype: Any) -> Any:
         return wp.array(values, dtype=dtype, device=self._device)
-
