@@ -176,7 +176,8 @@ def gpu_crowds(device: str, count: int, people: int) -> None:
         both = count * 100 / (time.perf_counter() - started)
         print(
             f"{count:,} robots, {people} {'live' if live else 'recorded'} people each, {grid.data.size / 1e6:.2f} M "
-            f"cells: {max(drives) / 1e6:.3f} M/s, with 180 beams {both / 1e6:.3f} M/s, reset {min(resets) * 1e3:.3f} ms a robot",
+            f"cells: {max(drives) / 1e6:.3f} M/s, with 180 beams {both / 1e6:.3f} M/s, "
+            f"reset {min(resets) * 1e3:.3f} ms a robot",
             flush=True,
         )
 
