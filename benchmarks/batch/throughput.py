@@ -144,6 +144,44 @@ def gpu(device: str, count: int, cells: float) -> None:
     )
 
 
+def gpu_crowds(device: str, count: int, people: int) -> None:
+    """Half a minute in an office among people that each robot has for itself, and among recorded ones."""
+    import warp as wp
+
+    robot = make_robot()
+    office = World.generate("office", seed=3)
+    grid = OccupancyGrid.from_world(office, z_range=robot.z_range)
+    poses, commands = draw(grid, robot, count, clear=True)
+    crowded = replace(office, movers=(Crowd("people", people),))
+    for live in (True, False):
+        recording = MoverRecording.of_world(crowded, robot, duration_s=30.0, live_crowds=live)
+        sim = BatchSimulator(grid, robot, count=count, lidar=True, recordings=[recording], device=device)
+        there = wp.array(commands, device=sim.poses.device)
+        drives, resets = [], []
+        for _ in range(3):
+            started = time.perf_counter()
+            sim.reset(poses, recordings=0, seeds=np.arange(count))
+            sim.synchronize()
+            placed = time.perf_counter()
+            for _ in range(600):
+                sim.step(there, PERIOD)
+            sim.synchronize()
+            drives.append(count * 600 / (time.perf_counter() - placed))
+            resets.append((placed - started) / count)
+        started = time.perf_counter()
+        for _ in range(100):
+            sim.step(there, PERIOD)
+            sim.scan()
+        sim.synchronize()
+        both = count * 100 / (time.perf_counter() - started)
+        print(
+            f"{count:,} robots, {people} {'live' if live else 'recorded'} people each, {grid.data.size / 1e6:.2f} M "
+            f"cells: {max(drives) / 1e6:.3f} M/s, with 180 beams {both / 1e6:.3f} M/s, "
+            f"reset {min(resets) * 1e3:.3f} ms a robot",
+            flush=True,
+        )
+
+
 def environments(threads: int) -> None:
     import gymnasium
 
@@ -173,18 +211,21 @@ if __name__ == "__main__":
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--no-gym", action="store_true", help="without the environments, which need the extra gym")
     parser.add_argument("--device", default="cpu", help="cuda: the rows of a GPU alone")
+    parser.add_argument("--crowds", action="store_true", help="the rows of crowds alone")
     chosen = parser.parse_args()
     if chosen.device != "cpu":
         import warp as wp
 
-        for cells in (0.25, 9.8):
+        for cells in (0.25, 9.8) if not chosen.crowds else ():
             for count in (4096, 65536):
                 gpu(chosen.device, count, cells)
+        for count in (64, 4096, 16384):
+            gpu_crowds(chosen.device, count, 8)
         print(wp.get_device(chosen.device).name)
         raise SystemExit
     print(f"{processor()}, {chosen.threads} thread{'s' * (chosen.threads > 1)}")
-    for clear in (True, False):
+    for clear in (True, False) if not chosen.crowds else ():
         core(chosen.threads, clear=clear)
     crowds(chosen.threads, 8)
-    if not chosen.no_gym:
+    if not (chosen.no_gym or chosen.crowds):
         environments(chosen.threads)

@@ -9,6 +9,8 @@ import pytest
 
 import trundle.gym
 from trundle.errors import InputError
+from trundle.maps import OccupancyGrid
+from trundle.worlds import World
 
 wp = pytest.importorskip("warp", reason="needs Warp, of the extra gpu")
 torch = pytest.importorskip("torch", reason="needs PyTorch")
@@ -66,8 +68,9 @@ def agree(mine, other) -> None:
         {},
         {**ALL, "rewards": REWARDS, "max_time_s": 4.0},
         {"movers": 3, "max_time_s": 4.0, "vary": {"wheel_radius": {"uniform": [0.9, 1.1]}, "lidar_noise": 0.02}},
+        {"crowd": 3, "movers": 2, "max_time_s": 4.0},
     ],
-    ids=["plain", "all observations", "movers and noise"],
+    ids=["plain", "all observations", "movers and noise", "people"],
 )
 def test_episodes_are_those_of_the_processor(quick_options, device, mode, more):
     mine, other = (
@@ -93,6 +96,22 @@ def test_episodes_are_those_of_the_processor(quick_options, device, mode, more):
         for robot in np.flatnonzero(done) if final is not None else ():
             agree({name: values[robot] for name, values in final.items()}, ended[robot])
     assert ends > 5
+
+
+def test_a_start_without_room_for_the_crowd_is_drawn_again_alike(device):
+    cells = np.pad(np.zeros((90, 90), np.int8), 2, constant_values=100)
+    options = {"world": World.from_map(OccupancyGrid(cells, 0.05)), "robot": "turtlebot3_burger", "beams": 16}
+    options |= {"min_distance": 1.0, "crowd": 8, "max_time_s": 1.0, "autoreset_mode": "same_step"}
+    mine, other = make(options), make(options, "cpu")
+    found = set()
+    for observed, expected in zip(mine.reset(seed=0), other.reset(seed=0), strict=True):
+        agree(observed, expected)
+    for action in actions(25):
+        observed, *_ = mine.step(torch.from_numpy(action).to(device))
+        expected, *_ = other.step(action)
+        agree(observed, expected)
+        found.update(other.unwrapped.episodes._episodes.tolist())
+    assert len(found) > 4
 
 
 def test_tensors_are_on_the_device_and_numpy_actions_are_taken(quick_options, device):

@@ -271,7 +271,6 @@ def test_nothing_is_drawn_before_all_robots_have_an_episode(quick_options):
     ("more", "error", "text"),
     [
         ({"count": 0}, InputError, "num_envs"),
-        ({"crowd": 8, "device": "cuda"}, InputError, "crowd is computed on the CPU.*device='cpu', or movers=8"),
         ({"autoreset_mode": "later"}, UnknownNameError, "same_step"),
         ({"render_mode": "human"}, InputError, "rgb_array"),
     ],

@@ -76,7 +76,7 @@ class NavigationSettings:
         lidar: Which lidars observe: True for all of the robot's, or names. If None, the first.
         beams: Beams of each lidar. If None, the lidar's own number.
         movers: How many people walk in each world that do not react to the robot.
-        crowd: How many more walk there that see the robot and give way to it; on the CPU alone.
+        crowd: How many more walk there that see the robot and give way to it.
         path_points: How many points of the path ahead are observed, 0.5 m apart; 0 for none.
         unmapped_boxes: Boxes that stand in each world, and that `path` and `costmap` know nothing of.
         costmap_cells: Cells along an edge of the observed local costmap; 0 for none.
@@ -142,11 +142,6 @@ class NavigationSettings:
             check_count("beams", self.beams, 1, 100_000)
         if not isinstance(self.device, str):
             raise InputError(f"device must be cpu, cuda or cuda:1, got {self.device!r}")
-        if self.crowd and self.device != "cpu":
-            raise InputError(
-                f"crowd is computed on the CPU, got device={self.device!r}: use device='cpu', or movers={self.crowd}, "
-                "people who ignore the robot"
-            )
         check_flag("critic", self.critic)
         check_flag("scaled_actions", self.scaled_actions)
         count_steps(self.period_s, _TIMESTEP)

@@ -166,8 +166,3 @@ def test_bad_live_crowds_of_a_recording_are_named(change, text):
     good = live(Crowd("people", 4), movers=(CART,))
     with pytest.raises(InputError, match=text):
         replace(good, **change(good))
-
-
-def test_a_gpu_refuses_live_crowds_by_name():
-    with pytest.raises(InputError, match=r'device="cuda": live crowds are computed on the CPU alone'):
-        BatchSimulator(GRID, CARTER, count=1, recordings=[live(Crowd("people", 1))], device="cuda")

@@ -12,7 +12,7 @@ from trundle._core import Batch, BatchCrowds
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray
 from trundle.sim.batch.arrays import BatchModel
-from trundle.sim.batch.recording import MoverRecording
+from trundle.sim.batch.recording import MoverRecording, find_live
 
 
 class RobotCrowds:
@@ -29,20 +29,20 @@ class RobotCrowds:
     """
 
     def __init__(self, model: BatchModel, recordings: Sequence[MoverRecording], count: int, threads: int) -> None:
-        live = [(number, each.crowds) for number, each in enumerate(recordings) if each.crowds is not None]
-        self._walks = {number: crowds.walk for number, crowds in live}
+        live = find_live(recordings)
+        self._walks = {number: crowds.walk for number, crowds in live.items()}
         self._threads = threads
-        self._radius = float(np.hypot(model.outline[:, 0], model.outline[:, 1]).max())
+        self._radius = reach_of(model)
         of_recording = np.full(len(recordings), -1)
         of_recording[list(self._walks)] = np.arange(len(live))
         self.kernel: BatchCrowds | None = None
         if live:
-            firsts = [model.recordings[number + 1] - len(crowds.walk.names) for number, crowds in live]
+            firsts = [model.recordings[number + 1] - len(crowds.walk.names) for number, crowds in live.items()]
             self.kernel = BatchCrowds(
-                [crowds.walk.model for _, crowds in live],
+                [crowds.walk.model for crowds in live.values()],
                 np.array(firsts),
                 of_recording,
-                [crowds.movers for _, crowds in live],
+                [crowds.movers for crowds in live.values()],
                 count,
             )
 
@@ -76,6 +76,11 @@ class RobotCrowds:
     def members(self, robot: int, time: float) -> FloatArray:
         """Return (x, y, yaw) of the members around a robot at its time [s], shape (N, 3)."""
         return np.zeros((0, 3)) if self.kernel is None else self.kernel.members(robot, time)
+
+
+def reach_of(model: BatchModel) -> float:
+    """Return the radius of the robot's circle [m], beside which crowds are placed."""
+    return float(np.hypot(model.outline[:, 0], model.outline[:, 1]).max())
 
 
 Mask = npt.NDArray[np.bool_]
@@ -121,6 +126,10 @@ class BatchEngine(Protocol):
         """Return which robots are beyond their map."""
         ...
 
+    def members(self, robot: int, recording: int, time: float) -> FloatArray:
+        """Return (x, y, yaw) of the members of crowds around a robot on a recording at its time [s], shape (N, 3)."""
+        ...
+
     def synchronize(self) -> None:
         """Wait for the device, and raise what it has found."""
         ...
@@ -131,14 +140,14 @@ class CpuEngine:
 
     Args:
         model: What the robots share.
+        recordings: The movers, some of them with live crowds.
         count: Number of robots.
         threads: Number of threads.
-        crowds: The live crowds around the robots.
     """
 
-    def __init__(self, model: BatchModel, count: int, threads: int, crowds: RobotCrowds) -> None:
+    def __init__(self, model: BatchModel, recordings: Sequence[MoverRecording], count: int, threads: int) -> None:
         self._batch = Batch(*model)
-        self._crowds = crowds
+        self._crowds = RobotCrowds(model, recordings, count, threads)
         self._model, self._count, self._threads = model, count, threads
         self.poses = np.zeros((count, 3))
         self.wheels = np.zeros((count, 2))
@@ -194,6 +203,10 @@ class CpuEngine:
         col, row = (cos * dx + sin * dy) / model.resolution, (cos * dy - sin * dx) / model.resolution
         rows, cols = model.shapes[maps].T
         return (col < 0.0) | (row < 0.0) | (col > cols) | (row > rows)
+
+    def members(self, robot: int, recording: int, time: float) -> FloatArray:
+        """Return (x, y, yaw) of the members of crowds around a robot, shape (N, 3)."""
+        return self._crowds.members(robot, time)
 
     def synchronize(self) -> None:
         """Do nothing: the processor is done when a call returns."""

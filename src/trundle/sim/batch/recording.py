@@ -139,6 +139,11 @@ class MoverRecording:
         return cls((*outlines, *members), tracks, period, _live(crowds, scripted, world, duration))
 
 
+def find_live(recordings: Sequence[MoverRecording]) -> dict[int, LiveCrowds]:
+    """Return the live crowds of recordings by the recordings' numbers."""
+    return {number: each.crowds for number, each in enumerate(recordings) if each.crowds is not None}
+
+
 def _check_crowds(crowds: LiveCrowds, count: int) -> None:
     """Check live crowds of a recording with so many outlines."""
     check_kind(crowds, LiveCrowds, "crowds", "MoverRecording.of_world(…, live_crowds=True) makes them")

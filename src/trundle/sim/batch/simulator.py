@@ -15,7 +15,7 @@ from trundle.geometry import FloatArray
 from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
 from trundle.sim.batch.arrays import BatchModel, blocked_cells, check_maps, check_recordings, make_model, spread
-from trundle.sim.batch.cpu import BatchEngine, CpuEngine, RobotCrowds, mask_of
+from trundle.sim.batch.cpu import BatchEngine, CpuEngine, mask_of
 from trundle.sim.batch.recording import MoverRecording
 from trundle.sim.lidar import LidarChoice, choose_lidars
 from trundle.sim.ramp import count_steps
@@ -48,7 +48,7 @@ class BatchSimulator:
         count: Number of robots, N.
         lidar: Lidars to simulate: all of the robot's, none, or those named.
         recordings: Movers that robots may be among; all have one period and length. Live crowds of them are computed
-            for each robot by itself, on the CPU alone.
+            for each robot by itself.
         timestep: Length of a substep [s].
         unknown: Treat unknown cells as "solid" or "free".
         device: Where it computes: "cpu"; or "cuda" or "cuda:1", a GPU of NVIDIA's, with the same bits (extra `gpu`).
@@ -102,8 +102,7 @@ class BatchSimulator:
         blocked = [blocked_cells(grid, unknown_is_solid=unknown == "solid") for grid in self._maps]
         workers = _choose_threads(threads)
         model = make_model(self._maps, blocked, robot, chosen, self._recordings, self._timestep)
-        self._crowds = RobotCrowds(model, self._recordings, self._count, workers)
-        self._engine = _find_device(device, workers, self._crowds)(model, self._count)
+        self._engine = _find_device(device, workers)(model, self._recordings, self._count)
         ends = np.cumsum([0, *(each.beams for each in chosen)]).tolist()
         self._columns = {name: slice(first, end) for name, first, end in zip(names, ends, ends[1:], strict=False)}
         self.poses: FloatArray = self._engine.poses
@@ -260,7 +259,7 @@ class BatchSimulator:
         sample = min(time / recording.period, float(last))
         first, second = recording.tracks[:, int(sample)], recording.tracks[:, min(int(sample) + 1, last)]
         poses = first + (sample - int(sample)) * (second - first)
-        members = self._crowds.members(int(robot), time)
+        members = self._engine.members(int(robot), number, time)
         return np.concatenate([poses[: len(poses) - len(members)], members])
 
     def is_off_map(self) -> npt.NDArray[np.bool_]:
@@ -329,23 +328,18 @@ def _first(chosen: npt.NDArray[np.int64] | None, bad: npt.ArrayLike) -> int:
     return first if chosen is None else int(chosen[first])
 
 
-def _find_device(name: str, threads: int, crowds: RobotCrowds) -> Callable[[BatchModel, int], BatchEngine]:
+def _find_device(name: str, threads: int) -> Callable[[BatchModel, Sequence[MoverRecording], int], BatchEngine]:
     """Return what makes the state of a batch on a device.
 
     Raises:
         UnknownNameError: If there is no such kind of device.
         MissingExtraError: If the extra gpu is not installed.
-        InputError: If this machine has no such device, or it cannot compute live crowds.
+        InputError: If this machine has no such device.
     """
     if name == "cpu":
-        return lambda model, count: CpuEngine(model, count, threads, crowds)
+        return lambda model, recordings, count: CpuEngine(model, recordings, count, threads)
     if str(name).partition(":")[0] != "cuda":
         raise UnknownNameError("device", str(name), _DEVICES)
-    if crowds.kernel is not None:
-        raise InputError(
-            f'device="{name}": live crowds are computed on the CPU alone; use device="cpu", or record the crowds, '
-            "without live_crowds"
-        )
     check_extra("gpu", f'device="{name}"')
     from trundle.sim.batch.warp import make_engine
 

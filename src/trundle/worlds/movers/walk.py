@@ -66,6 +66,17 @@ def make_floor(
     return CrowdFloor(through, nearness, x0 - edge, y0 - edge, edge, reach, look)
 
 
+class CrowdArrays(NamedTuple):
+    """What `CrowdModel` is made of, as that takes it."""
+
+    floors: list[CrowdFloor]
+    counts: npt.NDArray[np.int64]
+    members: FloatArray
+    corners: FloatArray
+    corner_counts: npt.NDArray[np.int64]
+    mover_radii: FloatArray
+
+
 PERIOD_S = 0.05
 """Crowds are stepped at this period; between two steps they move straight at constant speed."""
 
@@ -102,14 +113,15 @@ class CrowdWalk:
         self._crowds, self._movers = tuple(crowds), tuple(movers)
         self.names = [name for crowd in crowds for name in crowd.members]
         outlines = [outline_of(crowd.body) for crowd in crowds for _ in range(crowd.count)]
-        self.model = CrowdModel(
+        self.arrays = CrowdArrays(
             [_make_floor(crowd, solids) for crowd in crowds],
             np.array([crowd.count for crowd in crowds]),
             np.array([_numbers_of(crowd) for crowd in crowds for _ in range(crowd.count)]),
             np.concatenate(outlines),
             np.array([len(outline) for outline in outlines]),
-            np.array([radius_of(mover.parts) for mover in movers]),
+            np.array([radius_of(mover.parts) for mover in movers], dtype=np.float64),
         )
+        self.model = CrowdModel(*self.arrays)
         """What the kernel knows of the crowds."""
         self._run = CrowdRun(self.model)
 
@@ -141,10 +153,14 @@ class CrowdWalk:
     def words(self, seed: int) -> npt.NDArray[np.uint64]:
         """Return the random words that the kernel starts from with a seed, shape (crowds, 4)."""
         words = np.empty((len(self._crowds), 4), dtype=np.uint64)
-        for row, crowd in zip(words, self._crowds, strict=True):
-            key = [seed if crowd.seed is None else crowd.seed, zlib.crc32(crowd.name.encode())]
-            row[:] = np.random.SeedSequence(key).generate_state(4, np.uint64)
+        for row, (key, own) in zip(words, self.seeds, strict=True):
+            row[:] = np.random.SeedSequence([seed if own is None else own, key]).generate_state(4, np.uint64)
         return words
+
+    @property
+    def seeds(self) -> list[tuple[int, int | None]]:
+        """Of each crowd, what its words differ by from others' of the same seed, and its own seed if it has one."""
+        return [(zlib.crc32(crowd.name.encode()), crowd.seed) for crowd in self._crowds]
 
     def movers_at(self, step: int) -> FloatArray:
         """Return (x, y, vx, vy) of the others at a step of the crowds, shape (M, 4)."""

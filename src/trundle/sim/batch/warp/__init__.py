@@ -5,17 +5,18 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from trundle.errors import InputError
 
 if TYPE_CHECKING:
     from trundle.sim.batch.arrays import BatchModel
+    from trundle.sim.batch.recording import MoverRecording
     from trundle.sim.batch.warp.engine import WarpEngine
 
 
-def make_engine(name: str) -> Callable[[BatchModel, int], WarpEngine]:
+def make_engine(name: str) -> Callable[[BatchModel, Sequence[MoverRecording], int], WarpEngine]:
     """Return what makes the state of a batch on a device, `cuda` or `cuda:1`.
 
     Raises:

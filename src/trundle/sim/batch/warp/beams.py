@@ -20,7 +20,7 @@ from trundle.sim.batch.warp.arithmetic import (
     stored,
     uniform,
 )
-from trundle.sim.batch.warp.model import Model, mover_at, placed_corner, to_cells, turned
+from trundle.sim.batch.warp.model import Model, mover_of, placed_corner, to_cells, turned
 from trundle.sim.batch.warp.rays import cast_ray
 
 BLOCK = 128
@@ -58,17 +58,19 @@ def place_movers(
     poses: wp.array2d(dtype=wp.float64),
     places: wp.array2d(dtype=wp.int64),
     steps: wp.array(dtype=wp.int64),
+    members: wp.array3d(dtype=wp.vec3d),
     seen: wp.array2d(dtype=wp.vec4d),
 ):
     """(x, y) of each mover in base_link, and sine and cosine of its yaw there."""
     slot, i = wp.tid()
     if not active[i] or places[i, 1] < wp.int64(0):
         return
-    present = model.recordings[wp.int32(places[i, 1])]
+    recording = wp.int32(places[i, 1])
+    present = model.recordings[recording]
     mover = present[0] + slot
     if mover >= present[1]:
         return
-    at = mover_at(model, mover, wp.float64(steps[i]) * model.timestep)
+    at = mover_of(model, members, recording, mover, i, 0, wp.float64(steps[i]) * model.timestep)
     heading = sin_cos(poses[i, 2])
     dx = at[0] - poses[i, 0]
     dy = at[1] - poses[i, 1]

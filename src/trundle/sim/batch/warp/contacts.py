@@ -11,7 +11,7 @@ number of the pose, then cells before movers, then by the number of the cell or 
 import warp as wp
 
 from trundle.sim.batch.warp.arithmetic import EXACT, ONE, TOUCH, ZERO, clamped, far, greater, lesser, sin_cos
-from trundle.sim.batch.warp.model import NOTHING_BAD, NOTHING_TOUCHED, Model, mover_at, placed_corner, to_cells, turned
+from trundle.sim.batch.warp.model import NOTHING_BAD, NOTHING_TOUCHED, Model, mover_of, placed_corner, to_cells, turned
 
 _BLOCK = 128
 wp.set_module_options(EXACT | {"block_dim": _BLOCK})
@@ -192,6 +192,7 @@ def touch(
     passed: wp.array2d(dtype=wp.vec3d),
     places: wp.array2d(dtype=wp.int64),
     steps: wp.array(dtype=wp.int64),
+    members: wp.array3d(dtype=wp.vec3d),
     edges: wp.array2d(dtype=wp.vec3d),
     first: wp.array(dtype=wp.int64),
 ):
@@ -218,7 +219,7 @@ def touch(
     heading = sin_cos(pose[2])
     mover = present[0] + lane
     while mover < present[1]:
-        at = mover_at(model, mover, time)
+        at = mover_of(model, members, recording, mover, i, substep, time)
         dx = at[0] - pose[0]
         dy = at[1] - pose[1]
         reach = model.radius + model.radii[mover]

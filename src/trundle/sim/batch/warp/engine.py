@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -15,8 +15,10 @@ from trundle.errors import InputError
 from trundle.geometry import FloatArray
 from trundle.sim.batch.arrays import BatchModel, spread
 from trundle.sim.batch.cpu import mask_of
+from trundle.sim.batch.recording import MoverRecording, find_live
 from trundle.sim.batch.warp import beams, contacts, convert, motion
 from trundle.sim.batch.warp import model as shared
+from trundle.sim.batch.warp.crowds import WarpCrowds
 
 _MOST_CELLS = 2**31 - 1
 _CHUNK = 16
@@ -64,14 +66,15 @@ class WarpEngine:
 
     Args:
         model: What the robots share.
+        recordings: The movers, some of them with live crowds.
         count: Number of robots.
         device: The device.
 
     Raises:
-        InputError: If the maps have more cells than the device can number.
+        InputError: If the maps, or the floors of live crowds, have more cells than the device can number.
     """
 
-    def __init__(self, model: BatchModel, count: int, device: Any) -> None:
+    def __init__(self, model: BatchModel, recordings: Sequence[MoverRecording], count: int, device: Any) -> None:
         if model.fields.size > _MOST_CELLS:
             raise InputError(
                 f"the maps have {model.fields.size:,} cells in all, more than the {_MOST_CELLS:,} of a device; use "
@@ -83,6 +86,11 @@ class WarpEngine:
         counts = np.diff(model.recordings) if self._recordings else np.zeros(1, dtype=np.int64)
         self._most_movers = int(counts.max(initial=0))
         self._model = self._put_model(model)
+        live = find_live(recordings)
+        firsts = [model.recordings[number + 1] - len(crowds.walk.names) for number, crowds in live.items()]
+        members = np.full(max(self._recordings, 1), _MOST_CELLS)
+        members[list(live)] = firsts
+        self._model.members = self._array(members, wp.int32)
         self.poses = self._zeros((count, 3))
         self.motions = self._zeros((count, 6))
         self.wheels = self._zeros((count, 2))
@@ -100,6 +108,9 @@ class WarpEngine:
         self._new_places, self._new_keys = self._zeros((count, 2), wp.int64), self._zeros(count, wp.uint64)
         self._chunk = max(1, min(_CHUNK, _MOST_LOOKS // count))
         self._passed = self._zeros((count, self._chunk), wp.vec3d)
+        self._speeds = self._zeros((count, self._chunk))
+        self._crowds = WarpCrowds(live, model, count, self._chunk, device, self._launch) if live else None
+        self._members = self._crowds.now if self._crowds else self._zeros((1, 1, 1), wp.vec3d)
         self._first = self._zeros(count, wp.int64)
         self._edges = self._zeros((len(model.outline), self._chunk * count), wp.vec3d)
         self._origins = self._zeros((max(self._lidars, 1), count), wp.vec4d)
@@ -121,8 +132,9 @@ class WarpEngine:
 
         Raises:
             InputError: If an earlier input was bad; a reset of all waits for the device, so that it is not in vain.
+            WorldError: If a live crowd has no room beside a robot; with live crowds every reset waits.
         """
-        if robots is None:
+        if robots is None or self._crowds:
             self.synchronize()
         else:
             self.check()
@@ -140,7 +152,10 @@ class WarpEngine:
         self._take(given["dropouts"], self._new_errors[:, 1], "dropouts")
         self._take(given["seeds"], self._new_keys, "seeds")
         self._run(("reset", 0, robots is None), lambda: self._launch_reset(active))
-        self.check()
+        if self._crowds:
+            self.synchronize()
+        else:
+            self.check()
 
     def drive(self, commands: Any, robots: Any, substeps: int) -> None:
         """Drive some substeps with a command for each robot, and find what is touched first."""
@@ -168,6 +183,10 @@ class WarpEngine:
         self._launch(motion.find_off_map, self._count, [self._model, self.poses, self.places, self._off])
         return self._off
 
+    def members(self, robot: int, recording: int, time: float) -> FloatArray:
+        """Return (x, y, yaw) of the members of crowds around a robot at its time [s], a copy on the host."""
+        return np.zeros((0, 3)) if self._crowds is None else self._crowds.members(robot, recording, time)
+
     def synchronize(self) -> None:
         """Wait until the device is done.
 
@@ -191,6 +210,8 @@ class WarpEngine:
         self._fault.fill_(shared.NO_FAULT)
         self._fault_here.fill_(shared.NO_FAULT)
         robot, kind = divmod(found, 8)
+        if kind == shared.NO_ROOM and self._crowds:
+            raise self._crowds.has_no_room(robot, int(self._new_places.numpy()[robot, 1]))
         raise InputError(_FAULTS[kind].format(robot=robot, maps=self._maps, recordings=self._recordings))
 
     def _launch_reset(self, active: Any) -> None:
@@ -200,12 +221,16 @@ class WarpEngine:
             self._count,
             [active, *new, wp.int64(self._maps), wp.int64(self._recordings), self._fault],
         )
+        if self._crowds:
+            self._crowds.draw(active, self._new_poses, self._new_places, self._new_keys, self._fault)
         state = [self.poses, self.motions, self.wheels, self.lengths, self.steps, self.places]
         self._launch(
             motion.place_robots,
             self._count,
             [active, *new, self._new_keys, self._fault, *state, self._errors, self._keys],
         )
+        if self._crowds:
+            self._crowds.begin(active, self.poses, self.places, self._fault)
         self._launch_look(active, 0, 0)
         self._launch_settle(active)
 
@@ -217,17 +242,20 @@ class WarpEngine:
 
     def _launch_look(self, active: Any, before: int, substeps: int) -> None:
         """Drive a few substeps, and look for contacts after each; without substeps where the robots are."""
-        state = [self.poses, self.motions, self.wheels, self.lengths, self.steps]
+        state, passed = [self.poses, self.motions, self.wheels, self.lengths, self.steps], [self._passed, self._speeds]
         self._launch(
             motion.drive,
             self._count,
-            [self._model, active, self._commands, before, substeps, self._fault, *state, self._passed, self._first],
+            [self._model, active, self._commands, before, substeps, self._fault, *state, *passed, self._first],
         )
+        if self._crowds:
+            here = [self._fault, self.places, self.steps]
+            self._crowds.follow(self._model, active, *here, *passed, substeps)
         poses, number_of_first = max(substeps, 1), before + min(substeps, 1)
         lanes = _MOST_LANES
         while lanes > 1 and self._count * poses * lanes > _ENOUGH_THREADS:
             lanes //= 2
-        where = [self._passed, self.places, self.steps, self._edges, self._first]
+        where = [self._passed, self.places, self.steps, self._members, self._edges, self._first]
         self._launch(
             contacts.touch,
             (self._count, poses * lanes),
@@ -245,11 +273,13 @@ class WarpEngine:
             [self._model, active, self.poses, self.places, self._origins],
         )
         shape = (self._count, self._beams)
+        if self._crowds:
+            self._crowds.place(self._model, active, self.places, self.steps, 1)
         if self._most_movers:
             self._launch(
                 beams.place_movers,
                 (self._most_movers, self._count),
-                [self._model, active, self.poses, self.places, self.steps, self._seen],
+                [self._model, active, self.poses, self.places, self.steps, self._members, self._seen],
             )
         if self._recordings:  # also where nothing moves in any: this clears the ranges before
             self._launch(beams.meet_movers, shape, [self._model, active, self.places, self._seen, ranges])

@@ -14,7 +14,7 @@ NO_FAULT = 2**62
 
 NOTHING_BAD = wp.constant(wp.int64(NO_FAULT))
 NOTHING_TOUCHED = wp.constant(wp.int64(2**62))
-COMMAND, POSE, MAP, RECORDING, ERRORS = range(1, 6)
+COMMAND, POSE, MAP, RECORDING, ERRORS, NO_ROOM = range(1, 7)
 
 
 @wp.struct
@@ -46,6 +46,7 @@ class Model:
     radii: wp.array(dtype=wp.float64)
     tracks: wp.array2d(dtype=wp.vec3d)
     recordings: wp.array(dtype=wp.vec2i)
+    members: wp.array(dtype=wp.int32)  # of each recording, the first mover that is a member of a live crowd
     samples: wp.int32
     period: wp.float64
 
@@ -87,6 +88,23 @@ def mover_at(model: Model, mover: wp.int32, time: wp.float64):
     b = model.tracks[mover, index + 1]
     share = sample - whole
     return wp.vec3d(a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2]))
+
+
+@wp.func
+def mover_of(
+    model: Model,
+    members: wp.array3d(dtype=wp.vec3d),
+    recording: wp.int32,
+    mover: wp.int32,
+    robot: wp.int32,
+    substep: wp.int32,
+    time: wp.float64,
+):
+    """Pose of a mover around a robot at the time of a substep, for which `members` of live crowds are known."""
+    member = mover - model.members[recording]
+    if member >= 0:
+        return members[member, robot, substep]
+    return mover_at(model, mover, time)
 
 
 @wp.func

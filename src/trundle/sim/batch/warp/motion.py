@@ -108,9 +108,10 @@ def drive(
     lengths: wp.array(dtype=wp.float64),
     steps: wp.array(dtype=wp.int64),
     passed: wp.array2d(dtype=wp.vec3d),
+    speeds: wp.array2d(dtype=wp.float64),
     first: wp.array(dtype=wp.int64),
 ):
-    """Drive some substeps after those `before`, and write the pose after each; without substeps the pose now."""
+    """Drive some substeps after those `before`; write pose and speed after each, without substeps the pose now."""
     i = wp.tid()
     if not active[i] or fault[0] != NOTHING_BAD:
         return
@@ -163,6 +164,7 @@ def drive(
         right_angle = right_angle + right * dt
         length = length + wp.abs(by_length)
         passed[i, substep] = wp.vec3d(x, y, yaw)
+        speeds[i, substep] = now_v
     poses[i, 0] = x
     poses[i, 1] = y
     poses[i, 2] = yaw
