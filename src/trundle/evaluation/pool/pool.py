@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 from trundle.errors import InputError
-from trundle.evaluation.pool import framing, memory
-from trundle.evaluation.pool.failures import MOST_KILLS, Cause, FailureClassifier
+from trundle.evaluation.pool import failures, framing
+from trundle.evaluation.pool.failures import MOST_KILLS, Cause, FailureClassifier, describe_place
 from trundle.evaluation.pool.handle import Handle, State
 from trundle.evaluation.pool.launch import CAN_FORK, describe_start
 from trundle.evaluation.pool.outcome import Done, Failed, Jobs, PoolSetupError, Task
-from trundle.evaluation.pool.tracebacks import describe_place
 from trundle.evaluation.pool.workers import Deadlines, Dumped, Event, Gone, Message, Workers
 from trundle.extras import missing_extra
 from trundle.values import check_count, check_number
@@ -89,7 +88,7 @@ class Pool:
             None if memory_mb is None else int(check_number("memory_mb", memory_mb, 1, 1e9, "MB") * 1e6)
         )
         self._retries = check_count("retries", retries, 0, 100)
-        watched = self._memory_bytes is not None and not memory.HAS_LIMIT
+        watched = self._memory_bytes is not None and not failures.HAS_LIMIT
         fork = CAN_FORK if fork is None else fork
         start = describe_start(
             _pickle_task(task),
@@ -309,7 +308,7 @@ class Pool:
         if self._next_watch is None or self._memory_bytes is None or time.monotonic() < self._next_watch:
             return
         numbers = {pid: number for number, pid in self._workers.processes().items()}
-        for pid, size in memory.resident_bytes(numbers).items():
+        for pid, size in failures.resident_bytes(numbers).items():
             handle = self._workers.handles.get(numbers[pid])
             if handle is None or handle.state is not State.BUSY:
                 continue
