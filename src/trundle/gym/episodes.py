@@ -13,8 +13,7 @@ from trundle.errors import InputError, WorldError
 from trundle.gym.arena import Arena
 from trundle.gym.arrays import HOST, episode_keys, seed_keys, stream_numbers, uniform
 from trundle.gym.lookup import Lookup
-from trundle.gym.navigation_settings import SPLITS, NavigationSettings
-from trundle.gym.variation import Variation
+from trundle.gym.navigation_settings import SPLITS, NavigationSettings, Variation
 from trundle.sim.batch import NOTHING, BatchSimulator
 
 _TRIES = 16

@@ -19,9 +19,8 @@ from trundle.localization.amcl.beams import BeamPicker
 from trundle.localization.localizer import check_covariance
 from trundle.mapping.doubtful_scans import CarriedAway, MovingThings
 from trundle.mapping.drawing import LiveMap
-from trundle.mapping.key_frames import RecentSurfaces, SeenPlaces
+from trundle.mapping.key_frames import RecentSurfaces, SeenPlaces, Travel, doubt_of, motion_spread, turned
 from trundle.mapping.loops import Loop, LoopFinder
-from trundle.mapping.motion import Travel, doubt_of, motion_spread, turned
 from trundle.mapping.nodes import MOST_POINTS, Floating, Nodes, Surface, make_surface
 from trundle.mapping.optimizer import contradicts, fits, is_true, optimize
 from trundle.mapping.parts import component_of, join_parts, nearest_joined

@@ -13,8 +13,7 @@ from trundle.control import MonitorSettings
 from trundle.control.latency import Latency
 from trundle.costmap import CostmapSettings, LayersSettings
 from trundle.files.choice import Choice, takes_name, takes_plugin
-from trundle.files.config_fields import Angle, NotNegative, PoseNumbers, Positive
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Angle, Config, NotNegative, PoseNumbers, Positive
 from trundle.geometry import FloatArray, Footprint, Pose2D, wrap_angle
 from trundle.maps.cells import MOST_CELLS
 from trundle.mission.goal_fields import GoalFields

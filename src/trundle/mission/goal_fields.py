@@ -7,8 +7,7 @@ from typing import Annotated, TypeAlias, cast
 
 from pydantic import Discriminator, Tag
 
-from trundle.files.config_fields import Angle, NotNegative, PoseNumbers
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Angle, Config, NotNegative, PoseNumbers
 from trundle.geometry import Goal
 from trundle.navigation.behaviors import Behavior, Spin, Wait
 from trundle.navigation.behaviors.behavior import BehaviorChoices, shorten_behavior

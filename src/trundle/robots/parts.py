@@ -11,8 +11,7 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
-from trundle.files.config_fields import Angle, read_angle
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Angle, Config, read_angle
 from trundle.geometry import FloatArray
 
 WheelRadius = Annotated[float, Field(ge=0.001, le=5.0, json_schema_extra={"unit": "m"})]

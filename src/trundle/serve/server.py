@@ -21,8 +21,7 @@ from websockets.http11 import Request, Response
 
 from trundle.errors import InputError
 from trundle.serve.access import Access
-from trundle.serve.clients import Client, fragments, is_long
-from trundle.serve.hub import Hub, TooManyMessagesError
+from trundle.serve.hub import Client, Hub, TooManyMessagesError, fragments, is_long
 from trundle.serve.page_messages import MAX_BYTES
 from trundle.serve.run_files import ServedFile, TooLargeError, find_run_file, list_run_files, read_run_file
 

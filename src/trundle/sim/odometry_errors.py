@@ -10,8 +10,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from trundle.files.config_fields import Angle, NotNegative, Positive, read_angle
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Angle, Config, NotNegative, Positive, read_angle
 from trundle.geometry import Pose2D, Twist2D, wrap_angle
 from trundle.sim.simulator import Simulator
 from trundle.sim.state import RobotState

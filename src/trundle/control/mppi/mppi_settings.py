@@ -9,8 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from trundle.control.collision import FOOTPRINT_PADDING_M
-from trundle.files.config_fields import Angle, NotNegative, Positive
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Angle, Config, NotNegative, Positive
 from trundle.robots import Limits, Robot
 
 MOST_STEPS = 400

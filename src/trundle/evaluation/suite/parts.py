@@ -15,8 +15,7 @@ from pydantic_core import PydanticCustomError
 from trundle.errors import UnknownNameError
 from trundle.evaluation.suite.vary import Distribution, draw
 from trundle.files.choice import Choice, Option
-from trundle.files.config_fields import NotNegative, PoseNumbers, Positive
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Config, NotNegative, PoseNumbers, Positive
 from trundle.mission.fields import WorldChoice
 from trundle.mission.goal_fields import GoalFields
 from trundle.mission.sampling import MIN_DISTANCE

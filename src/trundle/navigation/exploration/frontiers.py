@@ -13,8 +13,7 @@ from pydantic import Field
 
 from trundle._core import cast_grid_rays, inflate, label_components, mark_gaps
 from trundle.costmap import INSCRIBED, LETHAL, Costmap
-from trundle.files.config_fields import NotNegative, Positive
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Config, NotNegative, Positive
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.cells import OCCUPIED
 from trundle.planning import cost_field

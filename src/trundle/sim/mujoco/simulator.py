@@ -17,7 +17,7 @@ from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist, wrap_
 from trundle.geometry.solids import Solid
 from trundle.observation import Scan
 from trundle.robots import Robot, WheelSpeeds
-from trundle.robots.balance import describe_imbalance
+from trundle.robots.robot import describe_imbalance
 from trundle.sim.lidar import LidarChoice, LidarSet, SceneBeams
 from trundle.sim.movers import MoverField
 from trundle.sim.mujoco.contacts import ContactReader
