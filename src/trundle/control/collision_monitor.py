@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import Field
 
 from trundle.control.collision import stopping_poses
-from trundle.control.intent import Intent
+from trundle.control.controller import Intent
 from trundle.control.latency import DelayedCommands, Latency
 from trundle.control.sensed_points import Edges, Points, SensedPoints, box_around
 from trundle.errors import InputError

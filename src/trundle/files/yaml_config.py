@@ -20,7 +20,7 @@ from trundle.files.kinds import describe_mismatch, kind_of_keys
 from trundle.files.yaml_nodes import compose, keys_of, place
 from trundle.files.yaml_problems import describe_problems
 from trundle.geometry import wrap_angle
-from trundle.geometry.angles import FORM, describe_degrees, is_in_degrees, parse_angle, warn_of_degrees
+from trundle.geometry.poses import FORM, describe_degrees, is_in_degrees, parse_angle, warn_of_degrees
 from trundle.registry import without_files
 from trundle.values import is_finite_number
 

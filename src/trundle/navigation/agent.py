@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Literal, NamedTuple, Protocol, cast
 
 from trundle.control import GoalChecker, Rollouts
-from trundle.control.intent import Intent
+from trundle.control.controller import Intent
 from trundle.control.latency import Latency
 from trundle.costmap import Costmap
 from trundle.errors import InputError, PlanningError, ScenarioError

@@ -20,8 +20,7 @@ from typing import Any
 import numpy as np
 
 from trundle.control.collision import can_stop
-from trundle.control.controller import Controller, Rollouts
-from trundle.control.intent import Intent
+from trundle.control.controller import Controller, Intent, Rollouts
 from trundle.control.mppi.fields import FieldStyle, Window, cover_with_discs
 from trundle.control.mppi.guide import Guide
 from trundle.control.mppi.mppi_settings import MppiSettings

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle import _core
-from trundle.control.intent import Intent
+from trundle.control.controller import Intent
 from trundle.control.mppi.fields import Window
 from trundle.control.mppi.mppi_settings import MppiSettings
 from trundle.geometry import FloatArray, Pose2D, Twist2D

@@ -13,8 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trundle.errors import InputError
-from trundle.files.opening import describe_unreadable, open_file
-from trundle.files.parser_errors import parser_reason
+from trundle.files.opening import describe_unreadable, open_file, parser_reason
 from trundle.geometry import FloatArray, Goal, Pose2D, path_length
 from trundle.robots.drive import Limits
 

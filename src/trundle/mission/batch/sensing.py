@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from trundle._core import chebyshev_field
 from trundle.control import CollisionMonitor
-from trundle.control.intent import Intent
+from trundle.control.controller import Intent
 from trundle.control.pursuit_settings import PursuitSettings
 from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
 from trundle.costmap import LETHAL, Costmap

@@ -9,7 +9,7 @@ import numpy as np
 from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop, may_pass
 from trundle.errors import BehaviorFailedError, InputError
 from trundle.geometry import FloatArray, Twist2D, integrate_twist, shrink_outline, wrap_angle
-from trundle.geometry.angles import parse_angle, warn_of_degrees
+from trundle.geometry.poses import parse_angle, warn_of_degrees
 from trundle.navigation.behaviors.behavior import Behavior, BehaviorContext
 from trundle.values import as_number, check_number
 

@@ -85,7 +85,7 @@ class PhysxSimulator(UsdSimulator):
         super().__init__(robot, physics_dt=physics_dt, ground_offset=ground_offset)
         check_installation()
         need_usd("backend physx")
-        from trundle.sim.physx.contacts import ContactReader
+        from trundle.sim.physx.body import ContactReader
         from trundle.sim.physx.files import choose_files, write_scene
         from trundle.sim.physx.stage import RunningStage
 
