@@ -36,14 +36,14 @@ class Intent:
     step_s: float
 
     def begins_with(self, command: Twist2D) -> bool:
-        """Whether a command is its first one: one that something else has changed leads elsewhere."""
+        """Return whether a command is its first one: one that something else has changed leads elsewhere."""
         if len(self.twists) == 0:
             return False
         v, w = self.twists[0].tolist()
         return abs(v - command.v) <= _SAME and abs(w - command.w) <= _SAME
 
     def poses(self, times: FloatArray) -> FloatArray:
-        """Poses (x, y, yaw) of base_link at these times [s], ascending, from (0, 0, 0) on; shape (K, 3)."""
+        """Return poses (x, y, yaw) of base_link at these times [s], ascending, from (0, 0, 0) on; shape (K, 3)."""
         x = y = yaw = now = 0.0
         poses: list[tuple[float, float, float]] = []
         last = len(self.twists) - 1
@@ -153,7 +153,7 @@ class Controller(Protocol):
         return None
 
     def rollouts(self) -> Rollouts | None:
-        """The best of what it sampled in the last control period, for pictures; None where it has sampled nothing."""
+        """Return the best samples of the last control period, for pictures; None if there were none."""
         return None
 
     def compute_velocity(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
@@ -194,7 +194,7 @@ made with those of `robot`, `map` and the options that its parameters name."""
 
 
 def controller_names() -> list[str]:
-    """Names that `create_controller` takes, sorted."""
+    """Return names that `create_controller` takes, sorted."""
     return CONTROLLERS.names()
 
 
@@ -322,7 +322,7 @@ class ControllerAdapter(Controller):
             return ""
 
     def rollouts(self) -> Rollouts | None:
-        """The best samples, where the controller draws some; see `Controller`."""
+        """Return the best samples, where the controller draws some; see `Controller`."""
         return self.controller.rollouts() if "rollouts" in self._has else None
 
     def set_path(self, path: Path) -> None:

@@ -72,12 +72,12 @@ class DelayedCommands:
             self._sent[-1] = (self._sent[-1][0], command)
 
     def in_effect(self, time: float) -> Twist2D | None:
-        """The command that the wheels follow at a time [s]; None if none has arrived by then."""
+        """Return the command that the wheels follow at a time [s]; None if none has arrived by then."""
         arrived = [command for sent, command in self._sent if sent + self.delay_s <= time + _SAME_S]
         return arrived[-1] if arrived else None
 
     def predict(self, pose: Pose2D, twist: Twist2D, time: float) -> tuple[Pose2D, Twist2D]:
-        """Pose and twist of the robot when a command that is sent now takes effect.
+        """Return the pose and twist of the robot when a command that is sent now takes effect.
 
         Args:
             pose: Of base_link now, any frame.

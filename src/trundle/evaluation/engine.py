@@ -351,7 +351,7 @@ class SuiteRunner:
         self.close()
 
     def _is_left_out(self, index: int) -> bool:
-        """Whether an episode is not to be tried: it is given up, or needs a part that failed twice in set-up."""
+        """Return whether an episode is not to be tried: it is given up, or needs a part that failed twice in set-up."""
         if self._given_up.has(index):
             return True
         if not self._unprepared:

@@ -143,7 +143,7 @@ def check_regular(path: Path) -> int:
 
 
 def is_file(path: Path) -> bool:
-    """Whether a path is a regular file; False if the text is not a valid path."""
+    """Return whether a path is a regular file; False if the text is not a valid path."""
     try:
         check_regular(path)
     except OSError:
@@ -152,7 +152,7 @@ def is_file(path: Path) -> bool:
 
 
 def exists(path: Path) -> bool:
-    """Whether this path exists."""
+    """Return whether this path exists."""
     try:
         pathlib.Path(path).stat()
     except (OSError, ValueError):

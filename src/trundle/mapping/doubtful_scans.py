@@ -57,7 +57,7 @@ class MovingThings:
 
 
 def _cells(points: FloatArray) -> npt.NDArray[np.int64]:
-    """The number of each point's cell, shape (N,)."""
+    """Return the number of each point's cell, shape (N,)."""
     col, row = np.floor(points / _CELL_M).astype(np.int64).T
     return row * _ROW + col
 

@@ -110,7 +110,7 @@ class SeenPlaces:
         self._counts[_place_of(pose)] += 1
 
     def is_known(self, pose: Pose2D) -> bool:
-        """Whether a place was seen from here often enough: the map does not get better by more of the same."""
+        """Return whether a place was seen from here often enough: the map does not get better by more of the same."""
         return self._counts[_place_of(pose)] >= _ENOUGH
 
 

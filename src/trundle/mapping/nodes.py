@@ -245,7 +245,7 @@ class Nodes:
 
 
 def _travelled(nodes: Nodes) -> list[float]:
-    """How far the robot had driven at each node, by the edges from one node to the next."""
+    """Return how far the robot had driven at each node, by the edges from one node to the next."""
     far = [0.0] * len(nodes)
     for (a, b, kind), transform in zip(nodes.edges, nodes.transforms, strict=True):
         if kind == FOLLOWS and b > a:

@@ -47,19 +47,19 @@ def optimize(nodes: Nodes, *, iterations: int = 10, free: Sequence[int] = ()) ->
 
 
 def fits(errors: FloatArray) -> bool:
-    """Whether the squared errors of new loops say that these are right."""
+    """Return whether the squared errors of new loops say that these are right."""
     return float(np.median(errors)) <= _WRONG
 
 
 def is_true(nodes: Nodes, loop: Loop) -> bool:
-    """Whether a loop says what the poses say already: then the graph need not be solved again."""
+    """Return whether a loop says what the poses say already: then the graph need not be solved again."""
     seen = nodes.pose(loop.a).inverse() @ nodes.pose(loop.b)
     turn = abs(wrap_angle(seen.yaw - loop.transform.yaw))
     return seen.distance_to(loop.transform) < _TRUE_M and turn < _TRUE_RAD
 
 
 def contradicts(nodes: Nodes, loop: Loop, part: int, covariance: FloatArray) -> bool:
-    """Whether a loop moves a part by more than is likely, for where that lies by this covariance."""
+    """Return whether a loop moves a part by more than is likely, for where that lies by this covariance."""
     if nodes.parts[loop.b] != part:
         return False
     first = nodes.parts.index(part)

@@ -43,7 +43,7 @@ otherwise. See `FunctionAgent`, and `AgentAdapter` for an object that does not d
 
 
 def agent_names() -> list[str]:
-    """Names that `create_agent` takes, sorted: those of installed packages."""
+    """Return names that `create_agent` takes, sorted: those of installed packages."""
     return AGENTS.names()
 
 
@@ -146,7 +146,7 @@ class AgentAdapter(Agent):
         return self._read({"dt": "dt"}).get("dt", CONTROL_PERIOD_S)
 
     def _read(self, names: Mapping[str, str]) -> dict[str, Any]:
-        """Those of its attributes that it has and that are not None, by the names that they have in trundle."""
+        """Return those of its attributes that it has and that are not None, by the names that they have in trundle."""
         found = {ours: getattr(self.agent, theirs, None) for ours, theirs in names.items()}
         return {name: value for name, value in found.items() if value is not None}
 

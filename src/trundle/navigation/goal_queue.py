@@ -77,7 +77,7 @@ class Route:
         self.index = 0
 
     def is_stop(self, index: int) -> bool:
-        """Whether the robot stops at this goal."""
+        """Return whether the robot stops at this goal."""
         return not self._through or index == len(self.goals) - 1 or bool(tasks_of(self.goals[index]))
 
     @property
@@ -94,7 +94,7 @@ class Route:
         return True
 
     def describe(self, index: int) -> str:
-        """A goal in words, such as "goal 2 of 4 (5.00, 3.50)"."""
+        """Return a goal in words, such as "goal 2 of 4 (5.00, 3.50)"."""
         goal = self.goals[index]
         return f"goal {index + 1} of {len(self.goals)} ({goal.x:.2f}, {goal.y:.2f})"
 

@@ -204,7 +204,7 @@ class SensedMap:
         return self._static if self._has_map else None
 
     def may_contain(self, pose: Pose2D) -> bool:
-        """Whether the costmap may come to contain a pose: there is no map, or the map contains it."""
+        """Return whether the costmap may come to contain a pose: there is no map, or the map contains it."""
         return not self._has_map or _contains(self._static, [(pose.x, pose.y)])
 
     def contain(self, *poses: Pose2D) -> Costmap | None:
@@ -261,7 +261,7 @@ class SensedMap:
             self._note_hits()
 
     def jump(self, pose: Pose2D, driven_m: float, estimate: Estimate | None) -> float | None:
-        """How far the robot's pose has moved since the last call [m], if it jumps.
+        """Return how far the robot's pose has moved since the last call [m], if it jumps.
 
         It does if it moves by 1 m more than the robot may have driven, or if a localizer corrects it by 0.5 m.
         """
@@ -278,7 +278,7 @@ class SensedMap:
         return corrected if corrected > _CORRECTED_M else None
 
     def obstacle_near(self, x: float, y: float, within: float) -> tuple[float, float]:
-        """The obstacle nearest to a point [m], map frame; the point itself where there is none so near."""
+        """Return the obstacle nearest to a point [m], map frame; the point itself where there is none so near."""
         costmap = self.costmap
         reach = math.ceil(within / costmap.resolution)
         row, col = (int(index) for index in costmap.world_to_cell(x, y))
@@ -312,7 +312,7 @@ class SensedMap:
         return layered
 
     def _blank(self, points: Sequence[tuple[float, float]]) -> Costmap:
-        """A costmap of unknown space around points, and around the origin without one."""
+        """Return a costmap of unknown space around points, and around the origin without one."""
         corners = np.array(points or [(0.0, 0.0)])
         low, high = corners.min(axis=0) - _AROUND_M, corners.max(axis=0) + _AROUND_M
         low = np.floor(low / RESOLUTION_M) * RESOLUTION_M
@@ -324,7 +324,7 @@ class SensedMap:
 
 
 def _without_map(settings: CostmapSettings | None) -> CostmapSettings:
-    """Settings with which unknown space can be driven, unless they say otherwise."""
+    """Return settings with which unknown space can be driven, unless they say otherwise."""
     settings = CostmapSettings() if settings is None else settings
     if "unknown" in settings.model_fields_set:
         return settings

@@ -67,7 +67,7 @@ class PluginFunction:
 
 
 def is_foreign(made: object) -> bool:
-    """Whether an object is of another package than trundle, and may lack optional members of its protocol."""
+    """Return whether an object is of another package than trundle, and may lack optional members of its protocol."""
     return not type(made).__module__.startswith("trundle.")
 
 

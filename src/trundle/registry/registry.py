@@ -198,7 +198,7 @@ class Registry(Generic[_Made]):
                 )
 
     def _does_the_work(self, function: Callable[..., object], known: Iterable[str]) -> bool:
-        """Whether a function takes the arguments of this kind by position, and is not one that makes an object.
+        """Return whether a function takes the arguments of this kind by position, and is not one that makes an object.
 
         `known` are the names of what else it may need.
         """

@@ -173,7 +173,7 @@ class StandingAgent(Agent):
         return Twist2D()
 
     def assist_teleop(self, command: Twist2D, observation: Observation, estimate: Estimate) -> AssistedCommand:
-        """What of a command by hand may be sent in the next control period."""
+        """Return what of a command by hand may be sent in the next control period."""
         checker = self._check_world()
         if checker is None or checker.find(np.array([estimate.pose.as_tuple()])):
             return AssistedCommand(command)
@@ -185,7 +185,7 @@ class StandingAgent(Agent):
         )
 
     def _check_world(self) -> FootprintChecker | None:
-        """What checks the world as it is now; None where the simulator does not know it."""
+        """Return what checks the world as it is now; None where the simulator does not know it."""
         world = self._sim.world
         if world is not self._world:
             body, padded = self.robot.body, self.robot.planar.padded(FOOTPRINT_PADDING_M)

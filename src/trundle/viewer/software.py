@@ -42,7 +42,7 @@ class _Shadows:
     depths: FloatArray
 
     def lit(self, points: FloatArray, normals: FloatArray) -> FloatArray:
-        """Sunlight on points [m] of surfaces, 0 to 1, shape (N,)."""
+        """Return sunlight on points [m] of surfaces, 0 to 1, shape (N,)."""
         strength = np.clip(-normals @ self.axes[2], 0.0, 1.0)
         size = len(self.depths)
         if size == 1:

@@ -160,7 +160,7 @@ class MppiController(CopiedAsNew, Controller):
         self._through, self._lead_past_m = tuple(marks), _LEAD_PAST * tolerance
 
     def rollouts(self, count: int = 30) -> Rollouts | None:
-        """The best samples of the last control period; None where it needed no samples."""
+        """Return the best samples of the last control period; None where it needed no samples."""
         if self._follows or self._done:
             return None
         return Rollouts(*self._sampler.best(count))
@@ -224,7 +224,7 @@ class MppiController(CopiedAsNew, Controller):
         return self._sample(route, window, now)
 
     def _turn_at_end(self, route: Route, now: _Now) -> Path:
-        """A turn in place to the yaw at the path's end: the shorter one, or the other where only that is free.
+        """Return a turn in place to the yaw at the path's end: the shorter one, or the other where only that is free.
 
         Where neither is, its direction is the planned one: the robot stands a little beside the path.
         """
@@ -252,7 +252,7 @@ class MppiController(CopiedAsNew, Controller):
         return self._soften(command, now)
 
     def _soften(self, command: Twist2D, now: _Now) -> Twist2D:
-        """A command that speeds up as gently as the samples do; it may slow down as it likes."""
+        """Return a command that speeds up as gently as the samples do; it may slow down as it likes."""
         gentle = self._limits.approach(now.twist, command, now.dt)
         v = gentle.v if abs(command.v) > abs(now.twist.v) else command.v
         w = gentle.w if abs(command.w) > abs(now.twist.w) else command.w
@@ -263,7 +263,7 @@ class MppiController(CopiedAsNew, Controller):
         return near and route.left_m <= 2.0 * self.settings.goal_tolerance
 
     def _is_exact(self, route: Route, window: Window, pose: Pose2D) -> bool:
-        """Whether the planned path itself is to be followed here."""
+        """Return whether the planned path itself is to be followed here."""
         if route.left_m > self._sample_below_m:
             return True
         ahead = route.ahead(self._exact_before_m)
@@ -275,7 +275,7 @@ class MppiController(CopiedAsNew, Controller):
         return route.left_m < self._exact_before_m and not window.discs_fit(last, self._discs).all()
 
     def _is_narrow(self, costmap: Costmap, poses: FloatArray, pose: Pose2D) -> bool:
-        """Whether the robot is on a part of the path that is free, and leaves it little room; not among what moves."""
+        """Return whether the path is free here and leaves little room, and nothing moves nearby."""
         if self.settings.sampling_room == 0.0 or self._movers:
             return False
         off_m = math.hypot(poses[0, 0] - pose.x, poses[0, 1] - pose.y)
@@ -285,27 +285,27 @@ class MppiController(CopiedAsNew, Controller):
         return bool(near.any()) and not costmap.footprint_collides(poses).any()
 
     def _turns_first(self, route: Route, costmap: Costmap, pose: Pose2D) -> bool:
-        """Whether the robot drives backwards towards an end without room for a turn, and has room for one here."""
+        """Return whether the robot drives backwards to an end without room for a turn, and can turn here."""
         turn = wrap_angle(float(route.poses[route.index, 2]) - pose.yaw)
         if abs(turn) < _FACES_AWAY_RAD or self._has_room_at_end(route, costmap):
             return False
         return not self._hits_in_turn(costmap, pose, turn)
 
     def _has_room_at_end(self, route: Route, costmap: Costmap) -> bool:
-        """Whether the robot can turn round at the path's end, as far as the costmap knows by now."""
+        """Return whether the robot can turn round at the path's end, as far as the costmap knows by now."""
         if self._end_on is not costmap:
             self._end_on = costmap
             self._end_has_room = not self._hits_in_turn(costmap, route.path.goal, 2.0 * math.pi)
         return self._end_has_room
 
     def _hits_in_turn(self, costmap: Costmap, pose: Pose2D, turn: float) -> bool:
-        """Whether the padded outline touches something in a turn in place [rad]."""
+        """Return whether the padded outline touches something in a turn in place [rad]."""
         yaws = pose.yaw + np.linspace(0.0, turn, max(2, math.ceil(abs(turn) / _TURN_STEP_RAD) + 1))
         poses = np.column_stack([np.full((len(yaws), 2), (pose.x, pose.y)), yaws])
         return bool((costmap.footprint_sweeps(poses[:-1], poses[1:], outline=self._padded) < math.inf).any())
 
     def _is_led(self, route: Route, window: Window, pose: Pose2D) -> bool:
-        """Whether samples can go on from here: the cost to go leads on, and not just to where the discs do not pass."""
+        """Return whether samples can go on from here: the cost to go leads to a place where the discs pass."""
         guide = self._guide
         guide.lead(window, route, self._lead_end(route), pose)
         if not math.isfinite(guide.cost_at(window, pose)):
@@ -335,7 +335,7 @@ class MppiController(CopiedAsNew, Controller):
         return self._follow(route.rest(now.pose), now)
 
     def _lead_end(self, route: Route) -> int:
-        """Index of the last pose to lead to: beyond it samples would cut off a pose at which the path doubles back."""
+        """Return the last pose to lead to: beyond it, samples would cut off the place where the path doubles back."""
         end = route.section_end
         if not self._through:
             return end

@@ -86,7 +86,7 @@ class Guide:
         return self.window
 
     def lead(self, window: Window, route: Route, end: int, pose: Pose2D) -> npt.NDArray[np.float32] | None:
-        """The cost to go to the last free place of a route in the window, up to its pose `end`.
+        """Return the cost to go to the last free place of a route in the window, up to its pose `end`.
 
         Only the stretch up to where it first leaves the window counts. Where no path of the discs leads there, it is
         to the last place before the first that the discs do not pass. What is much farther from there than the robot is
@@ -142,7 +142,7 @@ class Guide:
 
     @staticmethod
     def _last_inside(window: Window, route: Route, end: int) -> int:
-        """Index of the last pose of a route before it leaves the window."""
+        """Return the index of the last pose of a route before it leaves the window."""
         ahead = window.poses_in(route.poses[route.index : end + 1])[:, :2]
         rows, cols = window.cells_of(ahead)
         edge = _EDGE_CELLS
@@ -167,7 +167,7 @@ def _are_same(first: tuple[object, ...], second: tuple[object, ...]) -> bool:
 
 
 def _places_of(movers: Sequence[Track]) -> FloatArray:
-    """Capsules (x, y, x, y, radius) [m], map frame, from where each mover is to where it was, shape (N, 5)."""
+    """Return capsules (x, y, x, y, radius) [m], map frame, from where each mover is to where it was, shape (N, 5)."""
     back = _LEFT_OUT_S
     capsules = [
         (track.x, track.y, track.x - back * track.vx, track.y - back * track.vy, track.radius + _LEFT_OUT_MARGIN_M)

@@ -62,7 +62,7 @@ class Route:
         return self.poses[int(self.along.searchsorted(float(self.along[-1]) - _SAME_PLACE_M)) :]
 
     def ahead(self, length: float) -> slice:
-        """The poses from the robot's on, over a length [m]."""
+        """Return the poses from the robot's on, over a length [m]."""
         end = int(self.along.searchsorted(float(self.along[self.index]) + length, side="right"))
         return slice(self.index, max(end, self.index + 1))
 
@@ -85,7 +85,7 @@ class Route:
         self.index = min(self.index, len(self.along) - 1)
 
     def rest(self, pose: Pose2D) -> Path:
-        """What is left of it, from the robot's place on it, with the robot's own yaw first."""
+        """Return what is left of it, from the robot's place on it, with the robot's own yaw first."""
         legs = slice(self.index + 1, None)
         here = self.poses[self.index].copy()
         first = here.copy()
@@ -96,7 +96,7 @@ class Route:
 
 
 def _leg(first: list[float], last: list[float], *, back: bool) -> FloatArray:
-    """Poses from one pose to the next, without the first."""
+    """Return poses from one pose to the next, without the first."""
     (x0, y0, yaw0), (x1, y1, yaw1) = first, last
     length = math.hypot(x1 - x0, y1 - y0)
     if length <= _SAME_PLACE_M:
@@ -144,7 +144,7 @@ class Headway:
         self._driven_m = self._turned_rad = 0.0
 
     def is_lost(self, left_m: float, twist: Twist2D, dt: float) -> bool:
-        """Whether there is none, given how the robot moves for a period [s] and how much of the path is left [m]."""
+        """Return whether the robot makes no headway, by its motion in a period [s] and the rest of the path [m]."""
         if left_m <= self._least_m - _BY_M:
             self._kept_m += 0.0 if math.isinf(self._least_m) else self._least_m - left_m
             self._least_m, self._driven_m, self._turned_rad = left_m, 0.0, 0.0
@@ -155,7 +155,7 @@ class Headway:
         return self._driven_m >= _WITHIN_M or self._turned_rad >= _WITHIN_RAD
 
     def lose(self) -> float:
-        """How long a stretch of the path to follow [m], now that there is none."""
+        """Return how long a stretch of the path to follow [m], now that there is none."""
         stretch_m, self._kept_m = self._stretch_m, 0.0
         self._stretch_m = min(2.0 * stretch_m, _MOST_M)
         self.begin()

@@ -135,7 +135,7 @@ def lifted_limit() -> Iterator[None]:
 
 
 def is_exhaustion(error: BaseException) -> bool:
-    """Whether an exception, or what caused it, means that there was no memory left."""
+    """Return whether an exception, or what caused it, means that there was no memory left."""
     return any(isinstance(each, MemoryError) or says_out_of_memory(describe_error(each)) for each in _chain(error))
 
 

@@ -40,7 +40,7 @@ class Jobs(Protocol):
     """Jobs, of which each worker gets those that suit it."""
 
     def take(self, worker: int) -> Any:
-        """The next job for a worker that is free.
+        """Return the next job for a worker that is free.
 
         Args:
             worker: Its number; a replacement has a new one.

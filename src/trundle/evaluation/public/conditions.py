@@ -56,7 +56,7 @@ class Conditions:
     collision_monitor: bool = True
 
     def suite_fields(self) -> dict[str, Any]:
-        """The fields of a suite that they decide, and those that are the same in both benchmarks.
+        """Return the fields of a suite that they decide, and those that are the same in both benchmarks.
 
         Only the time limit ends a run without a contact, so the robot does not give up earlier.
         """
@@ -82,7 +82,7 @@ class Conditions:
 
 
 def benchmark_robot(base: str, *, speed: float, noise: float) -> dict[str, Any]:
-    """The YAML of a robot with BARN's lidar.
+    """Return the YAML of a robot with BARN's lidar.
 
     Args:
         base: Robot that it builds on, by its catalogue name or file.

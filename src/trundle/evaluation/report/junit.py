@@ -101,5 +101,5 @@ def _add_failure(case: ElementTree.Element, row: Row, folder: str) -> str:
 
 
 def _text(text: str) -> str:
-    """Text without the characters that XML cannot hold."""
+    """Return the text without the characters that XML cannot hold."""
     return _NOT_XML.sub("\ufffd", text)

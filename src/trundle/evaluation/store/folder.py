@@ -32,7 +32,7 @@ _OF_EVALUATION = ("row.py", "suite", "episode")
 
 
 def code_versions(packages: Iterable[str] = ()) -> dict[str, str]:
-    """Versions of everything that decides an episode's row.
+    """Return versions of everything that decides an episode's row.
 
     `sources` is a digest of the Python files and data of trundle that an episode uses, and `kernels` of the compiled
     ones; `commit` is that of trundle's checkout, where it is one.
@@ -93,7 +93,7 @@ def _digest(files: Iterable[Path], root: Path) -> str:
 
 
 def _commit(package: Path) -> str | None:
-    """The commit of the checkout that the package is part of."""
+    """Return the commit of the checkout that the package is part of."""
     try:
         git = ["git", "-C", str(package)]
         tracked = subprocess.run([*git, "ls-files", "--error-unmatch", "__init__.py"], capture_output=True, check=False)

@@ -50,7 +50,7 @@ class PluginChoice(Choice):
     label: str | None = None
 
     def plain(self) -> Choice:
-        """The same without its label, for a scenario."""
+        """Return the same without its label, for a scenario."""
         if self.given is None:
             return Choice(name=self.name, options=self.options)
         return Choice.of_object(self.given, options=self.options)
@@ -279,5 +279,5 @@ class SuiteFields(CrossedSettings):
         return self
 
     def crossed(self) -> dict[str, tuple[Any, ...]]:
-        """Settings of the scenario that it gives, each with its values."""
+        """Return settings of the scenario that it gives, each with its values."""
         return {name: getattr(self, name) for name in CROSSED if name in self.model_fields_set}

@@ -157,7 +157,7 @@ class Missions(Config):
         return number * (1 if self.listed is None else len(self.listed))
 
     def at(self, index: int) -> tuple[int, ListedMission | None]:
-        """Seed and listed mission, if there are any, of one of them."""
+        """Return the seed and listed mission, if there are any, of one of them."""
         seeds = self._seeds
         if self.listed is None:
             return seeds[index], None
@@ -242,7 +242,7 @@ class SuiteWorld(Config):
         return drawn or (not self.is_file and self.seed is None)
 
     def files(self) -> dict[str, str]:
-        """Paths of its files, by field."""
+        """Return paths of its files, by field."""
         files = {
             "name": self.name if self.is_file else None,
             "keepout": self.keepout,
@@ -261,7 +261,7 @@ class SuiteWorld(Config):
         }
 
     def settings(self, seed: int) -> dict[str, Any]:
-        """The fields of a scenario in this world."""
+        """Return the fields of a scenario in this world."""
         options = self.draw_options(seed)
         settings: dict[str, Any] = {
             name: getattr(self, name)

@@ -100,7 +100,7 @@ class ControlLoop:
         return None
 
     def _assist(self) -> Twist2D | Ending:
-        """What of the command by hand passes the agent's stop check; or how the run ends now."""
+        """Return what of the command by hand passes the agent's stop check; or how the run ends now."""
         if self.executor is None:
             return Twist2D()
         return self.goals.pass_by_hand(self.state, self.dt) or self.executor.assist()

@@ -191,7 +191,7 @@ class RemoteRobot(Simulator):
     # Odometry that is silent ----------------------------------------------------------------------------------------
 
     def _needs_waking(self, now: float) -> bool:
-        """Whether to command a robot to stand that sends no odometry, as some send it only while they are commanded."""
+        """Return whether to send zeros to a robot without odometry: some send it only while they are commanded."""
         inputs = self._inputs
         silent = inputs.odometry is None or inputs.odometry_silent
         others = bool(self._commands.others(now))

@@ -186,7 +186,7 @@ class RosAgent(Agent):
         check_stamp(stamp, self._clock.now, tolerance_s=TIMEOUT_S)
 
     def _is_shared(self, kind: str) -> bool:
-        """Whether several publishers command, where messages do not say whose they are.
+        """Return whether several publishers command, where messages do not say whose they are.
 
         Programs may offer commands of both types, and send one of them.
         """

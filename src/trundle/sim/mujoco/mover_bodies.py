@@ -98,7 +98,7 @@ class MoverBodies:
                     self._model.geom_conaffinity[self._geoms[self._owners == index]] = 0
 
     def passing_contacts(self) -> list[Contact]:
-        """Contacts of the robot with those that pass through it; who has left it collides again."""
+        """Return contacts of the robot with those that pass through it; who has left it collides again."""
         if not self._passing:
             return []
         found = self.field.touching(self._robot()[0])

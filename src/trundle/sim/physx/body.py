@@ -77,7 +77,7 @@ class ContactReader:
                 touched.setdefault((part, name), Contact(part, name, x, y))
 
     def _is_harmless(self, path: str, lowest: float) -> bool:
-        """Whether a collider is the robot's own, or lies below the height at which contacts count."""
+        """Return whether a collider is the robot's own, or lies below the height at which contacts count."""
         if path == ROBOT or path.startswith(f"{ROBOT}/"):
             return True
         return self._floor is not None and self._scene.top(path) <= lowest
@@ -134,7 +134,7 @@ class RobotBody:
             ) from error
 
     def pose(self, attachment: Attachment) -> Pose3D:
-        """Pose of base_link, map frame.
+        """Return the pose of base_link, map frame.
 
         Raises:
             SimulationError: If the physics diverged.
@@ -142,7 +142,7 @@ class RobotBody:
         return self._root(attachment)[0] @ self._T_root_base
 
     def motion(self, attachment: Attachment) -> tuple[Pose2D, Twist2D, float]:
-        """Pose and twist of base_link on the floor, and its tilt [rad].
+        """Return the pose and twist of base_link on the floor, and its tilt [rad].
 
         Raises:
             SimulationError: If the physics diverged.
@@ -174,7 +174,7 @@ class RobotBody:
 
 
 def tilt_of(pose: Pose3D) -> float:
-    """Angle of a pose's z axis from the vertical [rad]."""
+    """Return the angle of a pose's z axis from the vertical [rad]."""
     _, qx, qy, _ = pose.quaternion
     return math.acos(max(-1.0, 1.0 - 2.0 * (qx * qx + qy * qy)))
 

@@ -65,7 +65,7 @@ class Scene:
         return collider
 
     def top(self, collider: str) -> float:
-        """Height of a collider's highest point [m]; infinity where its bounds are not known."""
+        """Return the height of a collider's highest point [m]; infinity where its bounds are not known."""
         prim = self.stage.GetPrimAtPath(collider)
         if not prim:
             return math.inf
@@ -230,7 +230,7 @@ def _add_movers(stage: Any, field: MoverField | None) -> list[str]:
 
 
 def _named_colliders(stage: Any) -> list[str]:
-    """Paths of the colliders that are solids of a world that trundle wrote: all but the floor."""
+    """Return paths of the colliders that are solids of a world that trundle wrote: all but the floor."""
     return [
         str(prim.GetPath())
         for prim in stage.Traverse()

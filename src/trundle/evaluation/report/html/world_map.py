@@ -64,7 +64,7 @@ def _means(points: FloatArray, label: npt.NDArray[np.intp], weights: npt.NDArray
 
 
 def _gather(means: FloatArray, counts: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
-    """The cluster of each square: that of the densest place within reach."""
+    """Return the cluster of each square: that of the densest place within reach."""
     n = len(means)
     label = np.full(n, -1)
     near = [np.flatnonzero(((means - mean) ** 2).sum(axis=1) <= RADIUS**2) for mean in means]
@@ -130,7 +130,7 @@ class Frame:
 
     @classmethod
     def around(cls, points: npt.ArrayLike, margin: float = 0.0) -> Frame:
-        """The frame that holds points [m], shape (N, 2), with a margin [m]."""
+        """Return the frame that holds points [m], shape (N, 2), with a margin [m]."""
         where = np.asarray(points, dtype=float).reshape(-1, 2)
         low, high = where.min(axis=0) - margin, where.max(axis=0) + margin
         sides = np.maximum(high - low, 1.0)
@@ -138,11 +138,11 @@ class Frame:
         return cls(float(low[0]), float(high[1]), scale, float(sides[0]) * scale, float(sides[1]) * scale)
 
     def x(self, x: float) -> float:
-        """Units to the right."""
+        """Return the distance of x [m] from the left edge of the drawing, in its units."""
         return (x - self.left) * self.scale
 
     def y(self, y: float) -> float:
-        """Units down."""
+        """Return the distance of y [m] from the top of the drawing, in its units."""
         return (self.top - y) * self.scale
 
 
@@ -163,7 +163,7 @@ class WorldMap:
     matrix: tuple[float, float, float, float, float, float]
 
     def image(self, name: str) -> str:
-        """The picture as an SVG element with this id."""
+        """Return the picture as an SVG element with this id."""
         data = base64.b64encode(self.png).decode()
         matrix = " ".join(f"{value:.6g}" for value in self.matrix)
         return (
@@ -196,7 +196,7 @@ def draw_map(grid: OccupancyGrid, most_bytes: int = _MOST_BYTES) -> WorldMap:
 
 
 def _encode(grid: OccupancyGrid, factor: int) -> tuple[bytes, tuple[int, int]]:
-    """The cells as a PNG of eight greys, and its columns and rows."""
+    """Return the cells as a PNG of eight greys, and its columns and rows."""
     order = np.array([*range(OCCUPIED), *range(OCCUPIED + 1, 256), OCCUPIED], dtype=np.uint8)
     ranks = np.empty(256, np.uint8)
     ranks[order] = np.arange(256, dtype=np.uint8)

@@ -66,7 +66,7 @@ class RosProcess:
         return self._process.pid
 
     def describe_end(self, timeout_s: float) -> str:
-        """How it ended and what it wrote last, if it ends within this time."""
+        """Return how it ended and what it wrote last, if it ends within this time."""
         if not self._has_ended.wait(timeout_s):
             return "it closed its socket"
         status = self._process.returncode
