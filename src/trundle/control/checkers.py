@@ -82,7 +82,7 @@ class ProgressChecker:
         return self.standing_s(pose, time) <= self.movement_time_allowance
 
     def standing_s(self, pose: Pose2D, time: float) -> float:
-        """For how long the robot, at `pose` at `time` [s], has made no progress [s]."""
+        """Return for how long [s] a robot that is at `pose` at `time` [s] has made no progress."""
         last = self._pose
         if (
             last is None

@@ -122,20 +122,20 @@ class Controller(Protocol):
         """
 
     def set_latency(self, latency: Latency) -> None:
-        """Take how late scans and commands arrive from now on; a `Navigator` hands it on before a run.
+        """Set how late scans and commands arrive from now on; a `Navigator` passes it on before a run.
 
         The pose and twist that `compute_velocity` gets are already those at which the command takes effect. The default
         does nothing.
         """
 
     def set_tracks(self, tracks: Sequence[Track]) -> None:
-        """Take what the scans show to move, predicted to now, map frame; a `Navigator` calls it before each command.
+        """Set the tracks of what moves, predicted to now, map frame; a `Navigator` calls it before each command.
 
         The default does nothing: what moves is then avoided where it stands in the costmap.
         """
 
     def set_through(self, marks: Sequence[float], tolerance: float) -> None:
-        """Take the poses that the path has to pass before its end; a `Navigator` calls it before each command.
+        """Set the poses that the path has to pass before its end; a `Navigator` calls it before each command.
 
         The default does nothing, for controllers that stay on the path anyway.
 

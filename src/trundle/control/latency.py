@@ -55,7 +55,7 @@ class DelayedCommands:
         self._sent: list[tuple[float, Twist2D]] = []
 
     def send(self, command: Twist2D, time: float) -> None:
-        """Take a command that is sent now [s]; it replaces those sent at this time or later."""
+        """Record a command that is sent now [s]; it replaces those sent at this time or later."""
         if self.delay_s <= 0.0:
             return
         sent = self._sent
@@ -67,7 +67,7 @@ class DelayedCommands:
             del sent[0]
 
     def replace_last(self, command: Twist2D) -> None:
-        """Take what was really sent instead of the last command, such as what a monitor made of it."""
+        """Replace the last command by what was really sent, such as what a monitor made of it."""
         if self._sent:
             self._sent[-1] = (self._sent[-1][0], command)
 

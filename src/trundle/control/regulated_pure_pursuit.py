@@ -230,7 +230,7 @@ class RegulatedPurePursuit(Controller):
     def _pursue_ideally(
         self, section: Section, yaw: float, lookahead: float, costmap: Costmap
     ) -> tuple[float | None, float]:
-        """Return the arc length [m] at which an ideal pursuit first collides, or None; and how far it misses the end."""
+        """Return the arc length [m] of an ideal pursuit's first collision, or None; and how far it misses the end."""
         driven, along = section.pursue(yaw, lookahead)
         if len(driven) == 0:
             return None, 0.0
@@ -391,5 +391,5 @@ class DrivingOff:
         return Twist2D(share * command.v, share * command.w)
 
     def note(self, command: Twist2D) -> None:
-        """Take the command that was chosen."""
+        """Note the command that was chosen."""
         self._last = command.v

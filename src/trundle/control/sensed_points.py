@@ -106,7 +106,7 @@ class SensedPoints:
         self.times: dict[str, float] = {}
 
     def add(self, scans: Sequence[Scan], time: float, odometry: Pose2D) -> None:
-        """Take the scans that arrived by now [s], with the pose of base_link in the odom frame.
+        """Add the scans that arrived by now [s], with the pose of base_link in the odom frame.
 
         A scan that is older than the last one of its lidar, from the future or from before the first pose is left out.
         """

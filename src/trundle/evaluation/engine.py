@@ -261,7 +261,7 @@ class _Run:
 
 
 def _note_rows(folder: Path, given_up: GivenUp) -> None:
-    """Take the outcomes of the rows that a folder has."""
+    """Count the outcomes of the rows that a folder has."""
     with Results.open(folder) as results:
         found = results.columns("index", "outcome")
     is_error = found["outcome"] == "error"

@@ -161,7 +161,7 @@ def exists(path: Path) -> bool:
 
 
 def describe_unreadable(path: Path, error: OSError, wanted: str = "") -> str:
-    """Say why a file cannot be read, and what to do about it.
+    """Return why a file cannot be read, and what to do about it.
 
     Args:
         path: The file.

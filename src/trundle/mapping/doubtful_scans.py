@@ -38,7 +38,7 @@ class MovingThings:
         self._sensed = SensedPoints(robot.planar)
 
     def leave_out(self, surface: Surface, observation: Observation) -> Surface:
-        """Take an observation and what it saw, and return the points that stand, [m] in base_link.
+        """Return the points of an observation that do not move, base_link [m].
 
         Where the robot was is taken from the odometry alone: by matches that have begun to go with people, these stand.
         """
@@ -88,7 +88,7 @@ class CarriedAway:
     def judge(
         self, observation: Observation, moved: Pose2D, fit: float, points: int
     ) -> Literal["here", "in doubt", "carried away"]:
-        """Say whether scans show the place where the robot should be; what is in doubt should not be mapped.
+        """Return whether scans show the place where the robot should be; what is in doubt should not be mapped.
 
         Args:
             observation: The scans.

@@ -52,7 +52,7 @@ class Travel:
         self._last: Pose2D | None = None
 
     def to(self, odometry: Pose2D) -> None:
-        """Take where it has come to."""
+        """Add the motion to where the robot is now."""
         if self._last is not None:
             self.metres += step_length(np.array((self._last.inverse() @ odometry).as_tuple()))
         self._last = odometry

@@ -136,13 +136,13 @@ class Mapper:
         self._begin(Nodes(self.robot), Pose2D(0.0, 0.0) if pose is None else Pose2D.of(pose))
 
     def new_part(self) -> None:
-        """Say that the robot was carried away: what follows is joined when it recognises something."""
+        """Start a new part, as the robot was carried away; it is joined to the others when it recognises something."""
         if self._key is not None:
             self._picker.reset()
             self._begin_part()
 
     def relocate(self, pose: Pose2D, covariance: FloatArray | None = None) -> None:
-        """Take that the robot is at a pose of the map. What was mapped stays, and what follows is drawn from there.
+        """Set the pose of the robot on the map. What was mapped stays, and what follows is drawn from there.
 
         What follows is a part that hangs together with the map by what was told, with its covariance of (x, y, yaw)
         [m², rad²] besides that of a hand on a map, until it recognises something: then it is moved to where that is.
@@ -175,7 +175,7 @@ class Mapper:
         return roots[self._key[0]] == roots[0]
 
     def update(self, observation: Observation) -> Estimate:
-        """Take an observation; return where the robot is.
+        """Map an observation, and return where the robot is.
 
         Raises:
             InputError: If the time is not after that of the last one.
@@ -238,7 +238,7 @@ class Mapper:
             self._add_scans(observation, since)
 
     def _see_nothing(self, observation: Observation) -> None:
-        """Take scans that met nothing: they saw free space, and where the robot is the odometry alone says."""
+        """Map scans that met nothing: they saw free space, and the pose is that of the odometry alone."""
         if not any((scan.ranges >= min(scan.range_max, self._longest)).any() for scan in observation.scans):
             return
         if self._key is None or self._last is None:

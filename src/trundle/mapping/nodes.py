@@ -223,7 +223,7 @@ class Nodes:
 
     @classmethod
     def from_graph(cls, graph: PoseGraph, robot: Robot) -> Nodes:
-        """Take a graph to continue it."""
+        """Read the nodes of a graph, to continue it."""
         nodes = cls(robot)
         nodes.lidars = list(graph.lidars)
         nodes.times = graph.times.tolist()

@@ -67,7 +67,7 @@ class Submaps:
                 self.tie(a, b)
 
     def add(self, node: int) -> bool:
-        """Take a new node; return whether it is the last one of its submap."""
+        """Add a new node; return whether it is the last one of its submap."""
         part = self._nodes.parts[node]
         last = self.all[-1] if self.all else None
         if last is None or last.part != part or last.last - last.first + 1 >= KEY_FRAMES:

@@ -163,12 +163,12 @@ class AgentAdapter(Agent):
         return self.agent.update(observation, estimate)
 
     def info(self) -> AgentInfo:
-        """Say what it is and drives with, as far as it has attributes that say so."""
+        """Return what it is and drives with, as far as it has attributes that say so."""
         said: dict[str, Any] = {"controller": type(self.agent).__name__, **self._read(self._INFO)}
         return AgentInfo(**said, plugins=(self.agent,))
 
     def report(self, *, rollouts: bool = False) -> AgentReport:
-        """Say what it is doing, as far as it has attributes that say so."""
+        """Return what it is doing, as far as it has attributes that say so."""
         return AgentReport(read_status(self.agent), **self._read(self._REPORT))
 
 
@@ -198,7 +198,7 @@ class FunctionAgent(Agent):
         return f"FunctionAgent({self.controller_name}, {self.status.value})"
 
     def info(self) -> AgentInfo:
-        """Say how the function is called."""
+        """Return how the function is called."""
         return AgentInfo(self.controller_name, goal_checker=self.goal_checker, plugins=(self.function,))
 
     def reset(self, *, seed: int = 0) -> None:

@@ -137,7 +137,7 @@ class ObstacleWatch:
         return self._standing_s
 
     def follow(self, pose: Pose2D, time: float) -> None:
-        """Take where the robot is now [s]."""
+        """Note where the robot is at a time [s]."""
         self._standing_s = self._progress.standing_s(pose, time)
 
 
@@ -170,7 +170,7 @@ class MoverMemory:
         self.recent: FloatArray = np.zeros((0, 3))
 
     def note(self, tracks: Sequence[Track], time: float) -> None:
-        """Take the tracks of now [s]; twice a second the places of those that scans see are kept."""
+        """Note the tracks at a time [s]; twice a second the places of those that scans see are kept."""
         if time < self._noted_at:
             self.clear()
         followed = [(track, self._seen_at(track, time)) for track in tracks]

@@ -61,7 +61,7 @@ class PlanningBudget:
             self._paid_at = max(self._paid_at, time - _AT_ONCE_S) + expansions / self._per_s
 
     def allow_more(self) -> None:
-        """Let the drive take a third more: the robot has made room for others, so that there may be a path now."""
+        """Add a third to the allowance of the drive: the robot has made room for others, so there may be a path now."""
         if self._per_drive is not None:
             self._extra += self._per_drive // 3
             self._error = None
@@ -132,7 +132,7 @@ class PlanningTries:
         self.settle()
 
     def settle(self) -> None:
-        """No plan is pending any more."""
+        """Note that no plan is pending any more."""
         self.pending = False
         self._count = 0
         self._resume_at = -math.inf

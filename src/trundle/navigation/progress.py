@@ -276,7 +276,7 @@ class PathProgress:
             self._begin()
 
     def _gain(self, left_m: float) -> bool:
-        """Take how much of the path is left [m]; whether that is less, by enough."""
+        """Note how much of the path is left [m]; return whether that is less than before, by enough."""
         if left_m > self._least_m - _GAIN_M:
             return False
         self._least_m = left_m

@@ -81,7 +81,7 @@ class Relocalization:
         return estimate.pose.distance_to(self._T_map_odom @ estimate.odom_pose)
 
     def decide(self, estimate: Estimate, scans: Sequence[Scan], time: float) -> Decision:
-        """Say what to do in this control period.
+        """Return what to do in this control period.
 
         Args:
             estimate: What the localizer says.

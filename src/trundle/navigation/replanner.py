@@ -90,7 +90,7 @@ class Replanner:
         return Decision(path=given)
 
     def pass_goal(self) -> None:
-        """Take that the robot has passed the next goal that the path leads through."""
+        """Note that the robot has passed the next goal that the path leads through."""
         if self.followed is not None:
             self.followed.pass_mark()
         self._failed = None
@@ -245,7 +245,7 @@ class Replanner:
         return "goal occupied" if is_of_goal(error, state.ahead) else "no path"
 
     def follow(self, now: Snapshot) -> None:
-        """Take where the robot is: it is more patient where something was seen to move beside it."""
+        """Note where the robot is: it waits for longer where something was seen to move beside it."""
         obstacle = self.obstacle
         obstacle.beside_mover = False
         obstacle.follow(now.pose, now.time)
@@ -254,7 +254,7 @@ class Replanner:
             obstacle.beside_mover = self.movers.was_near(now.pose.x, now.pose.y, reach)
 
     def _see(self, now: Snapshot, state: DriveState, hit: PathHit | None) -> None:
-        """Take that the path is blocked now, or that there is none: whether by what moves, and how far ahead."""
+        """Note that the path is blocked or missing: whether by something that moves, and how far ahead."""
         obstacle, followed = self.obstacle, self.followed
         obstacle.see(now.time, math.inf if hit is None or followed is None else followed.gap_m(hit, now.pose))
         if obstacle.by_mover:

@@ -79,7 +79,7 @@ class SensedMap:
         self._hit = None
 
     def grow(self, grid: OccupancyGrid, path: Path | None, *, corrected: bool) -> None:
-        """Take the map that a localizer has made so far, where there is no other; see `Agent.set_map`.
+        """Use the map that a localizer has made so far where there is no other; see `Agent.set_map`.
 
         The costmap also contains the robot, what it was asked to contain, and the path that is followed. What was
         sensed beside a map that has moved since is forgotten: it would lie where nothing is, and the scans show it
@@ -127,12 +127,12 @@ class SensedMap:
         self._T_map_odom: Pose2D | None = None
 
     def replace_static(self, costmap: Costmap) -> None:
-        """Take another costmap of the map; what was sensed stays, unless the cells are of another size."""
+        """Replace the costmap of the map; what was sensed stays, unless the cells are of another size."""
         self._has_map, self._trusted, self._hit = True, None, None
         self._put(costmap)
 
     def doubt_static(self) -> bool:
-        """Take small things off the map that no scan has hit, until the next goal; whether that changes anything.
+        """Remove small things that no scan has hit from the map until the next goal; return whether there are any.
 
         Nothing is taken off unless the layers' settings say so, and there was a scan.
         """
@@ -208,7 +208,7 @@ class SensedMap:
         return not self._has_map or _contains(self._static, [(pose.x, pose.y)])
 
     def contain(self, *poses: Pose2D) -> Costmap | None:
-        """Have the costmap contain these poses from now on where there is no map; return it if that has changed it.
+        """Extend the costmap to contain these poses where there is no map; return it if that has changed it.
 
         Raises:
             OutsideMapError: If they are so far away that it would have too many cells.

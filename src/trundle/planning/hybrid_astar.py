@@ -329,7 +329,7 @@ class HybridAStarPlanner(PosePlanner):
         )
 
     def _why_not(self, answer: Answer) -> str:
-        """Say why no path that is driven forward only leads there."""
+        """Return why no path that is driven forward only leads there."""
         settings = self.settings
         how = "" if settings.minimum_turning_radius == 0.0 else f"arcs of {settings.minimum_turning_radius:g} m, "
         also = "turning in place, " if settings.in_place else ""

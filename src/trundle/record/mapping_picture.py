@@ -117,7 +117,7 @@ def choose_corrections(graph: PoseGraph, corrections: Sequence[Correction], most
 
 
 def tell(graph: PoseGraph, one: Correction) -> str:
-    """Say what a loop has changed."""
+    """Return what a loop has changed."""
     x, y = graph.poses[one.second, :2].tolist()
     part = graph.parts == graph.parts[one.second]
     after = one.time - graph.times[part][0]

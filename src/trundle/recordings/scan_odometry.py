@@ -96,7 +96,7 @@ class ScanOdometry:
         return False
 
     def check(self) -> str:
-        """Say how good it was.
+        """Return how good it was.
 
         Raises:
             InputError: If the scans alone do not suffice.

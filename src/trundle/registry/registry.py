@@ -165,7 +165,7 @@ class Registry(Generic[_Made]):
         return self._accept(label, self._fill(label, found, offered, options))
 
     def _accept(self, label: str, made: object) -> _Made | PluginFunction:
-        """Take what a class or a function has made."""
+        """Accept what a class or a function has made."""
         if not isinstance(made, type) and not self._contract.lacks(made):
             for name in self._contract.methods:
                 self._check_keywords(label, getattr(made, name))

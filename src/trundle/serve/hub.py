@@ -293,7 +293,7 @@ class Hub:
         self._tell_drivers()
 
     def receive(self, client: Client, data: str | bytes) -> None:
-        """Take a message of a page.
+        """Handle a message of a page.
 
         Raises:
             TooManyMessagesError: If there are too many, or too many that cannot be read.

@@ -150,7 +150,7 @@ class RunFeed:
     # Any thread -----------------------------------------------------------------------------------------------------
 
     def add(self, item: Step | Episode | Note) -> None:
-        """Take a step, the end, or another event."""
+        """Add a step, the end, or another event."""
         self._items.append(item)
 
     @property

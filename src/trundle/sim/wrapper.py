@@ -141,7 +141,7 @@ class DelayedSimulator(SimulatorWrapper):
 
 
 def _steps_until(delay_s: float, step_s: float) -> int:
-    """After how many steps a delay is over."""
+    """Return after how many steps a delay is over."""
     return max(0, math.ceil(delay_s / step_s - _ROUNDING))
 
 

@@ -159,7 +159,7 @@ class StandingAgent(Agent):
         self.status = NavigationStatus.IDLE
 
     def info(self) -> AgentInfo:
-        """Say which robot stands."""
+        """Return which robot stands."""
         return AgentInfo(type(self).__name__, robot=self.robot)
 
     def reset(self, *, seed: int = 0) -> None:
@@ -215,7 +215,7 @@ class _KeyObserver:
         self._keys, self._steering, self._log, self._show = keys, steering, log, show
 
     def on_start(self, run: RunInfo) -> None:
-        """Nothing has moved yet."""
+        """Do nothing: nothing has moved yet."""
 
     def on_step(self, step: Step) -> None:
         """Record and show what was driven, and ask for what the keys say."""
@@ -233,7 +233,7 @@ class _KeyObserver:
         self._steering.put(End("the driver has left") if command is None else Manual(command.v, command.w))
 
     def on_end(self, episode: Episode) -> None:
-        """Leave the last picture as it is."""
+        """Do nothing: the last picture stays."""
 
 
 def drive_by_hand(

@@ -149,11 +149,11 @@ class MppiController(CopiedAsNew, Controller):
         self._pursuit.set_speed_limit(limit)
 
     def set_tracks(self, tracks: Sequence[Track]) -> None:
-        """Take what moves around the robot, map frame; it is predicted from now on, instead of avoided as it stands."""
+        """Set what moves around the robot, map frame; its motion is predicted from now on."""
         self._movers = tuple(track for track in tracks if track.confirmed and track.moving)
 
     def set_through(self, marks: Sequence[float], tolerance: float) -> None:
-        """Take how far along the path the poses are that it still has to pass, and how near to each it must come."""
+        """Set the poses that are still to be passed: how far along the path, and how near the robot must come."""
         passed = len(self._through) - len(marks)
         if passed > 0 and self._route is not None:
             self._route.reach(self._through[passed - 1])
@@ -351,7 +351,7 @@ class MppiController(CopiedAsNew, Controller):
     # Reasons --------------------------------------------------------------------------------------------------------
 
     def _watch(self, command: Twist2D, twist: Twist2D, costmap: Costmap, dt: float) -> None:
-        """Never stand still without a reason: what stands for a while follows the planned path itself."""
+        """Switch to the planned path itself when samples let the robot stand for a while without a reason."""
         still = max(abs(command.v), abs(twist.v)) < _STILL_MPS and max(abs(command.w), abs(twist.w)) < _STILL_RADPS
         if not still or self._done:
             self._still_s, self.reason = 0.0, ""
@@ -366,7 +366,7 @@ class MppiController(CopiedAsNew, Controller):
             self._hand_over(self._route, costmap, _PATIENCE_M)
 
     def _watch_headway(self, twist: Twist2D, costmap: Costmap, dt: float) -> None:
-        """Never drive to and fro: where samples bring the robot no further, it follows the planned path itself."""
+        """Switch to the planned path itself when samples drive to and fro, and bring the robot no further."""
         if self._route is None or self._movers or self._route.left_m > self._sample_below_m:
             return
         if self._headway.is_lost(self._route.left_m, twist, dt):

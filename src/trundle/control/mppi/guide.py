@@ -113,7 +113,7 @@ class Guide:
         return self.to_go
 
     def rejoin(self, route: Route, pose: Pose2D) -> None:
-        """Take it that a robot which has left the route, led to its target, is where it comes back to it.
+        """Move the robot's place on the route, which it has left, on to the target that it is led to.
 
         The place is one of those up to the target, near the robot, that costs as much from there as from the robot:
         nothing stands between the two.

@@ -76,11 +76,11 @@ class Route:
         self.index += len(distances) - 1 - int(np.argmin(distances[::-1]))
 
     def jump(self, left_m: float) -> None:
-        """Take it that so much of it is left [m]."""
+        """Set how much of the route is left [m]."""
         self.reach(float(self.along[-1]) - left_m)
 
     def reach(self, along_m: float) -> None:
-        """Take it that the robot has come so far along it [m], at least."""
+        """Set how far along the route the robot is at least [m]."""
         self.index = max(self.index, int(self.along.searchsorted(along_m - 1e-9)))
         self.index = min(self.index, len(self.along) - 1)
 

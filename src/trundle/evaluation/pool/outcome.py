@@ -26,7 +26,7 @@ class Task(Protocol):
         ...
 
     def __call__(self, job: Any, note: Note, /) -> Any:
-        """Do a job; what it returns is pickled.
+        """Run a job; its result is pickled.
 
         Args:
             job: As drawn from the iterable that `Pool.run` was given.

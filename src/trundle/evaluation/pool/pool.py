@@ -115,7 +115,7 @@ class Pool:
         self.close()
 
     def run(self, jobs: Iterable[Any] | Jobs, *, until: float | None = None) -> Iterator[Done | Failed]:
-        """Do jobs, and yield what became of each as it ends.
+        """Run jobs, and yield the outcome of each as it ends.
 
         A job is drawn when a worker is free for it. If the iterator is closed, or an exception such as
         KeyboardInterrupt passes through it, the workers are killed at once.
@@ -276,7 +276,7 @@ class Pool:
             self._conclude(handle, attempt, cause)
 
     def _take_unready(self, handle: Handle, reason: str, *, killed: bool = False) -> None:
-        """Give the first job of a worker that failed before it to another one."""
+        """Hand the job of a worker that failed before its first job to another one."""
         self._in_flight -= 1
         self._deadlines.clear(handle.number)
         attempt: _Try = handle.job

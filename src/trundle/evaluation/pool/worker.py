@@ -83,7 +83,7 @@ class _Worker:
         self._standard = _identify_standard()
 
     def work(self) -> None:
-        """Do jobs until there are no more."""
+        """Run jobs until there are no more."""
         _send(self._sock, framing.READY, b"%d" % threading.get_ident())
         while True:
             message = framing.receive(self._sock)

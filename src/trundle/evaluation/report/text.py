@@ -139,7 +139,7 @@ def write_difference(change: Change) -> tuple[str, str]:
 
 
 def turned_text(pair: PairComparison, p: float) -> str:
-    """Say on how many missions only one of the two arrives."""
+    """Return in words on how many missions only one of the two arrives."""
     lost, won = len(pair.newly_failing), len(pair.newly_passing)
     test = f"McNemar's exact test: p {write_p(p)}"
     return f"B fails on {lost} where A arrives, and arrives on {won} where A fails ({test})"

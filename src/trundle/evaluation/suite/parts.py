@@ -26,14 +26,14 @@ _MAP_SUFFIXES = (".yaml", ".yml", ".map")
 
 
 def as_items(given: object) -> object:
-    """Take a single value as a list of one; a generator or a set as a list."""
+    """Convert a single value to a list of one, and a generator or a set to a list."""
     if isinstance(given, list | tuple | range | set | frozenset):
         return cast("object", tuple(cast("Any", given)))
     return (given,)
 
 
 def read_items(given: object) -> object:
-    """Take a single value as a list of one, and refuse an empty list."""
+    """Convert a single value to a list of one, and refuse an empty list."""
     items = as_items(given)
     if items == ():
         raise PydanticCustomError("empty", "an empty list: the cross product has no episodes", {})
@@ -41,7 +41,7 @@ def read_items(given: object) -> object:
 
 
 def read_lists(given: object) -> object:
-    """Take values that are lists themselves: a list of lists is several, and any other list is one."""
+    """Read values that are lists themselves: a list of lists is several values, any other list is one."""
     if isinstance(given, list | tuple):
         ones = cast("Sequence[object]", given)
         if ones and all(isinstance(one, list | tuple) for one in ones):

@@ -186,7 +186,7 @@ class _KnownDrive(NamedTuple):
 
 
 def find_meetings(settings: Sequence[Setting], ends: Sequence[object], threads: int) -> dict[int, str]:
-    """Say whether robots without lidars, once their drives are known, meet what moves in their worlds.
+    """Return whether robots without lidars, once their drives are known, meet what moves in their worlds.
 
     A robot that sees nobody drives the same among people as alone. So its drive is computed without them, and then
     repeated among them, command by command: where nothing is touched, it stays as it is.

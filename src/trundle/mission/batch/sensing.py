@@ -148,7 +148,7 @@ class MissionSensing:
         pose: Pose2D,
         intent: Intent | None = None,
     ) -> Twist2D:
-        """Say what the collision monitor sends instead of a command, by the scans up to now [s]."""
+        """Return what the collision monitor sends instead of a command, by the scans up to now [s]."""
         if self._monitor is None:
             return command
         self._monitor.set_intent(intent)
@@ -198,7 +198,7 @@ class MissionSensing:
         return ""
 
     def look(self, time: float, pose: Pose2D) -> tuple[Scan, ...]:
-        """Take the scans that are due after the last look and up to now [s]."""
+        """Simulate the scans that are due after the last look and up to now [s]."""
         scans = self._lidars.scan(pose, self._since, time)
         self._since = time
         if self._scatters and self._doubts is not None and self._surroundings is None:

@@ -145,7 +145,7 @@ class ControlLoop:
         return self.state
 
     def stop(self, message: str, fault: Fault | None) -> None:
-        """Take how the run has ended: no more physics steps are reported, and directives that wait are refused."""
+        """Stop the loop at the end of the run: report no more physics steps, and refuse directives that wait."""
         if self._watches:
             self._backend.watch_substeps(None)
         if self.executor is not None:

@@ -43,7 +43,7 @@ class RunEnd:
         self.complete = False
 
     def put(self, outcome: Outcome, message: str, error: BaseException | None, contacts: Iterable[str]) -> None:
-        """Take an end of a run in which these were touched: it is a collision then, unless it is an error."""
+        """Set the end of a run in which these were touched: it is a collision then, unless it is an error."""
         touched = ", ".join(contacts)
         if touched and outcome not in (Outcome.COLLIDED, Outcome.ERROR):
             outcome, message = Outcome.COLLIDED, f"touched {touched} while driving; {message}"

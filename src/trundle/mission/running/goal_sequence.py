@@ -148,7 +148,7 @@ class GoalSequence:
             return command if isinstance(command, Twist2D) else check_command(self._agent, command)
 
     def pass_by_hand(self, state: RobotState, dt: float) -> Ending | None:
-        """Note that a control period of this length [s] is driven by hand; or how the run ends now."""
+        """Count a control period of this length [s] that is driven by hand; return how the run ends, if it does."""
         if self._extends:
             self.time_limit_s += dt
         return self._ending_before(state) or self._timed_out(state)

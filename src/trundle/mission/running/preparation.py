@@ -34,7 +34,7 @@ SLOWNESS = 4.0
 
 
 def read_goals(goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]] | None) -> tuple[Goal, ...]:
-    """Take one goal, or a list of them.
+    """Read one goal, or a list of them.
 
     Raises:
         InputError: If these are no poses, or there is none.

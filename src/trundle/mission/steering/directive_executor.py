@@ -138,7 +138,7 @@ class DirectiveExecutor:
         return assisted.command
 
     def stop(self, why: str, time: float, fault: Fault | None = None) -> None:
-        """The run has ended at this time [s], by an exception where there is a fault; orders that wait are refused."""
+        """End the orders at this time [s], by an exception where there is a fault; refuse those that wait."""
         try:
             self._tasks.stop(why, time, fault)
         finally:
@@ -329,7 +329,7 @@ class RunningTasks:
         self._end_both("stopped" if fault is None else "failed", why, time, fault)
 
     def check(self, time: float) -> None:
-        """End what has ended in the last control period, by what the agent reports."""
+        """Conclude the orders that have ended in the last control period, by what the agent reports."""
         report = self._stack.report
         if self._behavior is not None and report.status is not NavigationStatus.BEHAVING:
             ran = next((run for run in reversed(report.behaviors) if run.reason == ASKED_FOR), None)

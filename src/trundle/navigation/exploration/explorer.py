@@ -237,11 +237,11 @@ class Explorer(Agent):
     # What it says of itself -----------------------------------------------------------------------------------------
 
     def info(self) -> AgentInfo:
-        """Say what it is and drives with."""
+        """Return what it is and drives with."""
         return self.navigator.info()
 
     def report(self, *, rollouts: bool = False) -> AgentReport:
-        """Say what it is doing, and why."""
+        """Return what it is doing, and why."""
         report = self.navigator.report(rollouts=rollouts)
         message = report.message or self._message
         if self.status in FINAL:
@@ -271,7 +271,7 @@ class Explorer(Agent):
         self.navigator.set_sent_command(command)
 
     def assist_teleop(self, command: Twist2D, observation: Observation, estimate: Estimate) -> AssistedCommand:
-        """Say what of a command by hand may be sent."""
+        """Return what of a command by hand may be sent."""
         self.target = None
         return self.navigator.assist_teleop(command, observation, estimate)
 

@@ -360,7 +360,7 @@ class Targets:
                 one.tries, one.waits, one.is_forgiven = one.tries - 1, False, True
 
     def note_vanished(self, frontier: Frontier) -> None:
-        """Note that a frontier was looked at, and is none any more.
+        """Note that a frontier was looked at and has vanished.
 
         One that comes back again and again, as where beams graze a wall, is given up.
         """

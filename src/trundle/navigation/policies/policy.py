@@ -85,11 +85,11 @@ class Policy(Agent):
         return f"Policy({self.file.path.name}, {self.status.value})"
 
     def info(self) -> AgentInfo:
-        """Say which file it drives by."""
+        """Return which file it drives by."""
         return self._info
 
     def report(self, *, rollouts: bool = False) -> AgentReport:
-        """Say what it is doing, and why it is stuck."""
+        """Return what it is doing, and why it is stuck."""
         followed = self._followed
         path, left_m = (None, None) if followed is None else (followed.path, followed.left_m)
         return AgentReport(self.status, self._message, self._error, path, left_m)

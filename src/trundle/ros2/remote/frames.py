@@ -70,7 +70,7 @@ class FrameTree:
         self._edges = {child: edge for child, edge in self._edges.items() if edge.time is None}
 
     def add(self, parent: str, child: str, matrix: FloatArray, time: float | None) -> str:
-        """Take the pose of `child` in `parent` at a time [s]; None for a static one.
+        """Add the pose of `child` in `parent` at a time [s]; None for a static one.
 
         Returns:
             Why it is not taken; empty where it is.

@@ -105,14 +105,14 @@ class GuardedMonitor:
             self._monitor.set_latency(latency)
 
     def set_intent(self, intent: Intent | None) -> None:
-        """Take what the agent means to command next."""
+        """Set what the agent means to command next."""
         if self._monitor is not None:
             self._monitor.set_intent(intent)
 
     def check(
         self, command: Twist2D, twist: Twist2D, scans: Sequence[Scan], time: float, odometry: Pose2D
     ) -> MonitorReport:
-        """Say what to send instead of a command: nothing moves while the guard has a reason."""
+        """Return what to send instead of a command: nothing moves while the guard has a reason."""
         monitor = self._monitor
         report = MonitorReport(command) if monitor is None else monitor.check(command, twist, scans, time, odometry)
         reasons = self._guard.look(self._real())

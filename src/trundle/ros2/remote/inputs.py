@@ -320,7 +320,7 @@ class RobotInputs:
         self._heard.append(scan)
 
     def _pass_on_scans(self) -> None:
-        """Let the one that drives take what was heard; a control period for each scan would be too many."""
+        """Pass what was heard on to the driving thread; a control period for each scan would be too many."""
         if self._heard:
             with self.changed:
                 self._scans += self._heard

@@ -218,7 +218,7 @@ class RemoteLocalizer(Localizer):
         return self._shown
 
     def begin(self) -> None:
-        """Take the next `reset` as that of a run that begins, which says nothing new: the robot is where it was."""
+        """Expect a `reset` from a run that begins: it says nothing new, as the robot is where it was."""
         self._begins = True
         if self.is_told:  # the times of a run begin at 0
             self._pending, self.is_told, self.is_located = (self._shown, None), False, False
@@ -245,7 +245,7 @@ class RemoteLocalizer(Localizer):
             self._pending = None, None
 
     def doubt(self) -> None:
-        """Take note that nobody knows any more how the robot has moved: its pose has to be told again.
+        """Note that the robot has moved by an unknown amount: its pose has to be told again.
 
         One that makes its map goes on where the odometry alone has jumped: its scans are what they were. Otherwise a
         new part of the map begins, and the robot is located once it recognises what it has mapped before.

@@ -126,7 +126,7 @@ class RemoteRobot(Simulator):
         return self._time.offset
 
     def use_world(self, world: World) -> None:
-        """Be in the world of another map from now on."""
+        """Use the world of another map from now on."""
         self._world = world
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:

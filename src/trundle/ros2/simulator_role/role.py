@@ -141,7 +141,7 @@ class RosAgent(Agent):
     # The listening thread -------------------------------------------------------------------------------------------
 
     def _take(self, message: Any, source: str) -> None:
-        """Take a Twist or a TwistStamped; one that is bad is dropped and reported."""
+        """Receive a Twist or a TwistStamped; a bad one is dropped and reported."""
         twist = message
         try:
             if message.__msgtype__ == _STAMPED:

@@ -61,7 +61,7 @@ class MoverBodies:
         self.set_speeds()
 
     def resume(self, before: MoverBodies) -> None:
-        """Go on where the bodies of another model of the same movers were."""
+        """Continue from where the bodies of another model of the same movers were."""
         for index in before._passing:
             self._passing[index] = None
             self._model.geom_conaffinity[self._geoms[self._owners == index]] = 0

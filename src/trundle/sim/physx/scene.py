@@ -239,7 +239,7 @@ def _named_colliders(stage: Any) -> list[str]:
 
 
 def _report_contacts(stage: Any, others: list[str] | None) -> None:
-    """Have contacts of the robot's bodies reported, and pushed out of what they overlap slowly.
+    """Report the contacts of the robot's bodies, and push them out of what they overlap slowly.
 
     Args:
         stage: The stage.
@@ -255,7 +255,7 @@ def _report_contacts(stage: Any, others: list[str] | None) -> None:
 
 
 def report_contacts(prim: Any) -> None:
-    """Have every contact of a body or a static collider reported, however light."""
+    """Report every contact of a body or a static collider, however light."""
     prim.AddAppliedSchema("PhysxContactReportAPI")
     _write(prim, "physxContactReport:threshold", Sdf.ValueTypeNames.Float, 0.0)
 
