@@ -20,8 +20,8 @@ _CELL_M = 0.15  # points in a cell where something moves, or in one beside it, a
 _ROW = 1 << 20  # of cells, farther than any lidar sees
 _AROUND = np.add.outer((-_ROW, 0, _ROW), (-1, 0, 1)).ravel()
 _LEAST_SHARE = 0.5  # where less than that stands, the wheels slip, and it is the robot that does not move
-_OLDEST_S = 0.5
-_FARTHEST_M = 20.0
+_OLDEST_S = 0.5  # older scans are not compared with
+_FARTHEST_M = 20.0  # beyond, beams of half a degree are more than a cell apart
 
 
 class MovingThings:
@@ -63,7 +63,7 @@ def _cells(points: FloatArray) -> npt.NDArray[np.int64]:
 
 
 _NEAR_M, _NEAR_RAD = 2.0, 1.0  # after longer steps a scan may well show another place
-_FEWEST_POINTS = 50
+_FEWEST_POINTS = 50  # the fit of fewer says little
 # Nothing of what is seen is known, in so many scans. On five public logs, with odometry that turns by 2° a metre, the
 # worst scan of 8,400 fits by 0.27.
 _STRANGE_FIT, _STRANGE_SCANS = 0.1, 3

@@ -14,7 +14,7 @@ from trundle.mapping.nodes import Surface, step_length
 _DRIFT_M, _DRIFT_SHARE = 0.02, 0.05
 _TURN_RAD, _TURN_SHARE, _TURN_PER_M = math.radians(0.5), 0.05, math.radians(3.0)
 
-_GOOD_FIT, _MOST_DOUBT = 0.8, 100.0
+_GOOD_FIT, _MOST_DOUBT = 0.8, 100.0  # a match that fits like this is believed; the largest factor of any other
 
 
 def motion_spread(moved: Pose2D) -> FloatArray:
@@ -58,7 +58,7 @@ class Travel:
         self._last = odometry
 
 
-_MOST = 6
+_MOST = 6  # key frames whose surfaces are kept: 2.4 m of driving, as one is taken every 0.4 m
 
 
 class RecentSurfaces:

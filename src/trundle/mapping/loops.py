@@ -23,15 +23,18 @@ from trundle.mapping.window import match_surface
 
 _APART = 45  # nodes: what is nearer is in the window of the front end
 _VIEW_M = 6.0  # how far apart two places are that see the same
+# Where the drift since then leaves no more open than this, correlative search is quick enough; else branch and bound.
 _NEAR_M, _NEAR_RAD = 0.6, math.radians(8.0)
-_WIDEST_M = 25.0
-_NEAR_TRIES, _FAR_TRIES = 3, 6
+_WIDEST_M = 25.0  # the widest window that is searched, however far the robot may have drifted
+_NEAR_TRIES, _FAR_TRIES = 3, 6  # submaps that are compared with one key frame, which bounds the time of a loop
+# What a match is at least. benchmarks/mapping/slam.py shows what other values do to five public logs.
 _NEAR_FIT, _FAR_FIT = 0.55, 0.55
 _FAR_OVERLAP = 0.65
-_POINTS = 120
+_POINTS = 120  # of a key frame that are searched with, at most one in each square of
 _POINT_CELL_M = 0.15
 _YAW_STEP = math.radians(1.0)
 _LEAST_SCORE = 130.0  # of 255
+# Other places are kept that reach this share of the best score and are so far apart; the search has a limit of nodes.
 _SHARE, _APART_M, _APART_RAD, _MOST, _MOST_NODES = 0.93, 0.6, 0.2, 3, 300_000
 _AGREE = 3  # matches of different key frames
 # How much better than elsewhere the right place fits at least. Than nearer to where the poses say, it has to be more,
@@ -44,6 +47,7 @@ _LEAST_PART = 2  # key frames: what is seen from one place alone, such as a corn
 _LAST_EVERY = 8  # key frames that are compared with old ones at the end
 _KEPT, _MOST_PENDING = 150, 100  # key frames, and matches
 _FARTHEST_M = 60.0  # between matches that are compared: over more the odometry proves nothing
+# Added to the covariance of a match [m², rad²]: no loop is surer.
 _FLOOR = np.diag((0.02**2, 0.02**2, math.radians(0.25) ** 2))
 
 

@@ -35,12 +35,12 @@ from trundle.values import check_count, check_kind, check_number
 
 _LEAST_M, _LEAST_RAD = 0.02, math.radians(0.5)  # less motion than that is not worth a match
 _KEPT_M, _KEPT_RAD = 0.10, math.radians(5.0)  # scans that the map is drawn from
-_KEY_M, _KEY_RAD = 0.4, math.radians(20.0)
-_EDGE_FLOOR = np.diag((0.008**2, 0.008**2, math.radians(0.1) ** 2))
-_LOST_FIT, _SHORTEST_M = 0.2, 0.01
+_KEY_M, _KEY_RAD = 0.4, math.radians(20.0)  # between key frames, which the graph and its loops are made of
+_EDGE_FLOOR = np.diag((0.008**2, 0.008**2, math.radians(0.1) ** 2))  # no edge of the graph is surer [m², rad²]
+_LOST_FIT, _SHORTEST_M = 0.2, 0.01  # scans that fit worse show another place; the least range that may be asked for
 _LOOP_EVERY, _MOST_LATE = 2, 10  # one in so many key frames is compared with old ones; loops that need no solving
 _LEAP_M = 100.0  # what was seen before and after a step of this length has nothing in common
-_BY_HAND = np.diag((0.25**2, 0.25**2, math.radians(5.0) ** 2))
+_BY_HAND = np.diag((0.25**2, 0.25**2, math.radians(5.0) ** 2))  # of a pose that somebody told [m², rad²]
 _LOST_VARIANCES = (1.0, 1.0, 1.0)  # [m², rad²]
 _NOTHING = Surface(*np.empty((3, 0, 2)))
 

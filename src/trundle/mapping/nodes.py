@@ -15,9 +15,9 @@ from trundle.mapping.pose_graph import FARTHEST_M, FOLLOWS, LOOP, Lidar, PoseGra
 from trundle.observation import Scan
 from trundle.robots import Robot
 
-_BODY_PADDING_M = 0.03
+_BODY_PADDING_M = 0.03  # hits so near to the outline are on the robot: ranges have noise
 _GAP, _LEAST_GAP_M = 0.07, 0.15  # two beams of 1 degree on a wall at 15 degrees are 0.07 of the range apart
-MOST_POINTS = 720
+MOST_POINTS = 720  # of a scan: two in each degree of a turn, which is more than is matched
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from trundle.mapping.nodes import Nodes
 from trundle.mapping.parts import first_of_components
 from trundle.mapping.pose_graph import LOOP
 
-_TRUE_M, _TRUE_RAD = 0.03, math.radians(0.3)
+_TRUE_M, _TRUE_RAD = 0.03, math.radians(0.3)  # less than a cell of the map
 _WIDTH = 3.0  # standard deviations, from which on a loop counts less
 _WRONG = 25.0  # squared error of new loops that do not fit: about 4 standard deviations
 

@@ -30,9 +30,9 @@ BRAKING_SHARE = 0.5
 BESIDE_M = 0.1
 """A limit this far beside the path [m] counts too: controllers cut corners."""
 
-_STEP_M = 0.025
+_STEP_M = 0.025  # half of a usual cell, so that no cell of a mask is skipped
 _FARTHEST_M = 1000.0
-_DRIVING_MPS = 0.05
+_DRIVING_MPS = 0.05  # slower, the robot counts as standing: the curvature w / v would be noise
 
 _SLOWER = (1.0, 0.75, 0.5, 0.25, 0.1)
 """Shares of a command that are tried, the fastest first: few, as each costs a check of the footprint's sweep."""

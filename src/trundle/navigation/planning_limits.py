@@ -17,6 +17,7 @@ _AT_ONCE_S = 1.0
 """So many seconds of expansions may be made at once before the next plan waits."""
 
 _FULL_DRIVE_S = 600.0
+"""The expansions of a drive suffice for so long [s]; a longer one may make more, in proportion."""
 
 
 class PlanningBudget:
@@ -98,7 +99,7 @@ PAUSE_S = 1.0
 """Between two tries [s]."""
 
 _MOVING_SHARE = 0.25  # of the deadline, in which a moving robot drives blindly: 0.5 s by default
-_STANDING_MPS = 0.01
+_STANDING_MPS = 0.01  # below these a robot stands: odometry has noise
 _STANDING_RADPS = 0.02
 _STOP_WITHIN_S = 3.0  # then it plans all the same: some odometry never says 0
 

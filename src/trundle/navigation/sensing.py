@@ -25,9 +25,9 @@ from trundle.robots import Robot
 from trundle.tracking import Tracker, TrackerSettings
 
 RESOLUTION_M = 0.05
-_AROUND_M = 6.0
-_JUMP_M = 1.0
-_NOTE_HITS_EVERY_S = 0.5
+_AROUND_M = 6.0  # of unknown space around start and goals, for ways round what is in between
+_JUMP_M = 1.0  # beyond what the robot drove: then what was sensed lies elsewhere
+_NOTE_HITS_EVERY_S = 0.5  # so that noting what a scan hit costs little in each period
 _FIRST_SCAN_S = 2.0
 _NOTHING_M = 1e-3  # edge of a square that holds nothing
 _CORRECTED_M = 0.5  # a robot that is so far from its path has left it: see FollowedPath

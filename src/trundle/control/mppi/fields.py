@@ -21,8 +21,8 @@ from trundle.geometry import FloatArray, Footprint, Pose2D
 from trundle.maps.cells import FREE, OCCUPIED
 
 _FARTHEST = 254  # largest class of clearance
-_UNIT_M = 0.01
-_NEAR_COST_M = 0.6
+_UNIT_M = 0.01  # least width of a class of clearance
+_NEAR_COST_M = 0.6  # beyond the disc: farther away, nearness costs nothing
 _TOUCH_M = 1e-4  # a disc this near to an obstacle touches it
 
 

@@ -222,12 +222,12 @@ def _read_angle(name: str, value: float | str) -> float:
 
 
 CLEAR_M, CLEAR_MPS = 0.1, 0.15
-_TURNS_RADPS = (0.0, 0.3, -0.3, 0.7, -0.7)
+_TURNS_RADPS = (0.0, 0.3, -0.3, 0.7, -0.7)  # of the motions compared, each forwards, backwards and, but for 0, in place
 _AHEAD_S = (0.5, 1.0, 2.0)
-_LATER_WEIGHT = 0.1
-_DEPTHS_M = (0.0, 0.04, 0.08, 0.12, 0.16)
-_GAIN_M = 0.005
-_NEAR_M = 0.05
+_LATER_WEIGHT = 0.1  # of the room gained in half a second: of motions that gain as much, the quickest is taken
+_DEPTHS_M = (0.0, 0.04, 0.08, 0.12, 0.16)  # by which the outline is shrunk until it touches nothing
+_GAIN_M = 0.005  # a tenth of a usual cell
+_NEAR_M = 0.05  # a usual cell
 _MOST_M = 1.0
 _VAIN_S = 0.4
 _MOVES_MPS, _MOVES_RADPS = 0.01, 0.02

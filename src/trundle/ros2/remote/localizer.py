@@ -31,6 +31,7 @@ SCANS = 5
 MISFIT = "the scans do not fit the map"
 """So begins why a robot stands that is not where it was told to be."""
 
+# A hit agrees that is so near to something on the map; a beam contradicts that ends so far behind something.
 _TOLERANCE_M, _DEPTH_M = 0.25, 0.3
 _BEAMS = 180
 _LONGEST_M = 15.0

@@ -39,6 +39,7 @@ _STIFF_SOLREF = (0.01, 1.0)
 _STIFF_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 # As stiff, but with slow recovery: a part that penetrates a wall within one step is not thrown back.
 _BUMPER_SOLREF = (0.01, 4.0)
+# MuJoCo's defaults.
 _SOFT_SOLREF = (0.02, 1.0)
 _SOFT_SOLIMP = (0.9, 0.95, 0.001, 0.5, 2.0)
 
