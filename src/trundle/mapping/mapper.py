@@ -22,8 +22,7 @@ from trundle.mapping.drawing import LiveMap
 from trundle.mapping.key_frames import RecentSurfaces, SeenPlaces, Travel, doubt_of, motion_spread, turned
 from trundle.mapping.loops import Loop, LoopFinder
 from trundle.mapping.nodes import MOST_POINTS, Floating, Nodes, Surface, make_surface
-from trundle.mapping.optimizer import contradicts, fits, is_true, optimize
-from trundle.mapping.parts import component_of, join_parts, nearest_joined
+from trundle.mapping.parts import component_of, contradicts, fits, is_true, join_parts, nearest_joined, optimize
 from trundle.mapping.pose_graph import FARTHEST_M, FOLLOWS, LOOP, PoseGraph
 from trundle.mapping.pose_graph_file import load_pose_graph, save_pose_graph
 from trundle.mapping.submaps import Submaps

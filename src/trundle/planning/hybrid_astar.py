@@ -21,7 +21,6 @@ from trundle.planning.constrained_smoother import (
     ConstrainedSmoother,
     pose_spacing,
 )
-from trundle.planning.enclosure import Enclosure, on_grid
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.planning.queries.ends import End
 from trundle.planning.queries.query import PosePlanner, Query, no_path
@@ -34,6 +33,8 @@ from trundle.planning.search_rounds import (
     START_CLOSED,
     TIMEOUT,
     Answer,
+    Enclosure,
+    on_grid,
     search_in_rounds,
 )
 from trundle.values import check_flag

@@ -20,8 +20,7 @@ from trundle.files.yaml_nodes import compose
 from trundle.geometry import FloatArray, Footprint, Twist2D
 from trundle.guard import ReadCall, ReadLimits, read_guarded, read_limits
 from trundle.registry import Registry
-from trundle.robots.drive import DifferentialDrive, Limits, WheelSpeeds
-from trundle.robots.parts import Body, Caster, CasterFrame, Coordinate, Lidar
+from trundle.robots.parts import Body, Caster, CasterFrame, Coordinate, DifferentialDrive, Lidar, Limits, WheelSpeeds
 from trundle.values import check_kind
 
 MODEL_SUFFIXES = (".urdf", ".xacro", ".xml", ".mjcf")

@@ -22,9 +22,8 @@ import numpy as np
 from trundle.control.collision import can_stop
 from trundle.control.controller import Controller, Intent, Rollouts
 from trundle.control.mppi.fields import FieldStyle, Window, cover_with_discs
-from trundle.control.mppi.guide import Guide
+from trundle.control.mppi.guide import Guide, Headway, Route
 from trundle.control.mppi.mppi_settings import MppiSettings
-from trundle.control.mppi.route import Headway, Route
 from trundle.control.mppi.sampler import Aim, Answer, Sampler, Start
 from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
 from trundle.costmap import Costmap

@@ -15,8 +15,7 @@ from trundle.errors import InputError
 from trundle.files.choice import Choice
 from trundle.files.writing import write_text
 from trundle.robots import Robot, is_robot_file
-from trundle.robots.drive import Limits
-from trundle.robots.parts import Lidar
+from trundle.robots.parts import Lidar, Limits
 
 TIME_LIMIT_S = 100.0
 ARRIVAL_RADIUS = 1.0

@@ -15,7 +15,7 @@ import numpy as np
 from trundle.errors import InputError
 from trundle.files.opening import describe_unreadable, open_file, parser_reason
 from trundle.geometry import FloatArray, Goal, Pose2D, path_length
-from trundle.robots.drive import Limits
+from trundle.robots.parts import Limits
 
 _CELL = 0.15  # edge of a cell [m]
 _CORNER = (-4.575, 5.075)  # centre of cell (0, 0) [m]
