@@ -23,9 +23,9 @@ from support.page_visitor import Visitor
 from trundle.mission import Scenario
 from trundle.serve.choosing import Choices
 from trundle.serve.hub import Hub
+from trundle.serve.run_feed import Watch
 from trundle.serve.server import Page, PageServer
 from trundle.serve.steerer import Steerer
-from trundle.serve.watch import Watch
 
 
 def resident_mb() -> float:

@@ -22,9 +22,9 @@ from pages import open_pages, socket_options, welcome
 from trundle.mission import LiveRun, Scenario, Session, Steering
 from trundle.serve.choosing import Choices
 from trundle.serve.hub import Hub
+from trundle.serve.run_feed import Watch
 from trundle.serve.server import Page, PageServer
 from trundle.serve.steerer import Steerer
-from trundle.serve.watch import Watch
 
 SCENARIO = {"world": "warehouse", "seed": 4, "lidar": True, "start": (-13.0, 0.0, 0.0), "goal": (13.0, 0.0, 1.57)}
 

@@ -139,7 +139,7 @@ class Fault:
         return linecache.getline(self.file, self.line).strip() if self.file else ""
 
     def __str__(self) -> str:
-        """What raised what, where, in one line."""
+        """Return in one line which plug-in raised which exception, and where."""
         who = f"the {self.kind} {self.plugin}" if self.is_plugin else "trundle"
         said = one_line(self.message)
         where = f" ({self.place})" if self.file else ""
@@ -173,7 +173,7 @@ def keep_fault(error: BaseException, fault: Fault) -> None:
 
 
 def is_of_plugin(error: BaseException) -> bool:
-    """Whether a plug-in raised this, whatever its type.
+    """Return whether a plug-in raised this, whatever its type.
 
     A planner says by a PlanningError that there is no path, and a simulator by a SimulationError that it cannot go on:
     these are results. Ctrl-C is nobody's fault.
@@ -237,7 +237,7 @@ def wrong_result(message: str, plugin: object, method: str, *, kind: str = "") -
 
 
 def is_plugin_class(kind: type) -> bool:
-    """Whether a class may be a plug-in's: it is neither trundle's nor of Python or of what trundle depends on."""
+    """Return whether a class may be a plug-in's: not of trundle, of Python, or of what trundle depends on."""
     top = kind.__module__.partition(".")[0]
     if top in ("trundle", "builtins") or top in LIBRARIES:
         return False

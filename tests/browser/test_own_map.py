@@ -12,7 +12,7 @@ from browser.conftest import ADDRESS, until
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.mission.own_map import Correction, MapTrack
-from trundle.page.belief import own_map_of
+from trundle.page.frames import own_map_of
 
 pytestmark = pytest.mark.browser
 

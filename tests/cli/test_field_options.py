@@ -6,8 +6,7 @@ from cyclopts import App, CycloptsError, Parameter
 
 from trundle.cli.shared.field_options import option_for, options_class
 from trundle.files.choice import Choice, takes_name
-from trundle.files.config_fields import PoseNumbers, Positive
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Config, PoseNumbers, Positive
 from trundle.mission import Scenario
 
 

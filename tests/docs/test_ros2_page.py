@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from cyclopts import App
 
-from trundle.ros2.navigator_role.refusals import REFUSED_ACTIONS
+from trundle.ros2.navigator_role.role import REFUSED_ACTIONS
 from trundle.ros2.profile import Profile
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -9,7 +9,7 @@ from pxr import Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade, UsdValidation
 
 from trundle.errors import UnknownNameError
 from trundle.export import Scene, export_robot, export_scene, export_world
-from trundle.export.usd_scene import scene_stage
+from trundle.export.usd import scene_stage
 from trundle.geometry import Pose2D, Pose3D
 from trundle.geometry.solids import Box, Solid, Sphere
 from trundle.robots import Robot, robot_names

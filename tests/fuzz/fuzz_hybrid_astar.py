@@ -18,10 +18,10 @@ from trundle.maps.grid import OccupancyGrid
 from trundle.path import Path
 from trundle.planning import Cancellation
 from trundle.planning.cancellation import Patience
-from trundle.planning.enclosure import find_enclosure
 from trundle.planning.hybrid_astar import HybridAStarPlanner
 from trundle.planning.queries.ends import End
 from trundle.planning.queries.query import Query, cell_at
+from trundle.planning.search_rounds import find_enclosure
 
 SIZES = (1, 3, 20, 41, 64, 64, 90, 90)
 EXTREME = (0.0, -1.0, 1e-9, 1e-3, 1e3, 1e9, math.nan, math.inf)

@@ -9,8 +9,8 @@ import pytest
 
 from support.pose_graphs import make_graph
 from trundle.mapping import load_pose_graph, save_pose_graph
-from trundle.mapping.corrections import find_corrections, joined_nodes
 from trundle.mapping.merging import put_together
+from trundle.mapping.parts import find_corrections, joined_nodes
 
 
 def test_graphs_that_are_put_together_keep_all_of_both(tmp_path):

@@ -17,8 +17,8 @@ from trundle.navigation import NavigationStatus
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.observation import Scan
 from trundle.page import COLUMNS, Events, RunLines, csp, frame_of, info_of, render, row_of
-from trundle.page.belief import ellipse_of
 from trundle.page.encoding import pack_array, pack_json, unpack_array, unpack_json
+from trundle.page.frames import ellipse_of
 from trundle.sim import Contact
 
 

@@ -19,7 +19,7 @@ from trundle.errors import (
 from trundle.geometry import Goal, Pose2D, pad_outline
 from trundle.maps.grid import OccupancyGrid
 from trundle.planning import Planner, create_planner, planner_names
-from trundle.planning.grid_planners.astar import AStarPlanner
+from trundle.planning.grid_planners.binary_planner import AStarPlanner
 from trundle.planning.grid_planners.least_cost import LeastCostPlanner
 from trundle.robots import Robot
 

@@ -17,9 +17,9 @@ from trundle.navigation import Navigator
 from trundle.robots import Robot
 from trundle.serve.choosing import Choices
 from trundle.serve.hub import Hub
+from trundle.serve.run_feed import Watch
 from trundle.serve.server import Page, PageServer
 from trundle.serve.steerer import Steerer
-from trundle.serve.watch import Watch
 from trundle.sim import world_of
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.worlds import World

@@ -124,7 +124,7 @@ class Recorder:
             self.save(self.path)
 
     def save(self, path: Path) -> None:
-        """Give the finished file its name.
+        """Rename the finished file to its final name.
 
         Raises:
             OutputError: If there is none, or it cannot be renamed.

@@ -280,8 +280,8 @@ def _drive_in_browser(
     """
     from trundle.mission import Session
     from trundle.navigation import CommandScript
+    from trundle.serve.run_feed import Watch
     from trundle.serve.steerer import Steerer
-    from trundle.serve.watch import Watch
 
     script = None if commands is None else CommandScript(commands, period_s=PERIOD_S)
     agent = _make_navigator(simulator, start) if script is None else script

@@ -128,7 +128,7 @@ def _dispatch(arguments: Sequence[str]) -> int:
 
 
 def _hint_at_verb(verb: str, arguments: Sequence[str]) -> str | None:
-    """Say what to write where the words of a command are in another order; None where that is not clear."""
+    """Return what to write where the words of a command are in another order; None where that is not clear."""
     first = next((argument for argument in arguments if argument in VERBS), None)
     if first is None:
         return None

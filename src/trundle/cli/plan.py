@@ -211,7 +211,7 @@ def _find_target(out: FilePath | None) -> FilePath | None:
 
 
 def _moved(path: Path) -> dict[str, str]:
-    """Say which ends were moved to where the robot fits."""
+    """Return which ends were moved to where the robot fits."""
     ends = {"start": path.start_snapped_m, "goal": path.goal_snapped_m}
     moved = [
         f"the {end} by {distance:.3f} m to where the robot fits" for end, distance in ends.items() if distance > 0.0

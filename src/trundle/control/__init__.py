@@ -2,8 +2,7 @@
 
 from trundle.control.checkers import GoalChecker, ProgressChecker
 from trundle.control.collision_monitor import CollisionMonitor, MonitorAction, MonitorReport, MonitorSettings
-from trundle.control.controller import Controller, ControllerLike, Rollouts, controller_names, create_controller
-from trundle.control.intent import Intent
+from trundle.control.controller import Controller, ControllerLike, Intent, Rollouts, controller_names, create_controller
 
 __all__ = [
     "CollisionMonitor",

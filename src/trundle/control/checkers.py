@@ -33,7 +33,7 @@ class GoalChecker:
             check_number(field.name, getattr(self, field.name), 0.0, math.inf)
 
     def is_reached(self, pose: Pose2D, twist: Twist2D, goal: Pose2D, *, any_yaw: bool) -> bool:
-        """Whether a robot at `pose`, moving with `twist`, has arrived; `any_yaw` where the goal has no yaw."""
+        """Return whether a robot at `pose`, moving with `twist`, has arrived; `any_yaw` where the goal has no yaw."""
         return (
             self.is_within(pose, goal, any_yaw=any_yaw)
             and abs(twist.v) <= self.stopped_linear
@@ -41,7 +41,7 @@ class GoalChecker:
         )
 
     def is_within(self, pose: Pose2D, goal: Pose2D, *, any_yaw: bool) -> bool:
-        """Whether a pose is in the tolerance."""
+        """Return whether a pose is in the tolerance."""
         if math.hypot(goal.x - pose.x, goal.y - pose.y) > self.xy_tolerance:
             return False
         return any_yaw or abs(wrap_angle(goal.yaw - pose.yaw)) <= self.yaw_tolerance
@@ -78,11 +78,11 @@ class ProgressChecker:
         self._pose = None
 
     def is_moving_on(self, pose: Pose2D, time: float) -> bool:
-        """Whether the robot, at `pose` at `time` [s], has made progress within the allowance."""
+        """Return whether the robot, at `pose` at `time` [s], has made progress within the allowance."""
         return self.standing_s(pose, time) <= self.movement_time_allowance
 
     def standing_s(self, pose: Pose2D, time: float) -> float:
-        """For how long the robot, at `pose` at `time` [s], has made no progress [s]."""
+        """Return for how long [s] a robot that is at `pose` at `time` [s] has made no progress."""
         last = self._pose
         if (
             last is None

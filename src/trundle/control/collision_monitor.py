@@ -14,12 +14,11 @@ import numpy as np
 from pydantic import Field
 
 from trundle.control.collision import stopping_poses
-from trundle.control.intent import Intent
+from trundle.control.controller import Intent
 from trundle.control.latency import DelayedCommands, Latency
 from trundle.control.sensed_points import Edges, Points, SensedPoints, box_around
 from trundle.errors import InputError
-from trundle.files.config_fields import NotNegative, Positive
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Config, NotNegative, Positive
 from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.observation import Scan, check_scans
 from trundle.robots import Robot

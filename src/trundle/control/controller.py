@@ -1,4 +1,4 @@
-"""The protocol of controllers, and the controllers by name."""
+"""The protocol of controllers, what one means to command next (`Intent`), and the controllers by name."""
 
 from __future__ import annotations
 
@@ -6,18 +6,59 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
-from trundle.control.intent import Intent
+import numpy as np
+
 from trundle.control.latency import Latency
 from trundle.costmap import Costmap
 from trundle.fault import wrong_result
 from trundle.files.choice import Choice, split_choice
-from trundle.geometry import FloatArray, Pose2D, Twist2D
+from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist
 from trundle.maps import OccupancyGrid
 from trundle.observation import Track
 from trundle.path import Path
 from trundle.registry import Contract, PluginFunction, Registry, is_foreign, keywords_taken, name_of, offered_arguments
 from trundle.robots import Robot
 from trundle.values import check_kind
+
+_SAME = 1e-3  # [m/s] and [rad/s]: rounding in single precision is below it
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Intent:
+    """How a controller means to drive from now on, if nothing changes.
+
+    Attributes:
+        twists: Commands (v, w) [m/s, rad/s] one after the other, shape (N, 2); the first is the one that it returned.
+        step_s: How long each is kept up [s]; the last one from then on.
+    """
+
+    twists: FloatArray
+    step_s: float
+
+    def begins_with(self, command: Twist2D) -> bool:
+        """Return whether a command is its first one: one that something else has changed leads elsewhere."""
+        if len(self.twists) == 0:
+            return False
+        v, w = self.twists[0].tolist()
+        return abs(v - command.v) <= _SAME and abs(w - command.w) <= _SAME
+
+    def poses(self, times: FloatArray) -> FloatArray:
+        """Return poses (x, y, yaw) of base_link at these times [s], ascending, from (0, 0, 0) on; shape (K, 3)."""
+        x = y = yaw = now = 0.0
+        poses: list[tuple[float, float, float]] = []
+        last = len(self.twists) - 1
+        twists: list[list[float]] = self.twists.tolist()
+        index = 0
+        for time in times.tolist():
+            while index < last and (index + 1) * self.step_s <= time:
+                end = (index + 1) * self.step_s
+                x, y, yaw = integrate_twist(x, y, yaw, twists[index][0], twists[index][1], end - now)
+                now, index = end, index + 1
+            x, y, yaw = integrate_twist(x, y, yaw, twists[index][0], twists[index][1], time - now)
+            now = time
+            poses.append((x, y, yaw))
+        return np.array(poses).reshape(-1, 3)
+
 
 CONTROLLERS: Registry[Controller] = Registry(
     "controller",
@@ -81,20 +122,20 @@ class Controller(Protocol):
         """
 
     def set_latency(self, latency: Latency) -> None:
-        """Take how late scans and commands arrive from now on; a `Navigator` hands it on before a run.
+        """Set how late scans and commands arrive from now on; a `Navigator` passes it on before a run.
 
         The pose and twist that `compute_velocity` gets are already those at which the command takes effect. The default
         does nothing.
         """
 
     def set_tracks(self, tracks: Sequence[Track]) -> None:
-        """Take what the scans show to move, predicted to now, map frame; a `Navigator` calls it before each command.
+        """Set the tracks of what moves, predicted to now, map frame; a `Navigator` calls it before each command.
 
         The default does nothing: what moves is then avoided where it stands in the costmap.
         """
 
     def set_through(self, marks: Sequence[float], tolerance: float) -> None:
-        """Take the poses that the path has to pass before its end; a `Navigator` calls it before each command.
+        """Set the poses that the path has to pass before its end; a `Navigator` calls it before each command.
 
         The default does nothing, for controllers that stay on the path anyway.
 
@@ -112,7 +153,7 @@ class Controller(Protocol):
         return None
 
     def rollouts(self) -> Rollouts | None:
-        """The best of what it sampled in the last control period, for pictures; None where it has sampled nothing."""
+        """Return the best samples of the last control period, for pictures; None if there were none."""
         return None
 
     def compute_velocity(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
@@ -153,7 +194,7 @@ made with those of `robot`, `map` and the options that its parameters name."""
 
 
 def controller_names() -> list[str]:
-    """Names that `create_controller` takes, sorted."""
+    """Return names that `create_controller` takes, sorted."""
     return CONTROLLERS.names()
 
 
@@ -281,7 +322,7 @@ class ControllerAdapter(Controller):
             return ""
 
     def rollouts(self) -> Rollouts | None:
-        """The best samples, where the controller draws some; see `Controller`."""
+        """Return the best samples, where the controller draws some; see `Controller`."""
         return self.controller.rollouts() if "rollouts" in self._has else None
 
     def set_path(self, path: Path) -> None:

@@ -55,7 +55,7 @@ class DelayedCommands:
         self._sent: list[tuple[float, Twist2D]] = []
 
     def send(self, command: Twist2D, time: float) -> None:
-        """Take a command that is sent now [s]; it replaces those sent at this time or later."""
+        """Record a command that is sent now [s]; it replaces those sent at this time or later."""
         if self.delay_s <= 0.0:
             return
         sent = self._sent
@@ -67,17 +67,17 @@ class DelayedCommands:
             del sent[0]
 
     def replace_last(self, command: Twist2D) -> None:
-        """Take what was really sent instead of the last command, such as what a monitor made of it."""
+        """Replace the last command by what was really sent, such as what a monitor made of it."""
         if self._sent:
             self._sent[-1] = (self._sent[-1][0], command)
 
     def in_effect(self, time: float) -> Twist2D | None:
-        """The command that the wheels follow at a time [s]; None if none has arrived by then."""
+        """Return the command that the wheels follow at a time [s]; None if none has arrived by then."""
         arrived = [command for sent, command in self._sent if sent + self.delay_s <= time + _SAME_S]
         return arrived[-1] if arrived else None
 
     def predict(self, pose: Pose2D, twist: Twist2D, time: float) -> tuple[Pose2D, Twist2D]:
-        """Pose and twist of the robot when a command that is sent now takes effect.
+        """Return the pose and twist of the robot when a command that is sent now takes effect.
 
         Args:
             pose: Of base_link now, any frame.

@@ -184,7 +184,7 @@ class RegulatedPurePursuit(Controller):
             self._begin_turn(vertices[0].turn, pose)
 
     def _pad(self, costmap: Costmap, motions: list[Motion]) -> FloatArray:
-        """The padded outline; where the path passes closer to something, padded by half of its clearance there.
+        """Return the padded outline; where the path passes closer to something, padded by half of its clearance there.
 
         Where the path touches something it is blocked, and the padding stays as it is.
         """
@@ -230,7 +230,7 @@ class RegulatedPurePursuit(Controller):
     def _pursue_ideally(
         self, section: Section, yaw: float, lookahead: float, costmap: Costmap
     ) -> tuple[float | None, float]:
-        """Arc length [m] at which an ideal pursuit first collides, or None; and by how much it misses the end."""
+        """Return the arc length [m] of an ideal pursuit's first collision, or None; and how far it misses the end."""
         driven, along = section.pursue(yaw, lookahead)
         if len(driven) == 0:
             return None, 0.0
@@ -271,7 +271,7 @@ class RegulatedPurePursuit(Controller):
         self._turn = _Turn(turn, pose.yaw) if abs(turn) > _TURN_DONE_RAD else None
 
     def _turn_speed(self, remaining: float) -> float:
-        """Turning speed [rad/s] that can still stop at the end of the turn."""
+        """Return turning speed [rad/s] that can still stop at the end of the turn."""
         limits, settings = self._robot.limits, self.settings
         fastest = min(settings.rotate_to_heading_angular_vel, limits.angular_speed)
         braking = math.sqrt(2.0 * settings.approach_deceleration * limits.angular_acceleration * abs(remaining))
@@ -325,7 +325,7 @@ class RegulatedPurePursuit(Controller):
 
     @staticmethod
     def _distance_to_obstacle(pose: Pose2D, costmap: Costmap) -> float:
-        """Distance [m] from base_link to the nearest obstacle, read back from the cost; infinite outside inflation."""
+        """Return the distance [m] from base_link to the nearest obstacle, by the cost; infinite outside inflation."""
         cost = cost_under(costmap, pose.x, pose.y)
         if cost == 0:
             return math.inf
@@ -344,7 +344,7 @@ class RegulatedPurePursuit(Controller):
 
 
 def _least_room(costmap: Costmap, first: FloatArray, last: FloatArray) -> float:
-    """Clearance [m] of the footprint along a straight line or a turn in place."""
+    """Return the clearance [m] of the footprint along a straight line or a turn in place."""
     length, turn = math.dist(first[:2], last[:2]), abs(float(last[2] - first[2]))
     pieces = max(1, math.ceil(max(length / _ROOM_STEP_M, turn / _ROOM_STEP_RAD)))
     return float(costmap.clearance(np.linspace(first, last, pieces + 1)).min())
@@ -391,5 +391,5 @@ class DrivingOff:
         return Twist2D(share * command.v, share * command.w)
 
     def note(self, command: Twist2D) -> None:
-        """Take the command that was chosen."""
+        """Note the command that was chosen."""
         self._last = command.v

@@ -62,7 +62,7 @@ class Section:
         self.length = self.starts[-1]
 
     def motions(self) -> list[Motion]:
-        """The lines along it and the turn at its end, as a robot drives them."""
+        """Return the lines along it and the turn at its end, as a robot drives them."""
         turn = math.pi if self.backward else 0.0
         motions: list[Motion] = []
         for (x0, y0), (x1, y1), heading in zip(self.points, self.points[1:], self.headings, strict=False):
@@ -71,17 +71,17 @@ class Section:
         return [*motions, turn_by(end, self.end_turn)]
 
     def point_at(self, s: float) -> tuple[float, float]:
-        """Point (x, y) at arc length `s` [m]; past the end it goes on straight."""
+        """Return the point (x, y) at arc length `s` [m]; past the end it goes on straight."""
         leg = self._leg_at(s)
         (x, y), heading, along = self.points[leg], self.headings[leg], s - self.starts[leg]
         return x + along * math.cos(heading), y + along * math.sin(heading)
 
     def heading_at(self, s: float) -> float:
-        """Direction [rad] of the polyline at arc length `s` [m]."""
+        """Return the direction [rad] of the polyline at arc length `s` [m]."""
         return self.headings[self._leg_at(s)]
 
     def project(self, x: float, y: float, s: float, window: float) -> float:
-        """Arc length [m] of the point nearest to (x, y) between `s` and `s + window`."""
+        """Return the arc length [m] of the point nearest to (x, y) between `s` and `s + window`."""
         best, best_distance = s, math.inf
         for leg in range(self._leg_at(s), len(self.headings)):
             start, end = self.starts[leg], self.starts[leg + 1]
@@ -97,7 +97,7 @@ class Section:
         return best
 
     def travel_yaw(self, yaw: float) -> float:
-        """Direction of travel [rad] of a robot with this yaw, and the yaw for a direction of travel."""
+        """Return the direction of travel [rad] of a robot with this yaw, and the yaw for a direction of travel."""
         return yaw + math.pi if self.backward else yaw
 
     def curvature(self, x: float, y: float, yaw: float, s: float, lookahead: float) -> tuple[float, float]:
@@ -139,13 +139,13 @@ class Section:
 
 
 def turn_by(pose: tuple[float, float, float], turn: float) -> Motion:
-    """A turn in place from a pose (x, y, yaw) by an angle [rad]."""
+    """Return a turn in place from a pose (x, y, yaw) by an angle [rad]."""
     x, y, yaw = pose
     return pose, (x, y, yaw + turn)
 
 
 def path_vertices(path: Path) -> list[Vertex]:
-    """Places where a path starts, bends and ends, with the turn at each; straight stretches have none inside.
+    """Return places where a path starts, bends and ends, with the turn at each; straight stretches have none inside.
 
     The first vertex's turn is from the start's yaw to the first direction, the last one's from the last direction to
     the goal's yaw. A path that stays at one place is a single vertex.
@@ -175,13 +175,13 @@ def path_vertices(path: Path) -> list[Vertex]:
 
 
 def _robot_yaw(here: Sequence[float], there: Sequence[float], *, backward: bool) -> float:
-    """Yaw [rad] of a robot that drives straight from one place to the next."""
+    """Return the yaw [rad] of a robot that drives straight from one place to the next."""
     heading = math.atan2(there[1] - here[1], there[0] - here[0])
     return heading + math.pi if backward else heading
 
 
 def changes_direction(vertices: Sequence[Vertex], i: int) -> bool:
-    """Whether the robot changes between driving forward and backward at an inner vertex of the path."""
+    """Return whether the robot changes between driving forward and backward at an inner vertex of the path."""
     return 0 < i < len(vertices) - 1 and vertices[i].backward != vertices[i - 1].backward
 
 

@@ -39,7 +39,7 @@ class Points:
     moves: bool
 
     def within(self, low: FloatArray, high: FloatArray) -> Points:
-        """Those in a box, and those that move."""
+        """Return those in a box, and those that move."""
         x, y = self.places[:, 0], self.places[:, 1]
         kept = (x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1])
         kept |= (self.velocities[:, 0] != 0.0) | (self.velocities[:, 1] != 0.0)
@@ -48,7 +48,7 @@ class Points:
         return Points(self.places[kept], self.velocities[kept], counts, self.names, self.moves)
 
     def lidar_of(self, index: int) -> str:
-        """The name of the lidar that saw a point."""
+        """Return the name of the lidar that saw a point."""
         return self.names[bisect.bisect_right(list(itertools.accumulate(self.counts)), index)]
 
 
@@ -106,7 +106,7 @@ class SensedPoints:
         self.times: dict[str, float] = {}
 
     def add(self, scans: Sequence[Scan], time: float, odometry: Pose2D) -> None:
-        """Take the scans that arrived by now [s], with the pose of base_link in the odom frame.
+        """Add the scans that arrived by now [s], with the pose of base_link in the odom frame.
 
         A scan that is older than the last one of its lidar, from the future or from before the first pose is left out.
         """
@@ -133,7 +133,7 @@ class SensedPoints:
                     break
 
     def around(self, time: float, odometry: Pose2D, reach: float, horizon: float, oldest: float) -> Points:
-        """What the latest scans hit within `reach` [m] of base_link, where it is now: base_link, [m].
+        """Return what the latest scans hit within `reach` [m] of base_link, where it is now: base_link, [m].
 
         What moves is continued at its velocity up to now, and counts farther away: by what it drives in `horizon` [s].
         Scans from before `oldest` [s] do not count.
@@ -205,7 +205,7 @@ class Edges:
     def distances(
         self, points: FloatArray, poses: FloatArray, moved: FloatArray | None = None, times: FloatArray | None = None
     ) -> FloatArray:
-        """Distance [m] of each point from the outline at each pose: negative inside, and at a corner a little short.
+        """Return the distance [m] of points from the outline at poses: negative inside, a little short at a corner.
 
         Args:
             points: [m], shape (N, 2).

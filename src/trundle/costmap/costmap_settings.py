@@ -10,8 +10,7 @@ from pydantic import Field
 from trundle.costmap.costmap import Costmap
 from trundle.costmap.costs import DEFAULT_COST_SCALING_FACTOR, DEFAULT_UNKNOWN_COST, UnknownPolicy
 from trundle.errors import InputError
-from trundle.files.config_fields import NotNegative
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Config, NotNegative
 from trundle.maps.grid import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
 from trundle.robots import Robot

@@ -261,7 +261,7 @@ class _Run:
 
 
 def _note_rows(folder: Path, given_up: GivenUp) -> None:
-    """Take the outcomes of the rows that a folder has."""
+    """Count the outcomes of the rows that a folder has."""
     with Results.open(folder) as results:
         found = results.columns("index", "outcome")
     is_error = found["outcome"] == "error"
@@ -351,7 +351,7 @@ class SuiteRunner:
         self.close()
 
     def _is_left_out(self, index: int) -> bool:
-        """Whether an episode is not to be tried: it is given up, or needs a part that failed twice in set-up."""
+        """Return whether an episode is not to be tried: it is given up, or needs a part that failed twice in set-up."""
         if self._given_up.has(index):
             return True
         if not self._unprepared:

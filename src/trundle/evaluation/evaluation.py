@@ -161,7 +161,7 @@ class Evaluation:
         yield from self.results.rows()  # holds this, and so the copy that is read, until the last row
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Its rows as a data frame (extra `evaluate`)."""
+        """Return its rows as a data frame (extra `evaluate`)."""
         return self.results.to_pandas()
 
     def query(self, sql: str) -> pandas.DataFrame:
@@ -181,7 +181,7 @@ class Evaluation:
         return [gate.judge(self.table) for gate in self._parse(require)]
 
     def summary(self, require: Sequence[str] | None = None) -> dict[str, Any]:
-        """The figures of `summary.json`."""
+        """Return the figures of `summary.json`."""
         results = self.results
         return summarise(self.table, total=results.total, gates=self.gates(require), stopped=results.stopped)
 
@@ -197,7 +197,7 @@ class Evaluation:
         return compare(self.table, other.table, names=(self.folder, other.folder))
 
     def scenario_of(self, prefix: str, *, map: str | os.PathLike[str] | None = None) -> Scenario:
-        """The exact scenario of the episode whose id starts so; running it repeats the episode.
+        """Return the exact scenario of the episode whose id starts so; running it repeats the episode.
 
         Args:
             prefix: The start of its id.
@@ -215,7 +215,7 @@ class Evaluation:
         return EpisodeTask(suite).scenario_of(row.index)
 
     def map_of(self, place: str) -> OccupancyGrid | None:
-        """The map of a place by the key that its rows have; None where it cannot be made (any more).
+        """Return the map of a place by the key that its rows have; None where it cannot be made (any more).
 
         It knows the places of `table.failed` and `table.examples`, which reports draw.
         """
@@ -266,7 +266,7 @@ class Evaluation:
         return f"{self.folder.rstrip('/')}/{HTML}"
 
     def read_summary(self) -> dict[str, Any]:
-        """The figures of summary.json as `write_report` wrote them.
+        """Return the figures of summary.json as `write_report` wrote them.
 
         Raises:
             InputError: If it was not written, or is damaged.

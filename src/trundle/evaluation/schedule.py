@@ -110,7 +110,7 @@ class GivenUp:
         self._errors: Counter[int] = Counter()
 
     def note(self, index: int, outcome: str) -> None:
-        """Take the outcome of an episode; each only once."""
+        """Count the outcome of an episode; call it once for each."""
         if outcome == "error" and self._order.rank_of(index) < PROBATION:
             self._errors[index % self._order.cases] += 1
 

@@ -16,8 +16,15 @@ import numpy.typing as npt
 
 from trundle.errors import InputError, WorldError
 from trundle.extras import missing_extra
-from trundle.files.opening import check_regular, describe_unreadable, exists, open_file, read_up_to
-from trundle.files.parser_errors import parser_errors, parser_reason
+from trundle.files.opening import (
+    check_regular,
+    describe_unreadable,
+    exists,
+    open_file,
+    parser_errors,
+    parser_reason,
+    read_up_to,
+)
 from trundle.files.xml_elements import parse_xml, read_source
 from trundle.geometry import FloatArray
 from trundle.geometry.solids import Color, Mesh

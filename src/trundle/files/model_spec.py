@@ -18,8 +18,7 @@ import numpy as np
 
 from trundle.errors import InputError
 from trundle.files.mesh import read_mesh
-from trundle.files.opening import check_regular, describe_unreadable, exists, is_file
-from trundle.files.parser_errors import parser_errors
+from trundle.files.opening import check_regular, describe_unreadable, exists, is_file, parser_errors
 from trundle.files.uris import describe_search, find_uri
 from trundle.files.xacro import expand_xacro
 from trundle.files.xml_elements import XmlElement, read_source, read_xml

@@ -11,8 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError
-from trundle.files.opening import describe_unreadable, open_file
-from trundle.files.parser_errors import parser_reason
+from trundle.files.opening import describe_unreadable, open_file, parser_reason
 from trundle.values import as_path
 
 MAX_BYTES = 4_000_000_000

@@ -1,4 +1,7 @@
-"""Opening files to read: regular files only, because a pipe or device could block the reader."""
+"""Opening files to read, regular files only, and the exceptions of third-party parsers as one typed error.
+
+A pipe or a device could block the reader. Parsers raise any exception on a bad file.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +12,71 @@ import itertools
 import os
 import pathlib
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import BinaryIO
 
-from trundle.errors import TrundleError
+from trundle.errors import InputError, TrundleError
+
+_NOT_UTF8 = "it contains text that is not UTF-8"
+
+_DAMAGED = "the file is damaged, or holds something that is not supported: write it again, or in another format"
+_SILENT = (AssertionError, LookupError, TypeError, AttributeError, ArithmeticError, StopIteration, NotImplementedError)
+"""Exceptions of parsers whose messages are about their code, and not about the file."""
+
+_ABOUT_ARRAYS = (
+    "cannot reshape",
+    "buffer is smaller",
+    "buffer size must be",
+    "setting an array element",
+    "operands could not be broadcast",
+    "all the input array dimensions",
+    "Maximum allowed dimension",
+    "Maximum allowed size",
+    "array is too big",
+)
+"""How NumPy's messages begin that are about a reader's arrays, and not about the file."""
+
+_NOTHING = ("", "Caught an unknown exception!", "Unknown exception", "unknown error", "None")
+
+
+@contextmanager
+def parser_errors(message: str, error: type[InputError]) -> Iterator[None]:
+    """Raise a typed error for any exception of a parser. Only calls of the parser belong in the block.
+
+    On a bad file a parser may raise anything, from KeyError to RecursionError. Outside the block, the same exceptions
+    are bugs in trundle and propagate unchanged.
+
+    Args:
+        message: The file and what could not be done; the parser's reason is added.
+        error: Type of the exception.
+
+    Raises:
+        InputError: Of the type `error`, from the parser's exception.
+    """
+    try:
+        yield
+    except TrundleError:
+        raise
+    except Exception as problem:
+        raise error(f"{message}: {parser_reason(problem)}") from problem
+
+
+def parser_reason(problem: BaseException) -> str:
+    """Return the message of an exception on one line. If it says nothing to a user, say so, and what to do."""
+    try:
+        text = str(problem)
+    except UnicodeDecodeError:  # its message quotes the file's bytes
+        text = ""
+        problem = UnicodeError()
+    if isinstance(problem, UnicodeError):
+        return _NOT_UTF8
+    text = " ".join(text.split())
+    if isinstance(problem, _SILENT) or text in _NOTHING or text.startswith(_ABOUT_ARRAYS):
+        known = "" if text in _NOTHING else f" ({type(problem).__name__}: {text})"
+        return f"its reader gives no reason{known or f' ({type(problem).__name__})'}; {_DAMAGED}"
+    return text
+
 
 Path = str | os.PathLike[str]
 
@@ -78,7 +143,7 @@ def check_regular(path: Path) -> int:
 
 
 def is_file(path: Path) -> bool:
-    """Whether a path is a regular file; False if the text is not a valid path."""
+    """Return whether a path is a regular file; False if the text is not a valid path."""
     try:
         check_regular(path)
     except OSError:
@@ -87,7 +152,7 @@ def is_file(path: Path) -> bool:
 
 
 def exists(path: Path) -> bool:
-    """Whether this path exists."""
+    """Return whether this path exists."""
     try:
         pathlib.Path(path).stat()
     except (OSError, ValueError):
@@ -96,7 +161,7 @@ def exists(path: Path) -> bool:
 
 
 def describe_unreadable(path: Path, error: OSError, wanted: str = "") -> str:
-    """Say why a file cannot be read, and what to do about it.
+    """Return why a file cannot be read, and what to do about it.
 
     Args:
         path: The file.

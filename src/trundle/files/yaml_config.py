@@ -1,4 +1,7 @@
-"""Reading YAML with limits, validated by pydantic; every mistake is reported as `file:line:column`."""
+"""Reading YAML with limits, validated by pydantic, with the types of fields that several settings share.
+
+Every mistake is reported as `file:line:column`. The units of fields appear in the JSON Schema and in range messages.
+"""
 
 from __future__ import annotations
 
@@ -6,17 +9,71 @@ import math
 import os
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
 
 import yaml
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, ValidationInfo
+from pydantic_core import PydanticCustomError
 
 from trundle.errors import AngleWarning, InputError
-from trundle.files.config_fields import ACCEPT_DEGREES, DEGREES, REFUSE_DEGREES
 from trundle.files.kinds import describe_mismatch, kind_of_keys
 from trundle.files.yaml_nodes import compose, keys_of, place
 from trundle.files.yaml_problems import describe_problems
+from trundle.geometry import wrap_angle
+from trundle.geometry.poses import FORM, describe_degrees, is_in_degrees, parse_angle, warn_of_degrees
 from trundle.registry import without_files
+from trundle.values import is_finite_number
+
+ANGLES = "angles"
+"""Validation context key: what to do with an angle that is probably in degrees."""
+
+_REFUSE, _ACCEPT = "refuse", "accept"
+REFUSE_DEGREES, ACCEPT_DEGREES = {ANGLES: _REFUSE}, {ANGLES: _ACCEPT}
+"""Contexts: raise a problem of type `DEGREES`, which keeps its location; or accept the angle silently."""
+
+DEGREES = "angle_in_degrees"
+"""Problem type: the angle exceeds a full turn."""
+
+
+def read_angle(value: object, info: ValidationInfo) -> object:
+    """Read `90deg`; warn about an angle larger than a full turn, unless the context says otherwise."""
+    if isinstance(value, str):
+        try:
+            value = parse_angle(value)
+        except ValueError:
+            raise PydanticCustomError("angle", "{text} is not an angle; write " + FORM, {"text": repr(value)}) from None
+    if is_finite_number(value) and is_in_degrees(value):
+        wish = (info.context or {}).get(ANGLES)
+        if wish == _REFUSE:
+            raise PydanticCustomError(DEGREES, "{message}", {"message": describe_degrees(value)})
+        if wish != _ACCEPT:
+            warn_of_degrees(value, "angle")
+        return wrap_angle(value)
+    return value
+
+
+def _read_pose(value: object, info: ValidationInfo) -> object:
+    """Read the yaw of (x, y, yaw) as an angle."""
+    if isinstance(value, list | tuple) and len(value) == 3:
+        return (*value[:2], read_angle(value[2], info))
+    return value
+
+
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+
+Angle = Annotated[
+    float, BeforeValidator(read_angle, json_schema_input_type=float | str), Field(json_schema_extra={"unit": "rad"})
+]
+"""[rad]; text may be degrees, `90deg`."""
+
+PoseNumbers = Annotated[
+    tuple[float, ...],
+    BeforeValidator(_read_pose, json_schema_input_type=list[float | str]),
+    Field(min_length=2, max_length=3),
+]
+"""(x, y) or (x, y, yaw) [m, m, rad]; the yaw may be text in degrees, `90deg`."""
+
 
 Plain = None | bool | int | float | str | list["Plain"] | dict[str, "Plain"]
 ModelT = TypeVar("ModelT", bound=BaseModel)

@@ -83,7 +83,7 @@ def describe_problems(
 
 
 def _is_other_branch(problem: ErrorDetails, problems: Sequence[ErrorDetails]) -> bool:
-    """Whether a mapping was also tried as a number or the like: the type that takes a mapping says what is wrong."""
+    """Return whether the type tried is not one for mappings: another one, which takes them, says what is wrong."""
     union = problem["loc"][:-1]
     return (
         isinstance(problem["input"], Mapping)

@@ -6,7 +6,6 @@ with all warnings and errors. The child protects against accidents and bad files
 are trusted. `process` starts this child and those of other packages.
 """
 
-from trundle.guard.limits import ReadLimits, read_limits
-from trundle.guard.reading import Child, ReadCall, in_kit, read_guarded
+from trundle.guard.reading import Child, ReadCall, ReadLimits, in_kit, read_guarded, read_limits
 
 __all__ = ["Child", "ReadCall", "ReadLimits", "in_kit", "read_guarded", "read_limits"]

@@ -159,7 +159,7 @@ def uncounted_growth() -> Iterator[None]:
 
 
 def _address_space() -> int | None:
-    """Address space of this process [bytes]; None if the system does not limit it."""
+    """Return the address space of this process [bytes]; None if the system does not limit it."""
     try:
         with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123 - pathlib is not imported yet
             return int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE")

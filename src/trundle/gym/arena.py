@@ -145,7 +145,7 @@ def _descend(field: npt.NDArray[np.float32], steps: int) -> npt.NDArray[np.int32
 
 
 def _guide_costs(costmap: Costmap) -> npt.NDArray[np.uint8]:
-    """Costs of cells from 8, in the open, to 208, where the robot nearly touches something."""
+    """Return costs of cells from 8, in the open, to 208, where the robot nearly touches something."""
     costs = 8 + (costmap.data.astype(np.int64) * 200) // (INSCRIBED - 1)
     return np.where(costmap.data >= INSCRIBED, 255, costs).astype(np.uint8)
 

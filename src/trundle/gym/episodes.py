@@ -13,8 +13,7 @@ from trundle.errors import InputError, WorldError
 from trundle.gym.arena import Arena
 from trundle.gym.arrays import HOST, episode_keys, seed_keys, stream_numbers, uniform
 from trundle.gym.lookup import Lookup
-from trundle.gym.navigation_settings import SPLITS, NavigationSettings
-from trundle.gym.variation import Variation
+from trundle.gym.navigation_settings import SPLITS, NavigationSettings, Variation
 from trundle.sim.batch import NOTHING, BatchSimulator
 
 _TRIES = 16
@@ -306,7 +305,7 @@ class Episodes:
         return self.figures(*(self.arrays.copy(self._nobody) for _ in range(3)))
 
     def _terms(self, actions: Any, before: Any, away: Any, arrived: Any, contact: Any, active: Any) -> dict[str, Any]:
-        """What each reward term measures, float64, shape (N,); 0 where a robot is not active."""
+        """Return what each reward term measures, float64, shape (N,); 0 where a robot is not active."""
         arrays, wanted = self.arrays, self.settings.rewards
         everyone = self._everyone if active is None else active
         terms = {"progress": self.distances - away}

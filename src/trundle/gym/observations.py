@@ -109,7 +109,7 @@ class Observer:
         return np.stack(np.meshgrid(middle, middle), axis=-1).reshape(-1, 2)
 
     def _direction(self, x: Any, y: Any, cos: Any, sin: Any) -> Any:
-        """Distance of an offset (x, y), map frame, and cosine and sine of its direction in base_link, shape (N, 3)."""
+        """Return the length of an offset (x, y), and cosine and sine of its direction in base_link, shape (N, 3)."""
         arrays = self._episodes.arrays
         distance = arrays.lib.hypot(x, y)
         scale = arrays.lib.maximum(distance, self._least)

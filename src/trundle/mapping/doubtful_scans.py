@@ -20,8 +20,8 @@ _CELL_M = 0.15  # points in a cell where something moves, or in one beside it, a
 _ROW = 1 << 20  # of cells, farther than any lidar sees
 _AROUND = np.add.outer((-_ROW, 0, _ROW), (-1, 0, 1)).ravel()
 _LEAST_SHARE = 0.5  # where less than that stands, the wheels slip, and it is the robot that does not move
-_OLDEST_S = 0.5
-_FARTHEST_M = 20.0
+_OLDEST_S = 0.5  # older scans are not compared with
+_FARTHEST_M = 20.0  # beyond, beams of half a degree are more than a cell apart
 
 
 class MovingThings:
@@ -38,7 +38,7 @@ class MovingThings:
         self._sensed = SensedPoints(robot.planar)
 
     def leave_out(self, surface: Surface, observation: Observation) -> Surface:
-        """Take an observation and what it saw, and return the points that stand, [m] in base_link.
+        """Return the points of an observation that do not move, base_link [m].
 
         Where the robot was is taken from the odometry alone: by matches that have begun to go with people, these stand.
         """
@@ -57,13 +57,13 @@ class MovingThings:
 
 
 def _cells(points: FloatArray) -> npt.NDArray[np.int64]:
-    """The number of each point's cell, shape (N,)."""
+    """Return the number of each point's cell, shape (N,)."""
     col, row = np.floor(points / _CELL_M).astype(np.int64).T
     return row * _ROW + col
 
 
 _NEAR_M, _NEAR_RAD = 2.0, 1.0  # after longer steps a scan may well show another place
-_FEWEST_POINTS = 50
+_FEWEST_POINTS = 50  # the fit of fewer says little
 # Nothing of what is seen is known, in so many scans. On five public logs, with odometry that turns by 2° a metre, the
 # worst scan of 8,400 fits by 0.27.
 _STRANGE_FIT, _STRANGE_SCANS = 0.1, 3
@@ -88,7 +88,7 @@ class CarriedAway:
     def judge(
         self, observation: Observation, moved: Pose2D, fit: float, points: int
     ) -> Literal["here", "in doubt", "carried away"]:
-        """Say whether scans show the place where the robot should be; what is in doubt should not be mapped.
+        """Return whether scans show the place where the robot should be; what is in doubt should not be mapped.
 
         Args:
             observation: The scans.

@@ -244,8 +244,8 @@ def _close_gaps(cells: npt.NDArray[np.int8], widest: int) -> None:
                 cells[:, step : step + last][gap] = _WALL
 
 
-_MOVED_M, _MOVED_RAD = 0.01, 0.001
-_BLANK_CELLS = 20
+_MOVED_M, _MOVED_RAD = 0.01, 0.001  # a node that moves by less has not moved
+_BLANK_CELLS = 20  # edge of the unknown map around a robot that has not seen anything
 
 
 class LiveMap:

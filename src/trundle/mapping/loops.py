@@ -23,15 +23,18 @@ from trundle.mapping.window import match_surface
 
 _APART = 45  # nodes: what is nearer is in the window of the front end
 _VIEW_M = 6.0  # how far apart two places are that see the same
+# Where the drift since then leaves no more open than this, correlative search is quick enough; else branch and bound.
 _NEAR_M, _NEAR_RAD = 0.6, math.radians(8.0)
-_WIDEST_M = 25.0
-_NEAR_TRIES, _FAR_TRIES = 3, 6
+_WIDEST_M = 25.0  # the widest window that is searched, however far the robot may have drifted
+_NEAR_TRIES, _FAR_TRIES = 3, 6  # submaps that are compared with one key frame, which bounds the time of a loop
+# What a match is at least. benchmarks/mapping/slam.py shows what other values do to five public logs.
 _NEAR_FIT, _FAR_FIT = 0.55, 0.55
 _FAR_OVERLAP = 0.65
-_POINTS = 120
+_POINTS = 120  # of a key frame that are searched with, at most one in each square of
 _POINT_CELL_M = 0.15
 _YAW_STEP = math.radians(1.0)
 _LEAST_SCORE = 130.0  # of 255
+# Other places are kept that reach this share of the best score and are so far apart; the search has a limit of nodes.
 _SHARE, _APART_M, _APART_RAD, _MOST, _MOST_NODES = 0.93, 0.6, 0.2, 3, 300_000
 _AGREE = 3  # matches of different key frames
 # How much better than elsewhere the right place fits at least. Than nearer to where the poses say, it has to be more,
@@ -44,6 +47,7 @@ _LEAST_PART = 2  # key frames: what is seen from one place alone, such as a corn
 _LAST_EVERY = 8  # key frames that are compared with old ones at the end
 _KEPT, _MOST_PENDING = 150, 100  # key frames, and matches
 _FARTHEST_M = 60.0  # between matches that are compared: over more the odometry proves nothing
+# Added to the covariance of a match [m², rad²]: no loop is surer.
 _FLOOR = np.diag((0.02**2, 0.02**2, math.radians(0.25) ** 2))
 
 
@@ -188,7 +192,7 @@ class LoopFinder:
         return clique
 
     def _clique(self, loop: Loop) -> list[Loop]:
-        """A match, and those of other key frames that agree with it and with each other."""
+        """Return a match, and those of other key frames that agree with it and with each other."""
         clique = [loop]
         for one in sorted(self._pending, key=lambda each: -each.fit):
             if all(one.b != other.b and self._agree(one, other) for other in clique):
@@ -196,7 +200,7 @@ class LoopFinder:
         return clique
 
     def _beats_rivals(self, clique: list[Loop]) -> bool:
-        """Whether no other place fits these key frames nearly as well: symmetric rooms have several."""
+        """Return whether no other place fits these key frames nearly as well: symmetric rooms have several."""
         nodes, moved, score = {one.b for one in clique}, self._moved_by(clique), None
         for one in self._pending:
             if one.b in nodes and one not in clique and not any(self._agree(one, other) for other in clique):
@@ -210,7 +214,7 @@ class LoopFinder:
         return True
 
     def _score(self, loops: list[Loop]) -> float:
-        """How well key frames fit in the mean, less what their beams pass through."""
+        """Return how well key frames fit in the mean, less what their beams pass through."""
         return sum(one.fit - _THROUGH_COUNTS * self._through(one) for one in loops) / len(loops)
 
     def _through(self, loop: Loop) -> float:
@@ -220,7 +224,7 @@ class LoopFinder:
         return self._passed[key]
 
     def _moved_by(self, loops: list[Loop]) -> float:
-        """How far from where the poses say key frames are matched, in the mean [m]; 0 in another part."""
+        """Return how far from where the poses say key frames are matched, in the mean [m]; 0 in another part."""
         nodes = self._nodes
         if nodes.parts[loops[0].a] != nodes.parts[loops[0].b]:
             return 0.0
@@ -228,7 +232,7 @@ class LoopFinder:
         return sum(at.distance_to(one.transform) for at, one in zip(places, loops, strict=True)) / len(loops)
 
     def _is_possible(self, clique: list[Loop]) -> bool:
-        """Whether two parts can be joined like that: of buildings with many rooms, some fit others all too well."""
+        """Return whether two parts can be joined like that: in a large building, unlike rooms may fit all too well."""
         nodes = self._nodes
         old = nodes.parts[clique[0].a]
         if old == nodes.parts[clique[0].b]:
@@ -238,7 +242,7 @@ class LoopFinder:
         return sum(self._through(one) for one in clique) / len(clique) <= _MOST_THROUGH
 
     def _agree(self, first: Loop, second: Loop) -> bool:
-        """Whether the two matches close to nearly nothing with the way between their ends."""
+        """Return whether the two matches close to nearly nothing with the way between their ends."""
         nodes, (a, b), (c, d) = self._nodes, (first.a, first.b), (second.a, second.b)
         if nodes.parts[a] != nodes.parts[c] or nodes.parts[b] != nodes.parts[d]:
             return False
@@ -340,7 +344,7 @@ def seen_through(nodes: Nodes, submaps: Submaps, a: int, b: int, transform: Pose
 
 
 def _view(nodes: Nodes, node: int) -> _View:
-    """What a key frame saw; the points of one lidar come after those of another."""
+    """Return what a key frame saw; the points of one lidar come after those of another."""
     points, sensors = nodes.key_points(node)
     if not len(points):
         return _View(points, ())
@@ -355,7 +359,7 @@ def _view(nodes: Nodes, node: int) -> _View:
 
 
 def _count(beams: _Beams, points: FloatArray) -> tuple[int, int]:
-    """How many points the beams beside them reach, and through how many of these they pass."""
+    """Return how many points the beams beside them reach, and through how many of these they pass."""
     bearings, lengths = _polar(points - beams.origin)
     index, count = np.searchsorted(beams.bearings, bearings), len(beams.bearings)
     sides = np.stack([(index - 1) % count, index % count])

@@ -19,12 +19,10 @@ from trundle.localization.amcl.beams import BeamPicker
 from trundle.localization.localizer import check_covariance
 from trundle.mapping.doubtful_scans import CarriedAway, MovingThings
 from trundle.mapping.drawing import LiveMap
-from trundle.mapping.key_frames import RecentSurfaces, SeenPlaces
+from trundle.mapping.key_frames import RecentSurfaces, SeenPlaces, Travel, doubt_of, motion_spread, turned
 from trundle.mapping.loops import Loop, LoopFinder
-from trundle.mapping.motion import Travel, doubt_of, motion_spread, turned
 from trundle.mapping.nodes import MOST_POINTS, Floating, Nodes, Surface, make_surface
-from trundle.mapping.optimizer import contradicts, fits, is_true, optimize
-from trundle.mapping.parts import component_of, join_parts, nearest_joined
+from trundle.mapping.parts import component_of, contradicts, fits, is_true, join_parts, nearest_joined, optimize
 from trundle.mapping.pose_graph import FARTHEST_M, FOLLOWS, LOOP, PoseGraph
 from trundle.mapping.pose_graph_file import load_pose_graph, save_pose_graph
 from trundle.mapping.submaps import Submaps
@@ -36,12 +34,12 @@ from trundle.values import check_count, check_kind, check_number
 
 _LEAST_M, _LEAST_RAD = 0.02, math.radians(0.5)  # less motion than that is not worth a match
 _KEPT_M, _KEPT_RAD = 0.10, math.radians(5.0)  # scans that the map is drawn from
-_KEY_M, _KEY_RAD = 0.4, math.radians(20.0)
-_EDGE_FLOOR = np.diag((0.008**2, 0.008**2, math.radians(0.1) ** 2))
-_LOST_FIT, _SHORTEST_M = 0.2, 0.01
+_KEY_M, _KEY_RAD = 0.4, math.radians(20.0)  # between key frames, which the graph and its loops are made of
+_EDGE_FLOOR = np.diag((0.008**2, 0.008**2, math.radians(0.1) ** 2))  # no edge of the graph is surer [m², rad²]
+_LOST_FIT, _SHORTEST_M = 0.2, 0.01  # scans that fit worse show another place; the least range that may be asked for
 _LOOP_EVERY, _MOST_LATE = 2, 10  # one in so many key frames is compared with old ones; loops that need no solving
 _LEAP_M = 100.0  # what was seen before and after a step of this length has nothing in common
-_BY_HAND = np.diag((0.25**2, 0.25**2, math.radians(5.0) ** 2))
+_BY_HAND = np.diag((0.25**2, 0.25**2, math.radians(5.0) ** 2))  # of a pose that somebody told [m², rad²]
 _LOST_VARIANCES = (1.0, 1.0, 1.0)  # [m², rad²]
 _NOTHING = Surface(*np.empty((3, 0, 2)))
 
@@ -137,13 +135,13 @@ class Mapper:
         self._begin(Nodes(self.robot), Pose2D(0.0, 0.0) if pose is None else Pose2D.of(pose))
 
     def new_part(self) -> None:
-        """Say that the robot was carried away: what follows is joined when it recognises something."""
+        """Start a new part, as the robot was carried away; it is joined to the others when it recognises something."""
         if self._key is not None:
             self._picker.reset()
             self._begin_part()
 
     def relocate(self, pose: Pose2D, covariance: FloatArray | None = None) -> None:
-        """Take that the robot is at a pose of the map. What was mapped stays, and what follows is drawn from there.
+        """Set the pose of the robot on the map. What was mapped stays, and what follows is drawn from there.
 
         What follows is a part that hangs together with the map by what was told, with its covariance of (x, y, yaw)
         [m², rad²] besides that of a hand on a map, until it recognises something: then it is moved to where that is.
@@ -176,7 +174,7 @@ class Mapper:
         return roots[self._key[0]] == roots[0]
 
     def update(self, observation: Observation) -> Estimate:
-        """Take an observation; return where the robot is.
+        """Map an observation, and return where the robot is.
 
         Raises:
             InputError: If the time is not after that of the last one.
@@ -239,7 +237,7 @@ class Mapper:
             self._add_scans(observation, since)
 
     def _see_nothing(self, observation: Observation) -> None:
-        """Take scans that met nothing: they saw free space, and where the robot is the odometry alone says."""
+        """Map scans that met nothing: they saw free space, and the pose is that of the odometry alone."""
         if not any((scan.ranges >= min(scan.range_max, self._longest)).any() for scan in observation.scans):
             return
         if self._key is None or self._last is None:

@@ -9,8 +9,7 @@ import numpy as np
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.mapping.mapper import Mapper
-from trundle.mapping.pose_graph import Lidar, PoseGraph
-from trundle.mapping.pose_graph_check import MOST_LIDARS
+from trundle.mapping.pose_graph import MOST_LIDARS, Lidar, PoseGraph
 from trundle.robots import Robot
 from trundle.values import check_number
 

@@ -15,9 +15,9 @@ from trundle.mapping.pose_graph import FARTHEST_M, FOLLOWS, LOOP, Lidar, PoseGra
 from trundle.observation import Scan
 from trundle.robots import Robot
 
-_BODY_PADDING_M = 0.03
+_BODY_PADDING_M = 0.03  # hits so near to the outline are on the robot: ranges have noise
 _GAP, _LEAST_GAP_M = 0.07, 0.15  # two beams of 1 degree on a wall at 15 degrees are 0.07 of the range apart
-MOST_POINTS = 720
+MOST_POINTS = 720  # of a scan: two in each degree of a turn, which is more than is matched
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,7 +223,7 @@ class Nodes:
 
     @classmethod
     def from_graph(cls, graph: PoseGraph, robot: Robot) -> Nodes:
-        """Take a graph to continue it."""
+        """Read the nodes of a graph, to continue it."""
         nodes = cls(robot)
         nodes.lidars = list(graph.lidars)
         nodes.times = graph.times.tolist()
@@ -245,7 +245,7 @@ class Nodes:
 
 
 def _travelled(nodes: Nodes) -> list[float]:
-    """How far the robot had driven at each node, by the edges from one node to the next."""
+    """Return how far the robot had driven at each node, by the edges from one node to the next."""
     far = [0.0] * len(nodes)
     for (a, b, kind), transform in zip(nodes.edges, nodes.transforms, strict=True):
         if kind == FOLLOWS and b > a:

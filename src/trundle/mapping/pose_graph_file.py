@@ -20,12 +20,10 @@ import numpy.typing as npt
 
 from trundle.errors import InputError
 from trundle.files.npz import MAX_BYTES
-from trundle.files.opening import describe_unreadable, open_file
-from trundle.files.parser_errors import parser_reason
+from trundle.files.opening import describe_unreadable, open_file, parser_reason
 from trundle.files.writing import atomic_path
 from trundle.geometry import Pose2D
-from trundle.mapping.pose_graph import Lidar, PoseGraph
-from trundle.mapping.pose_graph_check import MOST_BEAMS, MOST_LIDARS, check_pose_graph
+from trundle.mapping.pose_graph import MOST_BEAMS, MOST_LIDARS, Lidar, PoseGraph, check_pose_graph
 from trundle.values import as_path, check_kind
 
 FORMAT = "trundle pose graph"

@@ -17,7 +17,7 @@ from trundle.mapping.nodes import Nodes
 from trundle.mapping.pose_graph import LOOP
 from trundle.mapping.window import CELL_M
 
-KEY_FRAMES = 12
+KEY_FRAMES = 12  # of a submap: with one every 0.4 m it is 5 m long
 _KEPT = 24  # surfaces in memory, up to 5 MB each
 _LOOP_LENGTH_M = 0.5  # what a closed loop counts as
 
@@ -67,7 +67,7 @@ class Submaps:
                 self.tie(a, b)
 
     def add(self, node: int) -> bool:
-        """Take a new node; return whether it is the last one of its submap."""
+        """Add a new node; return whether it is the last one of its submap."""
         part = self._nodes.parts[node]
         last = self.all[-1] if self.all else None
         if last is None or last.part != part or last.last - last.first + 1 >= KEY_FRAMES:

@@ -17,7 +17,8 @@ from trundle.geometry import FloatArray, Pose2D
 from trundle.mapping.nodes import Surface
 
 CELL_M = 0.1
-_KEY_FRAMES = 40
+_KEY_FRAMES = 40  # of the window: older ones are matched as submaps, when the robot comes back
+# The search compares its points at every pose of a grid, the match at every step alone, so that it can afford more.
 _SEARCH_POINTS = 120
 _MATCH_POINTS = 240
 # Points are picked in between evenly over the beams and evenly along what was seen: by the root of their distance, up
@@ -33,7 +34,7 @@ _FIRST_WIDTH_M, _LAST_WIDTH_M, _NOISE_M, _MOST_BEAMS, _ITERATIONS = 0.2, 0.08, 0
 _POOR_FIT, _BETTER = 0.65, 0.1
 _WIDE_M, _WIDE_RAD = 0.25, math.radians(8.0)
 SETTINGS = np.array((_FIRST_WIDTH_M, _LAST_WIDTH_M, _NOISE_M, _MOST_BEAMS, _ITERATIONS))
-_MOST_BYTES = 32 << 20
+_MOST_BYTES = 32 << 20  # of the window's tiles: beyond, those that the robot has left behind are dropped
 _MOST_REACH_M, _MOST_REACH_RAD = 2.0, math.radians(30.0)  # after a step of many metres a search takes too long
 
 

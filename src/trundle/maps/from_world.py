@@ -55,7 +55,7 @@ def find_surface(solids: Sequence[Solid], resolution: float, corner: tuple[float
 
 
 def _is_aligned(solid: Solid) -> bool:
-    """Whether a solid is a box whose sides are parallel to the axes."""
+    """Return whether a solid is a box whose sides are parallel to the axes."""
     if not isinstance(solid.shape, Box):
         return False
     rotation = np.abs(solid.pose.rotation())

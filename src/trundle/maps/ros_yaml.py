@@ -16,7 +16,7 @@ from trundle.errors import InputError, MapError, MapWarning
 from trundle.files.kinds import MAP, describe_mismatch, kind_of_keys
 from trundle.files.yaml_nodes import compose, keys_of, place
 from trundle.geometry import Pose2D, wrap_angle
-from trundle.geometry.angles import is_in_degrees, parse_angle
+from trundle.geometry.poses import is_in_degrees, parse_angle
 from trundle.maps.cells import MAX_ORIGIN, SURFACES, Surface
 from trundle.maps.occupancy import MODES, Mode, PixelRule
 

@@ -303,7 +303,7 @@ _COUNT = struct.Struct("<I")
 
 
 def learn_particle_cloud(codec: Codec) -> None:
-    """Let a codec know the type."""
+    """Register the type with a codec."""
     codec.register(PARTICLE_CLOUD, _TEXT)
 
 

@@ -13,8 +13,7 @@ from trundle.control import MonitorSettings
 from trundle.control.latency import Latency
 from trundle.costmap import CostmapSettings, LayersSettings
 from trundle.files.choice import Choice, takes_name, takes_plugin
-from trundle.files.config_fields import Angle, NotNegative, PoseNumbers, Positive
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Angle, Config, NotNegative, PoseNumbers, Positive
 from trundle.geometry import FloatArray, Footprint, Pose2D, wrap_angle
 from trundle.maps.cells import MOST_CELLS
 from trundle.mission.goal_fields import GoalFields
@@ -119,7 +118,7 @@ class AssumedLimits(Config):
     angular_acceleration: TurningAcceleration | None = None
 
     def within(self, own: Limits) -> Limits:
-        """The lower of these limits and a robot's own."""
+        """Return the lower of these limits and a robot's own."""
         back = own.linear_speed if own.reverse_speed is None else own.reverse_speed
         given = {name: value for name, value in self.model_dump().items() if value is not None}
         kept = {**own.model_dump(), "reverse_speed": back}
@@ -150,7 +149,7 @@ class Assumed(Config):
         return tuple((float(x), float(y)) for x, y in Footprint(np.asarray(corners)).outline)
 
     def of(self, robot: Robot) -> Robot:
-        """The robot as its software takes it."""
+        """Return the robot as its software takes it."""
         changes: dict[str, object] = {}
         if self.footprint is not None:
             changes["footprint"] = self.footprint

@@ -7,8 +7,7 @@ from typing import Annotated, TypeAlias, cast
 
 from pydantic import Discriminator, Tag
 
-from trundle.files.config_fields import Angle, NotNegative, PoseNumbers
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Angle, Config, NotNegative, PoseNumbers
 from trundle.geometry import Goal
 from trundle.navigation.behaviors import Behavior, Spin, Wait
 from trundle.navigation.behaviors.behavior import BehaviorChoices, shorten_behavior
@@ -67,14 +66,14 @@ def make_goal(given: tuple[float, ...] | WaypointFields) -> Goal:
 
 
 def exact_goals(goals: Sequence[Goal], given: Sequence[tuple[float, ...] | WaypointFields] | None) -> dict[str, object]:
-    """The fields `goal` and `goals` of a scenario whose goals are known; those with tasks stay as they were given."""
+    """Return the fields `goal` and `goals` of a scenario with known goals; those with tasks stay as they were given."""
     if given is not None and any(isinstance(one, WaypointFields) for one in given):
         return {"goal": None, "goals": tuple(given)}
     return {"goal": goals[0], "goals": None} if len(goals) == 1 else {"goal": None, "goals": tuple(goals)}
 
 
 def position_of(given: tuple[float, ...] | WaypointFields) -> tuple[float, float]:
-    """The goal's x and y [m]."""
+    """Return the goal's x and y [m]."""
     x, y = (given.pose if isinstance(given, WaypointFields) else given)[:2]
     return x, y
 

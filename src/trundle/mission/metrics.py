@@ -82,7 +82,7 @@ class TrueMaps:
         self._free: tuple[Costmap, npt.NDArray[np.uint8]] | None = None
 
     def get(self, world: World, robot: Robot, points: FloatArray, *, resolution: float, margin: float) -> Costmap:
-        """The map that `map_world` makes."""
+        """Return the map that `map_world` makes."""
         bounds = self.bounds(world)
         extent = map_extent(world, points, resolution=resolution, margin=margin, bounds=bounds)
         key = (id(world), id(robot), extent)
@@ -92,19 +92,19 @@ class TrueMaps:
         return self._map
 
     def bounds(self, world: World) -> tuple[FloatArray, FloatArray]:
-        """Bounds (low, high) [m] of each solid of a world, each of shape (N, 3)."""
+        """Return bounds (low, high) [m] of each solid of a world, each of shape (N, 3)."""
         if self._bounds is None or self._bounds[0] is not world:
             self._bounds = world, solids_bounds(world.solids)
         return self._bounds[1]
 
     def search(self, true_map: Costmap) -> GridSearch:
-        """What finds shortest paths of the footprint's inscribed disc on a map."""
+        """Return what finds shortest paths of the footprint's inscribed disc on a map."""
         if self._search is None or self._search[0] is not true_map:
             self._search = true_map, GridSearch(true_map.data >= INSCRIBED)
         return self._search[1]
 
     def free(self, true_map: Costmap) -> npt.NDArray[np.uint8]:
-        """The Chebyshev distance [cells] of each cell of a map to the nearest one that a solid reaches into."""
+        """Return the Chebyshev distance [cells] of each cell of a map to the nearest one that a solid reaches into."""
         if self._free is None or self._free[0] is not true_map:
             self._free = true_map, chebyshev_field((true_map.data >= LETHAL).view(np.uint8))
         return self._free[1]
@@ -176,7 +176,7 @@ def measure_truth(
 
 
 def _near_clearances(costmap: Costmap, poses: FloatArray, free: npt.NDArray[np.uint8] | None) -> FloatArray:
-    """Clearances [m] of poses, shape (N,), exact near the least one, and otherwise at least what is near.
+    """Return clearances [m] of poses, shape (N,), exact near the least one, and otherwise at least what is near.
 
     Near is what `least_clearance` looks at more closely. On a map with room around all poses, `free` tells which are
     in the tightest places; a few of these tell how far near is.
@@ -220,7 +220,7 @@ def near_boxes(truth: Truth, boxes: Sequence[DroppedBox], poses: FloatArray, rob
 def shortest_length(
     true_map: Costmap, points: FloatArray, driven: FloatArray, *, search: GridSearch | None = None
 ) -> float:
-    """Length [m] of the shortest path of the footprint's inscribed disc through some points in turn.
+    """Return the length [m] of the shortest path of the footprint's inscribed disc through some points in turn.
 
     It is the shortest in any direction past the cells that the disc's centre must keep off; cells that the robot has
     driven through count as free, as it has shown.
@@ -253,7 +253,7 @@ def shortest_length(
 
 
 def _driven_cells(true_map: Costmap, driven: FloatArray) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-    """Rows and columns of the cells of a driven line, by which a path among cells may follow it."""
+    """Return rows and columns of the cells of a driven line, by which a path among cells may follow it."""
     steps = np.diff(driven, axis=0)
     parts = np.maximum(np.ceil(4.0 * np.hypot(*steps.T) / true_map.resolution).astype(int), 1)
     number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
@@ -354,12 +354,12 @@ def compute_metrics(
 
 
 def _percentile_95(values: FloatArray) -> float:
-    """What 95 % of some values do not exceed. `np.percentile` is the same, and imports more of NumPy in each worker."""
+    """Return the 95 % quantile, as `np.percentile` does, which imports more of NumPy in each worker."""
     return float(np.interp(0.95 * (len(values) - 1), np.arange(len(values)), np.sort(values)))
 
 
 def cross_track_errors(trajectory: Trajectory, paths: Sequence[Path]) -> FloatArray:
-    """Distance [m] from base_link to the path followed, for every row that has one; shape (M,), M ≤ N."""
+    """Return the distance [m] from base_link to the path followed, for every row that has one; shape (M,), M ≤ N."""
     parts: list[FloatArray] = []
     for index, path in enumerate(paths):
         rows = trajectory.path == index
@@ -369,5 +369,5 @@ def cross_track_errors(trajectory: Trajectory, paths: Sequence[Path]) -> FloatAr
 
 
 def distances_to_polyline(points: FloatArray, corners: FloatArray) -> FloatArray:
-    """Distance [m] of each of `points` (N, 2) to the nearest place on a polyline with `corners` (M, 2), M ≥ 1."""
+    """Return the distance [m] of each of `points` (N, 2) from a polyline with `corners` (M, 2), M ≥ 1."""
     return polyline_distances(np.ascontiguousarray(points), np.ascontiguousarray(corners))

@@ -180,15 +180,15 @@ class Observer(Protocol):
     """
 
     def on_start(self, run: RunInfo) -> None:
-        """Before the first step; nothing has moved yet."""
+        """Observe the start, before anything has moved."""
         ...
 
     def on_step(self, step: Step) -> None:
-        """After the start and after every control period."""
+        """Observe the start, and then every control period."""
         ...
 
     def on_end(self, episode: Episode) -> None:
-        """When the run is over, however it ended."""
+        """Observe the end of the run, however it ended."""
         ...
 
 
@@ -197,7 +197,7 @@ class SubstepObserver(Observer, Protocol):
     """An observer that also follows the physics steps of simulators that report them: `kinematic` and `mujoco` do."""
 
     def on_substep(self, substep: Substep) -> None:
-        """After every physics step, before the control period that it belongs to."""
+        """Observe a physics step, before the control period that it belongs to."""
         ...
 
 

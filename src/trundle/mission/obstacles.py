@@ -17,8 +17,7 @@ from pydantic_core import PydanticCustomError
 from trundle._core import label_components
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import ScenarioError
-from trundle.files.config_fields import NotNegative, Positive
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Config, NotNegative, Positive
 from trundle.geometry import FloatArray, Pose3D, path_length
 from trundle.geometry.solids import Box, Cylinder, Solid
 from trundle.maps import FREE, OCCUPIED, OccupancyGrid

@@ -176,7 +176,7 @@ class MapKeeper:
         return OwnMap(grid, graph, self._largest)
 
     def take_told(self, estimate: Estimate) -> None:
-        """Take that the localizer was told where the robot is: that moves the estimate, and corrects no map."""
+        """Note that the localizer was told where the robot is: that moves the estimate, and corrects no map."""
         self._last = estimate
 
     def _note(self, estimate: Estimate) -> None:

@@ -54,7 +54,7 @@ def draw_drive(
 
 
 def read_overlay(folder: FilePath) -> Image.Image | None:
-    """The overlay of a run's folder, reduced to a notebook's width; none where there is none that can be read."""
+    """Return the overlay of a run's folder, reduced to a notebook's width; None if it cannot be read."""
     file = folder / "overlay.png"
     if not is_file(file):
         return None

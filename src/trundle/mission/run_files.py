@@ -85,7 +85,7 @@ def _refuse(constant: str) -> float:
 
 
 def _describe_missing(folder: FilePath) -> str:
-    """Say why a folder has no record."""
+    """Return why a folder has no record."""
     if not exists(folder):
         return f"{folder}: no such folder; give the folder that trundle run wrote"
     if not folder.is_dir():

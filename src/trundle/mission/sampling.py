@@ -133,7 +133,7 @@ _areas: WeakKeyDictionary[Costmap, npt.NDArray[np.int32]] = WeakKeyDictionary()
 
 
 def _find_areas(costmap: Costmap) -> npt.NDArray[np.int32]:
-    """Number of the area of each cell that is wide enough, 0 elsewhere; kept for the next mission on this costmap."""
+    """Return the area's number of each cell that is wide enough, else 0; kept for the next mission on this costmap."""
     areas = _areas.get(costmap)
     if areas is None:
         areas, _ = label_components(_wide_enough(costmap).view(np.uint8), diagonal=False)

@@ -112,7 +112,7 @@ class Scenario(ScenarioFields):
         return self._with_paths(paths).plain()
 
     def plain(self) -> dict[str, Any]:
-        """Its settings as plain values, in the short forms of its YAML."""
+        """Return its settings as plain values, in the short forms of its YAML."""
         dumped = self.model_dump(mode="json", exclude_none=True)
         settings = {key: dumped[key] for key in describe_fields(type(self)) if key in dumped}
         for key in ("world", *PLUGINS, "backend", "record"):
@@ -196,7 +196,7 @@ class Scenario(ScenarioFields):
         return setting.with_simulator(sim)
 
     def assumed_robot(self, robot: Robot) -> Robot:
-        """What its software takes a robot for: the robot itself, unless `assumed` says otherwise."""
+        """Return what its software takes a robot for: the robot itself, unless `assumed` says otherwise."""
         return robot if self.assumed is None else self.assumed.of(robot)
 
     @property

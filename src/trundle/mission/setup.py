@@ -84,7 +84,7 @@ def load_masks(scenario: ScenarioFields) -> tuple[KeepoutMask | None, SpeedMask 
 
 
 def place_key(scenario: ScenarioFields) -> str:
-    """What `make_place` depends on, as JSON: scenarios of one key have one place."""
+    """Return what `make_place` depends on, as JSON: scenarios of one key have one place."""
     fields = ("map", "map_options", "compat", "keepout", "speed_mask", "robot", "resolution", "floor_z", "movers")
     key = scenario.model_dump(mode="json", include={"world", *fields})
     if scenario.world is None:
@@ -103,7 +103,7 @@ def _unknown(scenario: ScenarioFields) -> Any:
 
 
 def _make_world(scenario: ScenarioFields, robot: Robot) -> tuple[World, OccupancyGrid, float]:
-    """The world with its floor at z = 0, its map, and how high the floor was before [m]."""
+    """Return the world with its floor at z = 0, its map, and how high the floor was before [m]."""
     if scenario.map is not None:
         walls = scenario.map_options or MapOptions()
         grid = OccupancyGrid.load(scenario.map, compat=scenario.compat, max_cells=walls.max_cells)
@@ -126,7 +126,7 @@ def _make_world(scenario: ScenarioFields, robot: Robot) -> tuple[World, Occupanc
 
 
 def _choose_floor(scenario: ScenarioFields, world: World, robot: Robot) -> float:
-    """Height of the floor [m]; that of a generated world is 0."""
+    """Return the height of the floor [m]; that of a generated world is 0."""
     choice = scenario.world
     if scenario.floor_z is not None or choice is None or not choice.is_file or _opens_file(scenario):
         return scenario.floor_z or 0.0
@@ -136,12 +136,12 @@ def _choose_floor(scenario: ScenarioFields, world: World, robot: Robot) -> float
 
 
 def _opens_file(scenario: ScenarioFields) -> bool:
-    """Whether the backend simulates the world's file itself, on its own floor."""
+    """Return whether the backend simulates the world's file itself, on its own floor."""
     return scenario.backend.name == "isaac" or "environment" in scenario.backend.options
 
 
 def _map_bounds(scenario: ScenarioFields, world: World, robot: Robot) -> Bounds | None:
-    """Bounds that hold a file's world, and the robot at its start and goals near it; none where that is the world.
+    """Return bounds of a file's world with the robot at its start and goals near it; None for the world's own.
 
     A file's world may have no walls around it, and a robot comes from outside.
     """
@@ -173,7 +173,7 @@ class SessionOptions(TypedDict, total=False):
 
 
 def session_options(scenario: ScenarioFields, grid: OccupancyGrid, robot: Robot) -> SessionOptions:
-    """What a scenario puts between the simulator and the navigator.
+    """Return what a scenario puts between the simulator and the navigator.
 
     Raises:
         UnknownNameError: If there is no such localizer, or the robot has no lidar of a given name.
@@ -207,7 +207,7 @@ def check_sees(localizer: Choice | None, robot: Robot) -> None:
 
 
 def backend_options(scenario: ScenarioFields) -> dict[str, Any]:
-    """Options that the backend is started with."""
+    """Return options that the backend is started with."""
     options = dict[str, Any](scenario.backend.options)
     if scenario.lidar:
         options["lidar"] = scenario.lidar
@@ -232,7 +232,7 @@ def wrap_backend(scenario: ScenarioFields, backend: Simulator) -> Simulator:
 
 
 def backend_of(simulator: Simulator) -> Simulator:
-    """The backend that `wrap_backend` was given."""
+    """Return the backend that `wrap_backend` was given."""
     while isinstance(simulator, SimulatorWrapper):
         simulator = simulator.inner
     return simulator

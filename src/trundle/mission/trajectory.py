@@ -92,7 +92,7 @@ class Trajectory:
 
     @classmethod
     def columns(cls) -> tuple[str, ...]:
-        """Names of the arrays."""
+        """Return names of the arrays."""
         return tuple(column.name for column in fields(cls))
 
     def __len__(self) -> int:

@@ -60,7 +60,7 @@ def describe_remarks(remarks: Iterable[Remark]) -> list[str]:
 
 
 def _rank(remark: Remark) -> int:
-    """How much a parameter says about the motion: which controller, how fast, how the controller drives, the rest."""
+    """Return the rank of a parameter: which controller, how fast, how the controller drives, and then the rest."""
     if remark.node == "controller_server":
         return 0 if remark.name.endswith(".plugin") else 2
     return {"velocity_smoother": 1, "planner_server": 3, "collision_monitor": 4}.get(remark.node, 5)

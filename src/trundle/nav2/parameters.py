@@ -96,7 +96,7 @@ class NodeParameters:
         return NodeParameters(self.name, self._parameters, f"{self._prefix}{name}", file=self._file)
 
     def has(self, name: str) -> bool:
-        """Whether the file gives a parameter."""
+        """Return whether the file gives a parameter."""
         return f"{self._prefix}{name}" in self._parameters
 
     def find(self, name: str) -> Parameter | None:

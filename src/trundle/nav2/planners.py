@@ -78,7 +78,7 @@ def read_planner(server: NodeParameters, notes: Notes) -> dict[str, object]:
 
 
 def reads_unknown(server: NodeParameters) -> bool:
-    """Whether the planner may cross unknown cells.
+    """Return whether the planner may cross unknown cells.
 
     Raises:
         InputError: If `allow_unknown` is neither true nor false.
@@ -162,7 +162,7 @@ def read_smoother(server: NodeParameters, notes: Notes) -> dict[str, object] | N
 
 
 def is_plain_cost(options: Options) -> bool:
-    """Whether weights of `least_cost` are NavFn's."""
+    """Return whether weights of `least_cost` are NavFn's."""
     return options.get("cost_weight", COST_WEIGHT) == COST_WEIGHT and (
         options.get("neutral_cost", NEUTRAL_COST) == NEUTRAL_COST
     )

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Literal, NamedTuple, Protocol, cast
 
 from trundle.control import GoalChecker, Rollouts
-from trundle.control.intent import Intent
+from trundle.control.controller import Intent
 from trundle.control.latency import Latency
 from trundle.costmap import Costmap
 from trundle.errors import InputError, PlanningError, ScenarioError
@@ -186,11 +186,11 @@ class Agent(ABC):
     # What it says of itself -----------------------------------------------------------------------------------------
 
     def info(self) -> AgentInfo:
-        """Say what it is and drives with; a session asks before a run. By default only the name of its class."""
+        """Return what it is and drives with; a session asks before a run. By default only the name of its class."""
         return AgentInfo(type(self).__name__)
 
     def report(self, *, rollouts: bool = False) -> AgentReport:
-        """Say what it is doing; a session asks after every `update`. By default only the status.
+        """Return what it is doing; a session asks after every `update`. By default only the status.
 
         Args:
             rollouts: Whether the best samples of its controller are wanted, which may take time.
@@ -219,7 +219,7 @@ class Agent(ABC):
         """Take what was sent to the robot instead of the last command, where a check of the run changed it."""
 
     def assist_teleop(self, command: Twist2D, observation: Observation, estimate: Estimate) -> AssistedCommand:
-        """Say what of a command by hand may be sent; called instead of `update` while the robot is driven by hand.
+        """Return what of a command by hand may be sent; called instead of `update` while the robot is driven by hand.
 
         By default all of it: the agent knows nothing that the robot could touch.
         """

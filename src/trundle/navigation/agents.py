@@ -43,7 +43,7 @@ otherwise. See `FunctionAgent`, and `AgentAdapter` for an object that does not d
 
 
 def agent_names() -> list[str]:
-    """Names that `create_agent` takes, sorted: those of installed packages."""
+    """Return names that `create_agent` takes, sorted: those of installed packages."""
     return AGENTS.names()
 
 
@@ -146,7 +146,7 @@ class AgentAdapter(Agent):
         return self._read({"dt": "dt"}).get("dt", CONTROL_PERIOD_S)
 
     def _read(self, names: Mapping[str, str]) -> dict[str, Any]:
-        """Those of its attributes that it has and that are not None, by the names that they have in trundle."""
+        """Return those of its attributes that it has and that are not None, by the names that they have in trundle."""
         found = {ours: getattr(self.agent, theirs, None) for ours, theirs in names.items()}
         return {name: value for name, value in found.items() if value is not None}
 
@@ -163,12 +163,12 @@ class AgentAdapter(Agent):
         return self.agent.update(observation, estimate)
 
     def info(self) -> AgentInfo:
-        """Say what it is and drives with, as far as it has attributes that say so."""
+        """Return what it is and drives with, as far as it has attributes that say so."""
         said: dict[str, Any] = {"controller": type(self.agent).__name__, **self._read(self._INFO)}
         return AgentInfo(**said, plugins=(self.agent,))
 
     def report(self, *, rollouts: bool = False) -> AgentReport:
-        """Say what it is doing, as far as it has attributes that say so."""
+        """Return what it is doing, as far as it has attributes that say so."""
         return AgentReport(read_status(self.agent), **self._read(self._REPORT))
 
 
@@ -198,7 +198,7 @@ class FunctionAgent(Agent):
         return f"FunctionAgent({self.controller_name}, {self.status.value})"
 
     def info(self) -> AgentInfo:
-        """Say how the function is called."""
+        """Return how the function is called."""
         return AgentInfo(self.controller_name, goal_checker=self.goal_checker, plugins=(self.function,))
 
     def reset(self, *, seed: int = 0) -> None:

@@ -30,9 +30,9 @@ BRAKING_SHARE = 0.5
 BESIDE_M = 0.1
 """A limit this far beside the path [m] counts too: controllers cut corners."""
 
-_STEP_M = 0.025
+_STEP_M = 0.025  # half of a usual cell, so that no cell of a mask is skipped
 _FARTHEST_M = 1000.0
-_DRIVING_MPS = 0.05
+_DRIVING_MPS = 0.05  # slower, the robot counts as standing: the curvature w / v would be noise
 
 _SLOWER = (1.0, 0.75, 0.5, 0.25, 0.1)
 """Shares of a command that are tried, the fastest first: few, as each costs a check of the footprint's sweep."""
@@ -92,7 +92,7 @@ class CommandCheck:
         return slow_down_in_unseen(now.costmap, limits, now.pose, now.twist, command, self._dt, padded=self._padded)
 
     def can_stop(self, command: Twist2D, now: Snapshot) -> bool:
-        """Whether a command leaves the robot room to stop before it touches something."""
+        """Return whether a command leaves the robot room to stop before it touches something."""
         limits = self._robot.limits
         return can_stop(now.costmap, limits, now.pose, now.twist, command, self._dt, padded=self._padded)
 
@@ -133,7 +133,7 @@ def assist_teleop(
 def slow_down_in_unseen(
     costmap: Costmap, limits: Limits, pose: Pose2D, twist: Twist2D, command: Twist2D, dt: float, *, padded: FloatArray
 ) -> Twist2D:
-    """The same arc, as slow as it takes to stop before the first cell that was never seen.
+    """Return the same arc, as slow as it takes to stop before the first cell that was never seen.
 
     Where it stands, and in what it hides from its own lidars there, nothing is taken to be in its way.
 
@@ -179,7 +179,7 @@ def _stood_on(costmap: Costmap, pose: Pose2D, rows: slice, cols: slice) -> npt.N
 
 
 def _seen_around(costmap: Costmap, pose: Pose2D, reach: float) -> Costmap | None:
-    """The part of a costmap around a pose, with unseen cells occupied; None if all of it was seen."""
+    """Return the part of a costmap around a pose, with unseen cells occupied; None if all of it was seen."""
     if costmap.unseen is None:
         return None
     row, col = (int(index) for index in costmap.world_to_cell(pose.x, pose.y))
@@ -226,7 +226,7 @@ class SpeedLimiter:
         self._check, self._limits = check, limits_along(check.poses, self._mask, self._top_speed)
 
     def limit(self, pose: Pose2D, twist: Twist2D, index: int, dt: float, *, backwards: bool = False) -> float:
-        """Speed [m/s] that may be driven for `dt` [s]; infinite where nothing limits it.
+        """Return the speed [m/s] that may be driven for `dt` [s]; infinite where nothing limits it.
 
         Args:
             pose: Where the robot is, map frame.
@@ -252,14 +252,14 @@ class SpeedLimiter:
         return float(self._allow(limits[some], distances[some], dt).min()) if some.any() else math.inf
 
     def _allow(self, limits: FloatArray, distances: FloatArray, dt: float) -> FloatArray:
-        """Speeds v with v² = limit² + 2 · braking · (distance − v · dt), and the limit where v is below it."""
+        """Return speeds v with v² = limit² + 2 · braking · (distance − v · dt), and the limit where v is below it."""
         step = self._braking * dt
         room = np.maximum(distances - limits * dt, 0.0)
         return np.sqrt((limits + step) ** 2 + 2.0 * self._braking * room) - step
 
 
 def slow_down(command: Twist2D, limit: float) -> Twist2D:
-    """The same arc within a speed limit [m/s]."""
+    """Return the same arc within a speed limit [m/s]."""
     if abs(command.v) <= limit:
         return command
     share = limit / abs(command.v)
@@ -267,7 +267,7 @@ def slow_down(command: Twist2D, limit: float) -> Twist2D:
 
 
 def limits_along(poses: FloatArray, mask: SpeedMask, top_speed: float) -> FloatArray:
-    """Limits [m/s] at poses (x, y, yaw) [m, m, rad], and 0.1 m to both sides of each: the least of the three.
+    """Return limits [m/s] at poses (x, y, yaw) [m, m, rad], and 0.1 m to both sides of each: the least of the three.
 
     Args:
         poses: Map frame, shape (N, 3).
@@ -294,7 +294,7 @@ def fastest_s(path: Path, robot: Robot, mask: SpeedMask | None) -> float:
 
 
 def _arc(pose: Pose2D, twist: Twist2D, s: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Points x, y [m] after driving s [m] as the robot moves now; straight on where it stands or turns in place."""
+    """Return where the robot is [m] after s [m] on its present arc; straight on if it stands or turns in place."""
     curvature = twist.w / twist.v if abs(twist.v) > _DRIVING_MPS else 0.0
     if abs(curvature) < 1e-6:
         return pose.x + s * math.cos(pose.yaw), pose.y + s * math.sin(pose.yaw)

@@ -77,7 +77,7 @@ class Route:
         self.index = 0
 
     def is_stop(self, index: int) -> bool:
-        """Whether the robot stops at this goal."""
+        """Return whether the robot stops at this goal."""
         return not self._through or index == len(self.goals) - 1 or bool(tasks_of(self.goals[index]))
 
     @property
@@ -94,7 +94,7 @@ class Route:
         return True
 
     def describe(self, index: int) -> str:
-        """A goal in words, such as "goal 2 of 4 (5.00, 3.50)"."""
+        """Return a goal in words, such as "goal 2 of 4 (5.00, 3.50)"."""
         goal = self.goals[index]
         return f"goal {index + 1} of {len(self.goals)} ({goal.x:.2f}, {goal.y:.2f})"
 
@@ -264,7 +264,7 @@ class _Tasks:
         return self._asked is not None or bool(self._tasks)
 
     def step(self, now: Snapshot, state: DriveState) -> Decision:
-        """Go on; the decision has the next command, and none when all are done, or one has failed."""
+        """Run the current task; the decision has the next command, or none when all are done or one has failed."""
         ran = self._runner.step(now, state) if self._is_running else NOTHING
         while ran.command is None:
             if self._is_running and not self._take_result():
@@ -277,7 +277,7 @@ class _Tasks:
         return ran
 
     def _take_result(self) -> bool:
-        """Take the behavior that has ended off the list; return whether it succeeded."""
+        """Remove the behavior that has ended from the list; return whether it succeeded."""
         run = self._runner.runs[-1]
         self._is_running = False
         if self._asked is not None:

@@ -57,7 +57,7 @@ def load_costmap(
 
 
 def read_pose(pose: Pose2D | Sequence[float]) -> Pose2D:
-    """Take where a robot is. A yaw of its odometry may have added up to more than a whole turn.
+    """Read the pose of a robot. The yaw of its odometry may have added up to more than a whole turn.
 
     Raises:
         InputError: If it is no pose.
@@ -91,7 +91,7 @@ class Given(NamedTuple):
 def read_update(
     pose: object, twist: object, time: object, scans: Sequence[Scan], observation: object, estimate: object
 ) -> Given:
-    """Take what `Navigator.update` is given: a pose and what goes with it; or an observation and an estimate.
+    """Read the arguments of `Navigator.update`: a pose and what goes with it; or an observation and an estimate.
 
     These two may be given by name, or by position as `pose` and `twist`.
 
@@ -122,7 +122,7 @@ def read_update(
 
 
 def read_observed(observation: Observation, estimate: Estimate) -> Given:
-    """Take what a session and a localizer give.
+    """Read an observation and an estimate, as a session gives them.
 
     Raises:
         InputError: If its time is not finite, or its scans are none.
@@ -135,7 +135,7 @@ def read_observed(observation: Observation, estimate: Estimate) -> Given:
 
 
 def read_goal(goal: Pose2D | Sequence[float] | float, y: float | None = None, yaw: float | None = None) -> Goal:
-    """Take a goal as `Navigator.set_goal` does.
+    """Read a goal as `Navigator.set_goal` does.
 
     Raises:
         InputError: If these are not two or three finite numbers.

@@ -379,12 +379,12 @@ class Navigator(NavigatorRequests):
         return command
 
     def _last_command(self, now: float) -> Twist2D:
-        """The command that the robot follows now."""
+        """Return the command that the robot follows now."""
         arrived = self._delayed.in_effect(now)
         return self._command if arrived is None else arrived
 
     def _when_taking_effect(self, now: Snapshot) -> Snapshot:
-        """Where the robot is when the next command reaches its wheels."""
+        """Return where the robot is when the next command reaches its wheels."""
         if self._delayed.delay_s <= 0.0:
             return now
         pose, twist = self._delayed.predict(now.pose, now.twist, now.time)

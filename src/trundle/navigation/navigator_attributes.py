@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from trundle.control import Controller, GoalChecker, ProgressChecker, Rollouts, create_controller
-from trundle.control.controller import ControllerLike
-from trundle.control.intent import Intent
+from trundle.control.controller import ControllerLike, Intent
 from trundle.costmap import Costmap
 from trundle.errors import InputError, PlanningError
 from trundle.geometry import Goal, Pose2D

@@ -213,7 +213,7 @@ class NavigatorRequests(NavigatorAttributes):
     # What it says -----------------------------------------------------------------------------------------------------
 
     def info(self) -> AgentInfo:
-        """Say what it is and drives with."""
+        """Return what it is and drives with."""
         return AgentInfo(
             self.controller_name,
             self.planner_name,
@@ -226,7 +226,7 @@ class NavigatorRequests(NavigatorAttributes):
         )
 
     def report(self, *, rollouts: bool = False) -> AgentReport:
-        """Say what it is doing, and why."""
+        """Return what it is doing, and why."""
         # It is asked in every control period: what stands in the properties above is read without them.
         state, replanner, controller = self._state, self._replanner, self._controller
         followed = replanner.followed
@@ -252,7 +252,7 @@ class NavigatorRequests(NavigatorAttributes):
     # How a drive changes --------------------------------------------------------------------------------------------
 
     def _apply(self, decision: Decision) -> Twist2D | None:
-        """Do what a part has decided; return its command, and None where the update goes on.
+        """Apply the decision of a part; return its command, and None where the update goes on.
 
         This is the one place where a drive changes: parts read its state, and answer with decisions.
         """

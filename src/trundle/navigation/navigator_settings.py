@@ -7,8 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from trundle.control import GoalChecker, ProgressChecker
-from trundle.files.config_fields import Angle, NotNegative, Positive
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Angle, Config, NotNegative, Positive
 from trundle.navigation.behaviors.behavior import BehaviorChoice, BehaviorChoices
 from trundle.navigation.progress import RETRIES
 

@@ -90,7 +90,7 @@ class ObstacleWatch:
             self.since, self._back_up_at = time, time + self._back_up_s
 
     def may_plan(self, time: float) -> bool:
-        """Whether it is time to plan [s]; if so, this counts as a plan."""
+        """Return whether it is time to plan [s]; if so, this counts as a plan."""
         if self._planned_at is not None and time - self._planned_at < self._every_s - 1e-9:
             return False
         self._planned_at = time
@@ -120,7 +120,7 @@ class ObstacleWatch:
         self._every_s = min(2.0 * self._every_s, SELDOM_S)
 
     def takes(self, detour_m: float, left_m: float, time: float) -> bool:
-        """Whether to take a detour of this length now [s], with so much left of the blocked path [m]."""
+        """Return whether to take a detour of this length now [s], with so much left of the blocked path [m]."""
         waited = self.since is not None and time - self.since >= self._wait_s - 1e-9
         return waited or detour_m <= left_m + LONG_DETOUR_M
 
@@ -137,7 +137,7 @@ class ObstacleWatch:
         return self._standing_s
 
     def follow(self, pose: Pose2D, time: float) -> None:
-        """Take where the robot is now [s]."""
+        """Note where the robot is at a time [s]."""
         self._standing_s = self._progress.standing_s(pose, time)
 
 
@@ -170,7 +170,7 @@ class MoverMemory:
         self.recent: FloatArray = np.zeros((0, 3))
 
     def note(self, tracks: Sequence[Track], time: float) -> None:
-        """Take the tracks of now [s]; twice a second the places of those that scans see are kept."""
+        """Note the tracks at a time [s]; twice a second the places of those that scans see are kept."""
         if time < self._noted_at:
             self.clear()
         followed = [(track, self._seen_at(track, time)) for track in tracks]
@@ -200,5 +200,5 @@ class MoverMemory:
         return seen_at if is_predicted else time
 
     def was_near(self, x: float, y: float, within_m: float) -> bool:
-        """Whether something that moves was within this distance of a point in the last minute."""
+        """Return whether something that moves was within this distance of a point in the last minute."""
         return any(math.hypot(at_x - x, at_y - y) < within_m + radius for _, at_x, at_y, radius in self._seen)

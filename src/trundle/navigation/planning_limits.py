@@ -17,6 +17,7 @@ _AT_ONCE_S = 1.0
 """So many seconds of expansions may be made at once before the next plan waits."""
 
 _FULL_DRIVE_S = 600.0
+"""The expansions of a drive suffice for so long [s]; a longer one may make more, in proportion."""
 
 
 class PlanningBudget:
@@ -61,24 +62,24 @@ class PlanningBudget:
             self._paid_at = max(self._paid_at, time - _AT_ONCE_S) + expansions / self._per_s
 
     def allow_more(self) -> None:
-        """Let the drive take a third more: the robot has made room for others, so that there may be a path now."""
+        """Add a third to the allowance of the drive: the robot has made room for others, so there may be a path now."""
         if self._per_drive is not None:
             self._extra += self._per_drive // 3
             self._error = None
 
     def must_wait(self, time: float) -> bool:
-        """Whether earlier plans are not paid for by now [s]."""
+        """Return whether earlier plans are not paid for by now [s]."""
         return time < self._paid_at - 1e-9
 
     def is_spent(self, time: float) -> bool:
-        """Whether the expansions of the drive are used up by now [s]."""
+        """Return whether the expansions of the drive are used up by now [s]."""
         if self._per_drive is None or self._began is None:
             return False
         allowed = self._per_drive * max(1.0, (time - self._began) / _FULL_DRIVE_S)
         return self._expansions >= allowed + self._extra
 
     def refuse(self, last: PlanningError | None) -> PlanningStoppedError:
-        """The error for a plan that is not made, after this last one that found no path; the same until one is made."""
+        """Return the error of a plan that is not made, after the last one's; it stays the same until a plan is made."""
         if self._error is None:
             why = "" if last is None else f"; the last one: {last}"
             self._error = PlanningStoppedError(
@@ -98,7 +99,7 @@ PAUSE_S = 1.0
 """Between two tries [s]."""
 
 _MOVING_SHARE = 0.25  # of the deadline, in which a moving robot drives blindly: 0.5 s by default
-_STANDING_MPS = 0.01
+_STANDING_MPS = 0.01  # below these a robot stands: odometry has noise
 _STANDING_RADPS = 0.02
 _STOP_WITHIN_S = 3.0  # then it plans all the same: some odometry never says 0
 
@@ -132,7 +133,7 @@ class PlanningTries:
         self.settle()
 
     def settle(self) -> None:
-        """No plan is pending any more."""
+        """Note that no plan is pending any more."""
         self.pending = False
         self._count = 0
         self._resume_at = -math.inf
@@ -144,7 +145,7 @@ class PlanningTries:
         return self._count >= TRIES
 
     def deadline_s(self, twist: Twist2D) -> float | None:
-        """How long a plan may take [s] for a robot that moves like this."""
+        """Return how long a plan may take [s] for a robot that moves like this."""
         if self._deadline_s is None:
             return None
         if self._counts_as_standing(twist):
@@ -152,11 +153,11 @@ class PlanningTries:
         return _MOVING_SHARE * self._deadline_s
 
     def stops_first(self, twist: Twist2D) -> bool:
-        """Whether the robot moves, and is to stand before it plans."""
+        """Return whether the robot moves, and is to stand before it plans."""
         return self._deadline_s is not None and self._is_slow and moves(twist)
 
     def must_wait(self, twist: Twist2D, time: float) -> bool:
-        """Whether a plan is to wait now [s], for the robot to stand or for the end of a pause; it is pending then."""
+        """Return whether a plan must wait now [s] until the robot stands or a pause ends; it is pending until then."""
         if self.stops_first(twist) and self._stop_by is None:
             self._stop_by = time + _STOP_WITHIN_S
         stopping = self._stop_by is not None and time < self._stop_by and self.stops_first(twist)
@@ -181,12 +182,12 @@ class PlanningTries:
 
 
 def timed_out(error: PlanningError) -> bool:
-    """Whether a plan was not done by its deadline, so that another try may find a path."""
+    """Return whether a plan was not done by its deadline, so that another try may find a path."""
     return isinstance(error, PlanningStoppedError) and error.status == "timeout"
 
 
 def moves(twist: Twist2D) -> bool:
-    """Whether a robot with this twist does not count as standing."""
+    """Return whether a robot with this twist does not count as standing."""
     return abs(twist.v) >= _STANDING_MPS or abs(twist.w) >= _STANDING_RADPS
 
 
@@ -213,7 +214,7 @@ class FailedPlan:
     costmap: Costmap
 
     def holds(self, start: Pose2D, goals: tuple[Goal, ...], costmap: Costmap, *, noisy: bool) -> bool:
-        """Whether a plan from here would fail, too: the robot has hardly moved, and nothing has become free.
+        """Return whether a plan from here would fail, too: the robot has hardly moved, and nothing has become free.
 
         Args:
             start: Where the robot is.
@@ -231,7 +232,7 @@ class FailedPlan:
 
 
 def _is_freer(costmap: Costmap, before: Costmap, *, noisy: bool) -> bool:
-    """Whether a costmap has room that was occupied or unknown before, or lies elsewhere."""
+    """Return whether a costmap has room that was occupied or unknown before, or lies elsewhere."""
     if costmap is before:
         return False
     if costmap.shape != before.shape or costmap.origin != before.origin or costmap.resolution != before.resolution:

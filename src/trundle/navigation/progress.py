@@ -65,7 +65,7 @@ class FollowedPath:
         self.index += int((dx * dx + dy * dy).argmin())
 
     def left_from(self, pose: Pose2D) -> float:
-        """How much of it is left from here [m], where the robot has left it and come back to it farther along."""
+        """Return how much of the path is left [m] for a robot that left it and came back to it farther along."""
         poses, along = self.check.poses[self.index :], self.check.along
         distances = np.hypot(poses[:, 0] - pose.x, poses[:, 1] - pose.y)
         nearest = int(np.argmin(distances))
@@ -81,20 +81,20 @@ class FollowedPath:
         self.marks = self.marks[1:]
 
     def has_missed(self, within_m: float) -> bool:
-        """Whether the robot is farther along than the next goal that it was to pass, by more than that [m]."""
+        """Return whether the robot is farther along than the next goal that it was to pass, by more than that [m]."""
         return bool(self.marks) and float(self.check.along[self.index]) > self.marks[0] + within_m
 
     def first_hit(self, costmap: Costmap) -> PathHit | None:
-        """Where the footprint would first touch something on what is left; None if it would not."""
+        """Return where the footprint would first touch something on what is left; None if it would not."""
         return self.check.first_hit(costmap, self.index)
 
     def gap_m(self, hit: PathHit, pose: Pose2D) -> float:
-        """How far ahead of the robot a hit is [m]: along the path, or straight, where the robot has backed up."""
+        """Return how far ahead of the robot a hit is [m]: along the path, or straight if the robot has backed up."""
         along_m = hit.along - float(self.check.along[self.index])
         return max(along_m, pose.distance_to(Pose2D(*hit.pose)))
 
     def cost_from(self, costmap: Costmap, pose: Pose2D) -> float:
-        """Cost of the remaining path from the robot's pose on, as of `PathCheck.cost_from`."""
+        """Return the cost of the remaining path from the robot's pose on, as of `PathCheck.cost_from`."""
         x, y, _ = self.check.poses[self.index].tolist()
         return self.check.cost_from(costmap, self.index) + pose.distance_to(Pose2D(x, y))
 
@@ -131,13 +131,13 @@ class Retries:
         self._least_left = math.inf
 
     def is_blocked(self, command: Twist2D, twist: Twist2D, left_m: float) -> bool:
-        """Whether the robot makes no progress, given its command, its twist and the remaining path length [m]."""
+        """Return whether the robot is blocked, by its command, its twist and the remaining path length [m]."""
         if left_m < self._least_left - _PROGRESS_M:
             self.count = 0
         return self._watch.is_blocked(command, twist)
 
     def try_again(self, left_m: float) -> bool:
-        """Whether to try again when blocked with this remaining path length [m], or to give up."""
+        """Return whether to try again when blocked with this remaining path length [m], or to give up."""
         self._least_left = min(self._least_left, left_m)
         if self.count == self._most:
             return False
@@ -177,7 +177,7 @@ class BlockWatch:
             total.reset()
 
     def is_blocked(self, command: Twist2D, twist: Twist2D) -> bool:
-        """Whether the robot has made no progress, given one more command and its twist meanwhile."""
+        """Return whether the robot has made no progress, given one more command and its twist meanwhile."""
         self._seconds += self._dt
         self._driven.add(twist.v * self._dt)
         if self._driven.farthest >= _DISTANCE_M:
@@ -256,7 +256,7 @@ class PathProgress:
         self._driven_m = self._turned_rad = 0.0
 
     def is_lost(self, followed: FollowedPath, pose: Pose2D, twist: Twist2D) -> bool:
-        """Whether it makes none, given its path, its pose and how it moves; it then counts from here."""
+        """Return whether it makes none, given its path, its pose and how it moves; it then counts from here."""
         if followed is not self._followed:
             self._take(followed)
         self._gain(followed.left_m)
@@ -276,7 +276,7 @@ class PathProgress:
             self._begin()
 
     def _gain(self, left_m: float) -> bool:
-        """Take how much of the path is left [m]; whether that is less, by enough."""
+        """Note how much of the path is left [m]; return whether that is less than before, by enough."""
         if left_m > self._least_m - _GAIN_M:
             return False
         self._least_m = left_m

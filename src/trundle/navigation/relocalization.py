@@ -75,13 +75,13 @@ class Relocalization:
         self._look_around()
 
     def corrected_m(self, estimate: Estimate) -> float:
-        """How far the robot is from where it believed to be, continued by its odometry, when it lost its way [m]."""
+        """Return how far the robot is [m] from its last estimate before it was lost, continued by its odometry."""
         if self._T_map_odom is None:
             return math.inf
         return estimate.pose.distance_to(self._T_map_odom @ estimate.odom_pose)
 
     def decide(self, estimate: Estimate, scans: Sequence[Scan], time: float) -> Decision:
-        """Say what to do in this control period.
+        """Return what to do in this control period.
 
         Args:
             estimate: What the localizer says.
@@ -148,7 +148,7 @@ class Relocalization:
         return Twist2D(0.0, self._left * min(_TURN_RADPS, self._robot.limits.angular_speed))
 
     def _choose(self, room: _Room, odometry: Pose2D, time: float) -> _Seek | None:
-        """Where to drive: the yaw and the gear with the most room; None where there is none."""
+        """Return where to drive: the yaw and the gear with the most room; None where there is none."""
         best, found = 0.0, None
         left, right = room.turn(1.0), room.turn(-1.0)
         for turn in (0.0, *_TURNS[2::3][_TURNS[2::3] <= left], *-_TURNS[2::3][_TURNS[2::3] <= right]):
@@ -182,11 +182,11 @@ class Relocalization:
         return Twist2D(seek.gear * min(_SEEK_MPS, limits.linear_speed), 0.0)
 
     def _has_gaps(self, time: float) -> bool:
-        """Whether there are directions without a beam."""
+        """Return whether there are directions without a beam."""
         return not all(self._sees(float(direction), time) for direction in np.radians(np.arange(0.0, 360.0, 10.0)))
 
     def _sees(self, heading: float, time: float) -> bool:
-        """Whether a lidar has a beam in this direction that measured something, or nothing within its range."""
+        """Return whether a lidar has a beam in this direction that measured something, or nothing within its range."""
         for scan in self._scans.values():
             if scan.time < time - _RECENT_S:
                 continue
@@ -222,7 +222,7 @@ class _Room:
         self._turns: dict[float, float] = {}
 
     def turn(self, side: float) -> float:
-        """How far it can turn to the left (1) or to the right (-1) [rad], up to π."""
+        """Return how far it can turn to the left (1) or to the right (-1) [rad], up to π."""
         if side not in self._turns:
             poses = np.zeros((len(_TURNS), 3))
             poses[:, 2] = side * _TURNS
@@ -231,7 +231,7 @@ class _Room:
         return self._turns[side]
 
     def drive(self, yaw: float, gear: float) -> float:
-        """How far it can drive straight at this yaw, base_link [rad], forward (1) or backward (-1) [m]."""
+        """Return how far it can drive straight at this yaw, base_link [rad], forward (1) or backward (-1) [m]."""
         steps = gear * _STEPS_M
         poses = np.column_stack((math.cos(yaw) * steps, math.sin(yaw) * steps, np.full(len(steps), yaw)))
         count = self._first_near(poses)

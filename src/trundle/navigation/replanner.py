@@ -90,7 +90,7 @@ class Replanner:
         return Decision(path=given)
 
     def pass_goal(self) -> None:
-        """Take that the robot has passed the next goal that the path leads through."""
+        """Note that the robot has passed the next goal that the path leads through."""
         if self.followed is not None:
             self.followed.pass_mark()
         self._failed = None
@@ -156,7 +156,7 @@ class Replanner:
         return found
 
     def _doubts_map(self, error: PlanningError, now: Snapshot, state: DriveState, planner: Planner) -> bool:
-        """Whether to plan again, with things taken off the map, as there is no path on the map alone either."""
+        """Return whether to plan again, with things taken off the map, as there is no path on the map alone either."""
         static = self._sensed.static
         if self._sensed.awaits_scan(now.time):
             self.tries.pending, self._failed = True, None
@@ -190,17 +190,17 @@ class Replanner:
         return self.planner if self.obstacle.is_thorough(now.time, stands=stands) else self.quick
 
     def _goes_on(self, now: Snapshot) -> bool:
-        """Whether it goes on by short searches, with all expansions used up: what was seen to move is near."""
+        """Return whether it goes on by short searches, with all expansions used up: what was seen to move is near."""
         if self.quick is None or not self.budget.is_spent(now.time):
             return False
         return self.movers.was_near(now.pose.x, now.pose.y, self._robot.circumscribed_radius + _AROUND_M)
 
     def _must_wait(self, now: Snapshot) -> bool:
-        """Whether no plan may be made now: the last ones are not paid for, and there is none that searches less."""
+        """Return whether no plan may be made now: the rate is used up, and no planner searches less."""
         return self.budget.must_wait(now.time) and (self.quick is None or not self.obstacle.is_blocked)
 
     def _refusal(self, now: Snapshot, state: DriveState, planner: Planner) -> PlanningError | None:
-        """Why a plan by this planner is not made: there were too many, or it would fail as the last one did."""
+        """Return why a plan by this planner is not made: there were too many, or it would fail as the last one did."""
         failed = self._failed
         if planner is not self.quick and self.budget.is_spent(now.time):
             return self.budget.refuse(state.error)
@@ -238,14 +238,14 @@ class Replanner:
         return Decision(status=NavigationStatus.NO_PATH)
 
     def standing_reason(self, state: DriveState) -> str:
-        """Why a robot that stands has no path to follow, by the last plan; empty where it has one."""
+        """Return why a robot that stands has no path to follow, by the last plan; empty where it has one."""
         error = state.error
         if error is None:
             return "waiting to plan" if self.tries.pending else ""
         return "goal occupied" if is_of_goal(error, state.ahead) else "no path"
 
     def follow(self, now: Snapshot) -> None:
-        """Take where the robot is: it is more patient where something was seen to move beside it."""
+        """Note where the robot is: it waits for longer where something was seen to move beside it."""
         obstacle = self.obstacle
         obstacle.beside_mover = False
         obstacle.follow(now.pose, now.time)
@@ -254,7 +254,7 @@ class Replanner:
             obstacle.beside_mover = self.movers.was_near(now.pose.x, now.pose.y, reach)
 
     def _see(self, now: Snapshot, state: DriveState, hit: PathHit | None) -> None:
-        """Take that the path is blocked now, or that there is none: whether by what moves, and how far ahead."""
+        """Note that the path is blocked or missing: whether by something that moves, and how far ahead."""
         obstacle, followed = self.obstacle, self.followed
         obstacle.see(now.time, math.inf if hit is None or followed is None else followed.gap_m(hit, now.pose))
         if obstacle.by_mover:
@@ -267,7 +267,7 @@ class Replanner:
         obstacle.by_mover = any(self.movers.was_near(*place) for place in near)
 
     def gives_up(self, now: Snapshot, state: DriveState) -> bool:
-        """Whether the robot has stood for too long, and sees no path even if it forgets what it saw elsewhere.
+        """Return whether the robot has stood for too long, and sees no path even if it forgets what it saw elsewhere.
 
         It forgets once in a stop. A stop counts as another one where the robot is nearer to the goal by 1 m: otherwise
         it would drive to a wall, forget it and drive there again, without end.
@@ -353,7 +353,7 @@ class Replanner:
         return self._attempt(now, state, planner, again=True)
 
     def finds_none(self, made: Decision) -> bool:
-        """Whether the plan of `replan` found no path, and there is none to be made before the robot drives on."""
+        """Return whether `replan` found no path, and no other plan is to be made before the robot drives on."""
         return made.error is not None and not self.tries.pending
 
     def _plan_again(self, now: Snapshot, state: DriveState, planner: Planner, *, again: bool = True) -> Decision:

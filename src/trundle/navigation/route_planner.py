@@ -145,7 +145,7 @@ class RoutePlanner:
 
 
 def is_of_goal(error: PlanningError, goals: Sequence[Goal]) -> bool:
-    """Whether a plan failed because the robot does not fit on one of the goals."""
+    """Return whether a plan failed because the robot does not fit on one of the goals."""
     pose = error.pose if isinstance(error, BlockedPoseError) else None
     return pose is not None and any((goal.pose.x, goal.pose.y) == pose[:2] for goal in goals)
 
@@ -205,7 +205,7 @@ def join_legs(legs: Sequence[Path], costmap: Costmap, within_m: float) -> tuple[
 
 
 def _without_turns(leg: Path, *, start: bool, end: bool) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
-    """Poses and directions of a leg, without the turns in place at its start or its end."""
+    """Return poses and directions of a leg, without the turns in place at its start or its end."""
     poses, backward = leg.poses, leg.backward
     first, last = 0, len(poses) - 1
     while start and first < last and math.dist(poses[first + 1, :2], poses[0, :2]) <= _SAME_PLACE_M:
@@ -216,7 +216,7 @@ def _without_turns(leg: Path, *, start: bool, end: bool) -> tuple[FloatArray, np
 
 
 def _arc(before: FloatArray, after: FloatArray, within_m: float) -> FloatArray | None:
-    """Poses of the arc that rounds the bend between two legs; None where there is none to round."""
+    """Return poses of the arc that rounds the bend between two legs; None where there is none to round."""
     if len(before) < 2 or len(after) < 2 or within_m <= 0.0:
         return None
     corner = after[0, :2]
@@ -251,7 +251,7 @@ _YAWS = np.arange(16) * (np.pi / 8.0)
 
 
 def nearest_free_pose(costmap: Costmap, pose: Pose2D, within_m: float, *, any_yaw: bool = False) -> Pose2D | None:
-    """The pose nearest to one where the footprint touches nothing, on a grid of 5 cm; None if there is none.
+    """Return the pose nearest to one where the footprint touches nothing, on a grid of 5 cm; None if there is none.
 
     Args:
         costmap: Where it stands.
@@ -279,7 +279,7 @@ def nearest_free_pose(costmap: Costmap, pose: Pose2D, within_m: float, *, any_ya
 def free_ends(
     costmap: Costmap, static: Costmap | None, start: Pose2D, goal: Goal, tolerance_m: float
 ) -> tuple[Pose2D, Goal]:
-    """Where to plan from and to: beside the robot and the goal, where what was sensed is too close to them.
+    """Return where to plan from and to: beside the robot and the goal, where what was sensed is too close to them.
 
     Args:
         costmap: With what was sensed.

@@ -25,9 +25,9 @@ from trundle.robots import Robot
 from trundle.tracking import Tracker, TrackerSettings
 
 RESOLUTION_M = 0.05
-_AROUND_M = 6.0
-_JUMP_M = 1.0
-_NOTE_HITS_EVERY_S = 0.5
+_AROUND_M = 6.0  # of unknown space around start and goals, for ways round what is in between
+_JUMP_M = 1.0  # beyond what the robot drove: then what was sensed lies elsewhere
+_NOTE_HITS_EVERY_S = 0.5  # so that noting what a scan hit costs little in each period
 _FIRST_SCAN_S = 2.0
 _NOTHING_M = 1e-3  # edge of a square that holds nothing
 _CORRECTED_M = 0.5  # a robot that is so far from its path has left it: see FollowedPath
@@ -79,7 +79,7 @@ class SensedMap:
         self._hit = None
 
     def grow(self, grid: OccupancyGrid, path: Path | None, *, corrected: bool) -> None:
-        """Take the map that a localizer has made so far, where there is no other; see `Agent.set_map`.
+        """Use the map that a localizer has made so far where there is no other; see `Agent.set_map`.
 
         The costmap also contains the robot, what it was asked to contain, and the path that is followed. What was
         sensed beside a map that has moved since is forgotten: it would lie where nothing is, and the scans show it
@@ -127,12 +127,12 @@ class SensedMap:
         self._T_map_odom: Pose2D | None = None
 
     def replace_static(self, costmap: Costmap) -> None:
-        """Take another costmap of the map; what was sensed stays, unless the cells are of another size."""
+        """Replace the costmap of the map; what was sensed stays, unless the cells are of another size."""
         self._has_map, self._trusted, self._hit = True, None, None
         self._put(costmap)
 
     def doubt_static(self) -> bool:
-        """Take small things off the map that no scan has hit, until the next goal; whether that changes anything.
+        """Remove small things that no scan has hit from the map until the next goal; return whether there are any.
 
         Nothing is taken off unless the layers' settings say so, and there was a scan.
         """
@@ -204,11 +204,11 @@ class SensedMap:
         return self._static if self._has_map else None
 
     def may_contain(self, pose: Pose2D) -> bool:
-        """Whether the costmap may come to contain a pose: there is no map, or the map contains it."""
+        """Return whether the costmap may come to contain a pose: there is no map, or the map contains it."""
         return not self._has_map or _contains(self._static, [(pose.x, pose.y)])
 
     def contain(self, *poses: Pose2D) -> Costmap | None:
-        """Have the costmap contain these poses from now on where there is no map; return it if that has changed it.
+        """Extend the costmap to contain these poses where there is no map; return it if that has changed it.
 
         Raises:
             OutsideMapError: If they are so far away that it would have too many cells.
@@ -261,7 +261,7 @@ class SensedMap:
             self._note_hits()
 
     def jump(self, pose: Pose2D, driven_m: float, estimate: Estimate | None) -> float | None:
-        """How far the robot's pose has moved since the last call [m], if it jumps.
+        """Return how far the robot's pose has moved since the last call [m], if it jumps.
 
         It does if it moves by 1 m more than the robot may have driven, or if a localizer corrects it by 0.5 m.
         """
@@ -278,7 +278,7 @@ class SensedMap:
         return corrected if corrected > _CORRECTED_M else None
 
     def obstacle_near(self, x: float, y: float, within: float) -> tuple[float, float]:
-        """The obstacle nearest to a point [m], map frame; the point itself where there is none so near."""
+        """Return the obstacle nearest to a point [m], map frame; the point itself where there is none so near."""
         costmap = self.costmap
         reach = math.ceil(within / costmap.resolution)
         row, col = (int(index) for index in costmap.world_to_cell(x, y))
@@ -312,7 +312,7 @@ class SensedMap:
         return layered
 
     def _blank(self, points: Sequence[tuple[float, float]]) -> Costmap:
-        """A costmap of unknown space around points, and around the origin without one."""
+        """Return a costmap of unknown space around points, and around the origin without one."""
         corners = np.array(points or [(0.0, 0.0)])
         low, high = corners.min(axis=0) - _AROUND_M, corners.max(axis=0) + _AROUND_M
         low = np.floor(low / RESOLUTION_M) * RESOLUTION_M
@@ -324,7 +324,7 @@ class SensedMap:
 
 
 def _without_map(settings: CostmapSettings | None) -> CostmapSettings:
-    """Settings with which unknown space can be driven, unless they say otherwise."""
+    """Return settings with which unknown space can be driven, unless they say otherwise."""
     settings = CostmapSettings() if settings is None else settings
     if "unknown" in settings.model_fields_set:
         return settings

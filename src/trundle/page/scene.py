@@ -225,7 +225,7 @@ class _Instances:
         self._add("box", solid, Pose3D((float(middle[0]), float(middle[1]), float(middle[2]))), tuple(size.tolist()))
 
     def packed(self) -> list[dict[str, Any]]:
-        """One entry for each shape that there is."""
+        """Return one entry for each shape that there is."""
         found: list[dict[str, Any]] = []
         for shape, rows in self._rows.items():
             if rows:

@@ -21,7 +21,6 @@ from trundle.planning.constrained_smoother import (
     ConstrainedSmoother,
     pose_spacing,
 )
-from trundle.planning.enclosure import Enclosure, on_grid
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.planning.queries.ends import End
 from trundle.planning.queries.query import PosePlanner, Query, no_path
@@ -34,6 +33,8 @@ from trundle.planning.search_rounds import (
     START_CLOSED,
     TIMEOUT,
     Answer,
+    Enclosure,
+    on_grid,
     search_in_rounds,
 )
 from trundle.values import check_flag
@@ -329,7 +330,7 @@ class HybridAStarPlanner(PosePlanner):
         )
 
     def _why_not(self, answer: Answer) -> str:
-        """Say why no path that is driven forward only leads there."""
+        """Return why no path that is driven forward only leads there."""
         settings = self.settings
         how = "" if settings.minimum_turning_radius == 0.0 else f"arcs of {settings.minimum_turning_radius:g} m, "
         also = "turning in place, " if settings.in_place else ""

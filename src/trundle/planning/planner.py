@@ -39,9 +39,9 @@ PLANNERS: Registry[Planner] = Registry(
     {
         "auto": "trundle.planning.auto:AutoPlanner",
         "least_cost": "trundle.planning.grid_planners.least_cost:LeastCostPlanner",
-        "astar": "trundle.planning.grid_planners.astar:AStarPlanner",
+        "astar": "trundle.planning.grid_planners.binary_planner:AStarPlanner",
         "hybrid_astar": "trundle.planning.hybrid_astar:HybridAStarPlanner",
-        "any_angle": "trundle.planning.grid_planners.any_angle:AnyAnglePlanner",
+        "any_angle": "trundle.planning.grid_planners.binary_planner:AnyAnglePlanner",
         "manhattan_astar": "trundle.planning.grid_planners.manhattan_astar:ManhattanAstarPlanner",
     },
     contract=Contract(

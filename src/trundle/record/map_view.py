@@ -15,7 +15,6 @@ from trundle.maps import OccupancyGrid
 from trundle.maps.masks import SpeedMask
 from trundle.mission import Episode, Trajectory
 from trundle.observation import LOCALIZATION_STATES, LocalizationState
-from trundle.pictures.canvas import SMOOTH, Canvas, as_points
 from trundle.pictures.cells import keep_last
 from trundle.pictures.colors import (
     BAD,
@@ -30,6 +29,7 @@ from trundle.pictures.colors import (
     Rgb,
     cost_palette,
 )
+from trundle.pictures.plan import SMOOTH, Canvas, as_points
 from trundle.record.page import Mark
 from trundle.robots import Robot
 

@@ -10,7 +10,7 @@ from PIL import Image, ImageDraw
 
 from trundle.costmap import FREE_SPACE, LETHAL, NO_INFORMATION, Costmap
 from trundle.mapping import PoseGraph
-from trundle.mapping.corrections import Correction, find_corrections, joined_nodes
+from trundle.mapping.parts import Correction, find_corrections, joined_nodes
 from trundle.maps.grid import OccupancyGrid
 from trundle.maps.ros_writer import FREE_THRESH, OCCUPIED_THRESH
 from trundle.pictures.colors import BAD, ESTIMATED, GOAL, GOOD, LINE, PAGE, SAMPLED, START, WARNING, Rgb
@@ -117,7 +117,7 @@ def choose_corrections(graph: PoseGraph, corrections: Sequence[Correction], most
 
 
 def tell(graph: PoseGraph, one: Correction) -> str:
-    """Say what a loop has changed."""
+    """Return what a loop has changed."""
     x, y = graph.poses[one.second, :2].tolist()
     part = graph.parts == graph.parts[one.second]
     after = one.time - graph.times[part][0]

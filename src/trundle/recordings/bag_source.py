@@ -48,7 +48,7 @@ class BagSource:
             raise
 
     def recover(self) -> None:
-        """Go on with what can be read of the bag.
+        """Recover the bag, and go on with what can be read of it.
 
         Raises:
             InputError: If nothing can.

@@ -66,7 +66,7 @@ class _Log:
 
 
 def looks_like_carmen(path: Path) -> bool:
-    """Whether a file's name is that of a CARMEN log."""
+    """Return whether a file's name is that of a CARMEN log."""
     return path.suffix.lower() in SUFFIXES
 
 

@@ -30,7 +30,7 @@ class OdometryTrack:
         self._is_sampled = is_sampled
 
     def knows(self, began: float, ended: float) -> bool:
-        """Whether it says where the robot was from one time [s] to another."""
+        """Return whether it says where the robot was from one time [s] to another."""
         times = self.times
         if began < times[0] - 1e-9 or ended > times[-1] + _FORWARD_S:
             return False

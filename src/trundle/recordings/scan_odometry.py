@@ -20,9 +20,9 @@ from trundle.observation import Observation
 from trundle.robots import Robot
 
 _FASTEST_MPS, _FASTEST_RADPS = 1.0, 1.2  # beyond the speed so far: how much it can change, and what was not predicted
-_LEAST_M, _LEAST_RAD = 0.15, 0.12
+_LEAST_M, _LEAST_RAD = 0.15, 0.12  # the search is at least so wide, and at most
 _MOST_M, _MOST_RAD = 1.5, 1.0
-_KEY_M, _KEY_RAD = 0.3, math.radians(15.0)
+_KEY_M, _KEY_RAD = 0.3, math.radians(15.0)  # denser than a mapper's: there is no odometry between them
 _GOOD_FIT = 0.35
 _VAGUE_M = 0.15  # standard deviation: along a corridor a scan fits anywhere
 _MOST_POOR_SHARE = 0.1
@@ -96,7 +96,7 @@ class ScanOdometry:
         return False
 
     def check(self) -> str:
-        """Say how good it was.
+        """Return how good it was.
 
         Raises:
             InputError: If the scans alone do not suffice.

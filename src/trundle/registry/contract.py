@@ -39,7 +39,7 @@ class Contract:
         return missing
 
     def describe(self) -> str:
-        """Say what an object needs, in words."""
+        """Return what an object needs, in words."""
         parts = [f"{name}({args})" for name, args in self.methods.items()] + list(self.attributes)
         return " and ".join(filter(None, [", ".join(parts[:-1]), parts[-1]]))
 
@@ -67,7 +67,7 @@ class PluginFunction:
 
 
 def is_foreign(made: object) -> bool:
-    """Whether an object is of another package than trundle, and may lack optional members of its protocol."""
+    """Return whether an object is of another package than trundle, and may lack optional members of its protocol."""
     return not type(made).__module__.startswith("trundle.")
 
 

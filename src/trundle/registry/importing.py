@@ -21,13 +21,13 @@ _MODULE_PREFIX = "trundle_plugin_file_"
 
 
 def is_plugin_file(name: str) -> bool:
-    """Whether a name is `"file.py:name"`."""
+    """Return whether a name is `"file.py:name"`."""
     place, _, attribute = name.rpartition(":")
     return place.endswith(".py") and (not attribute or attribute.isidentifier())
 
 
 def is_model_file(name: str) -> bool:
-    """Whether a name is the file of a network, `policy.onnx`, which is computed and not run."""
+    """Return whether a name is the file of a network, `policy.onnx`, which is computed and not run."""
     return name.lower().endswith(".onnx")
 
 

@@ -165,7 +165,7 @@ class Registry(Generic[_Made]):
         return self._accept(label, self._fill(label, found, offered, options))
 
     def _accept(self, label: str, made: object) -> _Made | PluginFunction:
-        """Take what a class or a function has made."""
+        """Accept what a class or a function has made."""
         if not isinstance(made, type) and not self._contract.lacks(made):
             for name in self._contract.methods:
                 self._check_keywords(label, getattr(made, name))
@@ -198,7 +198,7 @@ class Registry(Generic[_Made]):
                 )
 
     def _does_the_work(self, function: Callable[..., object], known: Iterable[str]) -> bool:
-        """Whether a function takes the arguments of this kind by position, and is not one that makes an object.
+        """Return whether a function takes the arguments of this kind by position, and is not one that makes an object.
 
         `known` are the names of what else it may need.
         """

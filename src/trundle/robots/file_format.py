@@ -7,8 +7,7 @@ from typing import Any
 
 from trundle.errors import InputError
 from trundle.files.field_docs import commented_yaml, json_schema
-from trundle.robots.drive import DifferentialDrive, Limits
-from trundle.robots.parts import Body, Caster, Lidar
+from trundle.robots.parts import Body, Caster, DifferentialDrive, Lidar, Limits
 from trundle.robots.robot import MODEL_SUFFIXES, Robot
 
 _HEAD = """\

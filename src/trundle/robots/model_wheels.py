@@ -16,7 +16,7 @@ from trundle.errors import RobotError, RobotWarning, UnknownNameError
 from trundle.files.xml_elements import XmlElement, read_xml
 from trundle.files.yaml_config import Plain
 from trundle.geometry import FloatArray
-from trundle.robots.model_parts import ModelWheel, positive_metres, read_wheel
+from trundle.robots.model_shape import ModelWheel, positive_metres, read_wheel
 
 _ALIKE = 0.02
 """Largest relative difference between the radii of wheels on one side: that of rounded numbers and coarse meshes."""

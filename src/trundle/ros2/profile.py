@@ -11,8 +11,7 @@ from typing import Annotated, TypeAlias
 from pydantic import Field
 
 from trundle.errors import UnknownNameError
-from trundle.files.config_fields import PoseNumbers, Positive
-from trundle.files.yaml_config import Config, load_config
+from trundle.files.yaml_config import Config, PoseNumbers, Positive, load_config
 from trundle.geometry import Pose2D
 from trundle.robots import Robot
 from trundle.robots.parts import Lidar

@@ -44,7 +44,7 @@ def start_server(hub: Hub, page: Page, *, host: str = "127.0.0.1", port: int | N
 
 
 def is_remote() -> bool:
-    """Whether this is a shell by SSH, whose browser is on another machine."""
+    """Return whether this is a shell by SSH, whose browser is on another machine."""
     return bool(os.environ.get("SSH_CONNECTION") or os.environ.get("SSH_TTY"))
 
 
@@ -54,7 +54,7 @@ def forwarding(port: int) -> str:
 
 
 def has_screen() -> bool:
-    """Whether this machine has a display, as far as the environment tells."""
+    """Return whether this machine has a display, as far as the environment tells."""
     names = ("DISPLAY", "WAYLAND_DISPLAY")
     return sys.platform in ("darwin", "win32") or any(os.environ.get(name) for name in names)
 

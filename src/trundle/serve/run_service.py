@@ -16,9 +16,8 @@ from trundle.mission.setup import make_place
 from trundle.serve.choosing import choose
 from trundle.serve.hub import Hub
 from trundle.serve.page_messages import Message, Order, Preview, Setup
-from trundle.serve.run_feed import RunFeed, scene_message
+from trundle.serve.run_feed import RunFeed, Watch, scene_message
 from trundle.serve.steerer import Refuse, Steerer
-from trundle.serve.watch import Watch
 
 _LOOK_S = 0.2  # how often `until` is asked while nothing is requested
 

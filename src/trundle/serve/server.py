@@ -21,8 +21,7 @@ from websockets.http11 import Request, Response
 
 from trundle.errors import InputError
 from trundle.serve.access import Access
-from trundle.serve.clients import Client, fragments, is_long
-from trundle.serve.hub import Hub, TooManyMessagesError
+from trundle.serve.hub import Client, Hub, TooManyMessagesError, fragments, is_long
 from trundle.serve.page_messages import MAX_BYTES
 from trundle.serve.run_files import ServedFile, TooLargeError, find_run_file, list_run_files, read_run_file
 
@@ -316,14 +315,14 @@ class _Connection(ServerConnection):
         strangers[self] = None
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Take a client off the count."""
+        """Remove a client from the count."""
         self._connections.strangers.pop(self, None)
         self._connections.owners.discard(self)
         self._connections.bytes -= self._held
         super().connection_lost(exc)
 
     def admit(self) -> bool:
-        """Give it one of the places for those with the cookie; False where there is none."""
+        """Admit a client that has the cookie; return False if all places for these are taken."""
         if len(self._connections.owners) >= MAX_OWNERS:
             return False
         self._connections.strangers.pop(self, None)

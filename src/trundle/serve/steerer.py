@@ -91,7 +91,7 @@ class Steerer:
     # The server's thread --------------------------------------------------------------------------------------------
 
     def handle(self, message: Message, client: int, refuse: Refuse) -> None:
-        """Give what the driver asks for to the run; `refuse` gets the reason where that cannot be done."""
+        """Pass a request of the driver on to the run; `refuse` gets the reason where that cannot be done."""
         now = self.steering.run  # before it is known that this one runs: another one may begin now
         run = message.run if isinstance(message, Order) and message.run is not None else now
         try:

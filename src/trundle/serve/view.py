@@ -292,7 +292,7 @@ class PageInput:
         return pose
 
     def handle(self, message: Message, client: int, refuse: Refuse) -> None:
-        """Take a goal, a pose or keys of the page that drives."""
+        """Apply a goal, a pose or keys of the page that drives."""
         if isinstance(message, Keys):
             self._keys = frozenset(message.held), time.monotonic(), client
         elif isinstance(message, Order) and isinstance(message.directive, SetGoal):

@@ -13,9 +13,8 @@ from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, Goal, Pose2D
 from trundle.mission import LiveStatus
 from trundle.observation import Estimate, Scan
-from trundle.page.belief import belief_of
 from trundle.page.encoding import pack_array, rounded
-from trundle.page.frames import scan_of
+from trundle.page.frames import belief_of, scan_of
 from trundle.page.run_lines import goal_of
 from trundle.robots import Robot
 from trundle.serve.feed import Newest

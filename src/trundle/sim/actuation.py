@@ -67,7 +67,7 @@ class ActuatedSimulator(SimulatorWrapper):
         return replace(state, odometry=self._odometry, odometry_twist=self._believed_twist(state.wheel_speeds))
 
     def _believed_twist(self, speeds: WheelSpeeds) -> Twist2D:
-        """The twist of wheel speeds [rad/s], by the believed wheels."""
+        """Return the twist of wheel speeds [rad/s], by the believed wheels."""
         true = self._sim.robot.twist(speeds)
         v, w = true.v / self._actuation.wheel_radius, true.w / self._actuation.wheel_radius
         return Twist2D(v, w * self._actuation.track_width)

@@ -59,7 +59,7 @@ class WorldOutline:
         return self._discs
 
     def cast(self, x: float, y: float, angles: FloatArray, reach: float) -> FloatArray:
-        """Distances [m] from (x, y) along `angles` [rad] to the nearest outline, infinity beyond `reach` [m].
+        """Return distances [m] from (x, y) along `angles` [rad] to the nearest outline, infinity beyond `reach` [m].
 
         A beam that starts inside a solid meets its outline from within; one that starts in a blocked cell reads 0.
         The angles are evenly spaced and ascending.
@@ -77,7 +77,7 @@ class WorldOutline:
         return distances
 
     def _segments_around(self, x: float, y: float, reach: float) -> FloatArray:
-        """Segments that may be within reach [m] of (x, y), and some more."""
+        """Return segments that may be within reach [m] of (x, y), and some more."""
         if self._around is not None:
             at_x, at_y, of, segments = self._around
             if of == reach and math.hypot(x - at_x, y - at_y) < _AROUND_M:

@@ -26,7 +26,7 @@ _LETHAL = 254
 
 
 def map_world(world: World, robot: Robot, points: FloatArray, *, resolution: float, margin: float) -> Costmap:
-    """The true map of a world for a robot: its solids between the robot's clearance and its height, inflated.
+    """Return the true map of a world for a robot: its solids between the robot's clearance and its height, inflated.
 
     Args:
         world: The world.
@@ -50,7 +50,7 @@ def map_extent(
     margin: float,
     bounds: tuple[FloatArray, FloatArray] | None = None,
 ) -> tuple[float, tuple[float, float], tuple[int, int]]:
-    """Edge of a cell [m], the corner (x, y) [m] and the shape of the map that `map_world` makes.
+    """Return the edge of a cell [m], the corner (x, y) [m] and the shape of the map that `map_world` makes.
 
     `bounds` are those of each solid, where they are known.
     """
@@ -128,7 +128,7 @@ def least_clearance(
 
 
 def _solid_clearance(solid: Solid, outlines: FloatArray, low: float, high: float, cap: float) -> float:
-    """Smallest distance from outlines (P, N, 2) to a solid between two heights; at least `cap` if none is nearer."""
+    """Return the distance from outlines (P, N, 2) to a solid between two heights; `cap` or more if none is nearer."""
     if not isinstance(solid.shape, Mesh):
         match slab_section(solid, low, high):
             case Disc() as disc:
@@ -146,7 +146,7 @@ def _solid_clearance(solid: Solid, outlines: FloatArray, low: float, high: float
 
 
 def _is_enclosed(solid: Solid, outlines: FloatArray, low: float, high: float) -> bool:
-    """Whether a corner of one of the outlines (P, N, 2) is inside a closed mesh, as maps fill it."""
+    """Return whether a corner of one of the outlines (P, N, 2) is inside a closed mesh, as maps fill it."""
     bottom, top = solid.bounds()
     for x, y in outlines[:, 0].tolist():
         if not (bottom[0] < x < top[0] and bottom[1] < y < top[1]):
@@ -191,7 +191,7 @@ def _cells_clearance(solid: Solid, cells: OccupancyCells, robot: Robot, poses: F
 
 
 def polygon_distances(outlines: FloatArray, polygons: FloatArray) -> FloatArray:
-    """Distances [m] from convex outlines to the nearest of several convex polygons; 0 if they overlap.
+    """Return distances [m] from convex outlines to the nearest of several convex polygons; 0 if they overlap.
 
     Args:
         outlines: Corners, counter-clockwise, shape (P, N, 2).
@@ -204,6 +204,6 @@ def polygon_distances(outlines: FloatArray, polygons: FloatArray) -> FloatArray:
 
 
 def disc_distances(outlines: FloatArray, disc: Disc) -> FloatArray:
-    """Distances [m] from convex outlines, counter-clockwise, shape (P, N, 2), to a disc; 0 if they overlap."""
+    """Return distances [m] from convex outlines, counter-clockwise, shape (P, N, 2), to a disc; 0 if they overlap."""
     centre = np.array([[[disc.x, disc.y]]])
     return np.maximum(polygon_distances(outlines, centre) - disc.radius, 0.0)

@@ -181,7 +181,7 @@ def _boxes_volume(boxes: list[Piece]) -> float:
 
 
 def _volume(points: FloatArray, faces: npt.NDArray[np.integer]) -> float:
-    """Volume [m³] of a mesh that is closed and whose faces point outwards."""
+    """Return the volume [m³] of a mesh that is closed and whose faces point outwards."""
     a, b, c = (points[faces[:, corner]] - points.mean(axis=0) for corner in range(3))
     return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)
 
@@ -195,7 +195,7 @@ def _weld(points: FloatArray, faces: npt.NDArray[np.integer]) -> tuple[FloatArra
 
 
 def mesh_edges(faces: npt.NDArray[np.integer]) -> IntArray:
-    """Edges of triangles as pairs of their corners, each once and sorted, shape (N, 2)."""
+    """Return edges of triangles as pairs of their corners, each once and sorted, shape (N, 2)."""
     ends = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).astype(np.int64), axis=1)
     base = int(ends.max()) + 1
     keys = _sort_distinct(ends[:, 0] * base + ends[:, 1])
@@ -203,13 +203,13 @@ def mesh_edges(faces: npt.NDArray[np.integer]) -> IntArray:
 
 
 def _sort_distinct(numbers: IntArray) -> IntArray:
-    """Each number once, sorted; np.unique would import numpy.ma on its first call, 15 to 40 ms."""
+    """Return each number once, sorted; np.unique would import numpy.ma on its first call, 15 to 40 ms."""
     ordered = np.sort(numbers, axis=None)
     return ordered[np.concatenate([[True], ordered[1:] != ordered[:-1]])]
 
 
 def _connected(faces: IntArray, count: int) -> list[IntArray]:
-    """The faces of each part that is connected by its vertices."""
+    """Return the faces of each part that is connected by its vertices."""
     if len(faces) == 0:
         return []
     label = np.arange(count)
@@ -228,7 +228,7 @@ def _connected(faces: IntArray, count: int) -> list[IntArray]:
 
 
 def _is_convex(points: FloatArray, faces: IntArray, corners: IntArray) -> bool:
-    """Whether a connected part is closed, has outward faces, and has no vertex in front of a face."""
+    """Return whether a connected part is closed, has outward faces, and has no vertex in front of a face."""
     if len(corners) < 4:
         return False
     edges = np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])

@@ -150,7 +150,7 @@ class FootprintChecker:
         return self._touched(np.ascontiguousarray(poses[:, :3]), indices, fields)
 
     def _near(self, left: float, right: float, below: float, above: float) -> list[int]:
-        """Sections whose bounds are within the footprint's reach of a box [m]."""
+        """Return sections whose bounds are within the footprint's reach of a box [m]."""
         reach = self._footprint.circumscribed_radius
         left, right, below, above = left - reach, right + reach, below - reach, above + reach
         west, east, south, north = self._clear
@@ -186,7 +186,7 @@ class FootprintChecker:
         return near
 
     def _is_clear_of(self, field: CellField, bounds: tuple[float, float, float, float], poses: FloatArray) -> bool:
-        """Whether the free square around the last of some poses surely holds the footprint at all of them."""
+        """Return whether the free square around the last of some poses surely holds the footprint at all of them."""
         left, right, below, above = bounds
         local, edge = field.inverse, field.resolution
         cos, sin = math.cos(local.yaw), math.sin(local.yaw)
@@ -225,7 +225,7 @@ class FootprintChecker:
         return tuple(contacts)
 
     def _touched_cells(self, field: CellField, poses: FloatArray) -> list[Contact]:
-        """A contact for each blocked cell under the footprint, the deepest first."""
+        """Return a contact for each blocked cell under the footprint, the deepest first."""
         local = field.inverse
         placed = np.c_[local.transform_points(poses[:, :2]), poses[:, 2] + local.yaw]
         outlines = self._footprint.at_poses(placed)
@@ -275,7 +275,7 @@ def _overlap_along(polygons: FloatArray, others: FloatArray) -> FloatArray:
 
 
 def _disc_depth(outlines: FloatArray, disc: Disc) -> FloatArray:
-    """Penetration depth of a disc in outlines, shape (P, N, 2) → (P,) [m]; if negative, their distance."""
+    """Return the penetration depth of a disc in outlines, shape (P, N, 2) → (P,) [m]; if negative, their distance."""
     offset = np.array([disc.x, disc.y]) - outlines
     edges = np.roll(outlines, -1, axis=1) - outlines
     along = np.clip(np.einsum("pnd,pnd->pn", offset, edges) / np.einsum("pnd,pnd->pn", edges, edges), 0.0, 1.0)
@@ -293,7 +293,7 @@ def _bounds(section: Polygon | Disc) -> tuple[float, float, float, float]:
 
 
 def _middle_of_overlap(outline: FloatArray, section: Polygon | Disc) -> tuple[float, float]:
-    """Mean of the corners of the overlap of an outline and a section: the reported contact point."""
+    """Return the mean of the corners of the overlap of an outline and a section: the reported contact point."""
     if isinstance(section, Disc):
         angles = np.arange(24) * (math.tau / 24)
         corners = np.c_[section.x + section.radius * np.cos(angles), section.y + section.radius * np.sin(angles)]
@@ -308,7 +308,7 @@ def _middle_of_overlap(outline: FloatArray, section: Polygon | Disc) -> tuple[fl
 
 
 def _clip(polygon: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
-    """The part of a polygon on the left of the line from `start` to `end` (Sutherland and Hodgman, 1974)."""
+    """Return the part of a polygon on the left of the line from `start` to `end` (Sutherland and Hodgman, 1974)."""
     edge = end - start
     side = edge[0] * (polygon[:, 1] - start[1]) - edge[1] * (polygon[:, 0] - start[0])
     kept: list[FloatArray] = []
@@ -342,7 +342,7 @@ class CellNames:
 
 
 def nearest_blocked_cell(solid: Solid, cells: OccupancyCells, x: float, y: float) -> tuple[int, int]:
-    """The blocked cell (row, col) nearest to a point [m] in the map frame, among its own cell and the neighbours."""
+    """Return the blocked cell (row, col) nearest to a point [m], map frame, of its own cell and the neighbours."""
     origin = Pose2D(solid.pose.position[0], solid.pose.position[1], solid.pose.yaw())
     local = origin.inverse() @ Pose2D(x, y)
     along, across = local.x / cells.resolution, local.y / cells.resolution

@@ -58,5 +58,5 @@ class MoverHistory:
         return ShownMovers(self._steps[end - 1], tuple(trails))
 
     def trails(self) -> list[FloatArray]:
-        """The places (x, y) [m] of each mover in the last eight seconds, shape (N, 2)."""
+        """Return the places (x, y) [m] of each mover in the last eight seconds, shape (N, 2)."""
         return list(self.at(self._times[-1]).trails) if self._times else []

@@ -88,7 +88,7 @@ class MoverField:
         return self.state
 
     def states(self) -> tuple[MoverState, ...]:
-        """What a `RobotState` says of them."""
+        """Return what a `RobotState` says of them."""
         return tuple(
             MoverState(name, Pose2D(x, y, wrap_angle(yaw)), vx, vy, w, outline)
             for name, (x, y, yaw, vx, vy, w), outline in zip(
@@ -97,7 +97,7 @@ class MoverField:
         )
 
     def touching(self, pose: Pose2D) -> list[Contact]:
-        """Contacts of the robot's footprint, from its clearance to its height, with movers now; one per mover."""
+        """Return the contacts of the robot's footprint with movers, at most one each, at the heights of its body."""
         offset = self.state[:, :2] - (pose.x, pose.y)
         near = np.hypot(offset[:, 0], offset[:, 1]) < self._reach + self._robot.circumscribed_radius
         contacts: list[Contact] = []
@@ -137,7 +137,7 @@ class MoverOutline:
         self._discs, self._of_disc = _gather([cuts[kind].discs for kind in field.kinds], 3)
 
     def placed(self) -> tuple[FloatArray, FloatArray]:
-        """Segments (x0, y0, x1, y1), shape (S, 4), and discs (x, y, radius), shape (D, 3) [m], map frame, now."""
+        """Return segments (x0, y0, x1, y1), shape (S, 4), and discs (x, y, r), shape (D, 3), [m], map frame, now."""
         state = self._field.state
         cos, sin = np.cos(state[:, 2]), np.sin(state[:, 2])
         segments, discs = np.empty_like(self._segments), self._discs.copy()

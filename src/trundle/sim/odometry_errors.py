@@ -10,8 +10,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from trundle.files.config_fields import Angle, NotNegative, Positive, read_angle
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Angle, Config, NotNegative, Positive, read_angle
 from trundle.geometry import Pose2D, Twist2D, wrap_angle
 from trundle.sim.simulator import Simulator
 from trundle.sim.state import RobotState
@@ -124,7 +123,7 @@ class ErringOdometry(SimulatorWrapper):
         self._spin = None if self._errors.slips is None else _SpinningWheels(self._errors.slips, seed)
 
     def _falsify(self, state: RobotState, dt: float) -> RobotState:
-        """The state with the odometry that has the errors of the period."""
+        """Return the state with the odometry that has the errors of the period."""
         moved = self._counted.inverse() @ state.odometry
         self._counted = state.odometry
         forward, turned = self._slip(moved)
@@ -146,7 +145,7 @@ class ErringOdometry(SimulatorWrapper):
         return replace(state, odometry=self._odometry, odometry_twist=wrong)
 
     def _walk(self, driven: float) -> tuple[float, float]:
-        """Random errors of a distance [m]: of itself [m], and of the heading [rad]."""
+        """Return random errors of a distance [m]: of itself [m], and of the heading [rad]."""
         errors = self._errors
         if errors.walk == errors.heading_walk == 0.0:  # the random numbers of slip stay what they are
             return 0.0, 0.0
@@ -154,7 +153,7 @@ class ErringOdometry(SimulatorWrapper):
         return errors.walk * float(along), errors.heading_walk * float(around)
 
     def _slip(self, moved: Pose2D) -> tuple[float, float]:
-        """What the wheels counted without moving the robot: forward [m] and in heading [rad]."""
+        """Return what the wheels counted without moving the robot: forward [m] and in heading [rad]."""
         noise = self._rng.normal(0.0, 1.0, size=2)
         if self._errors.slip == 0.0:
             return 0.0, 0.0
@@ -182,7 +181,7 @@ class _SpinningWheels:
         self._until = self._draw_gap()
 
     def count(self, driven: float, dt: float) -> tuple[float, float]:
-        """What they count in a period of `dt` [s] after the robot drove so far [m]: forward [m] and heading [rad]."""
+        """Return what the wheels count in a period of `dt` [s] of this motion: forward [m] and heading [rad]."""
         self._until -= abs(driven)
         if self._until <= 0.0 and self._left_s <= 0.0 and self._slips.count != self._begun:
             self._begun, self._left_s = self._begun + 1, _SLIP_S

@@ -39,7 +39,7 @@ Section: TypeAlias = Polygon | Disc
 
 
 def slab_section(solid: Solid, low: float, high: float) -> Section | None:
-    """The extent, seen from above, of the part of a solid between two heights [m]; None if there is none.
+    """Return the extent, seen from above, of the part of a solid between two heights [m]; None if there is none.
 
     A mesh counts as its convex hull: see `trundle.sim.convex` for those that are not convex. Blocked cells are not
     a convex shape: see `trundle.sim.footprint.CellField`.
@@ -66,12 +66,12 @@ def slab_section(solid: Solid, low: float, high: float) -> Section | None:
 
 
 def piece_section(piece: Piece, low: float, high: float) -> Polygon | None:
-    """The extent, seen from above, of the part of a convex piece between two heights [m]; None if there is none."""
+    """Return the extent, from above, of a convex piece between two heights [m]; None if nothing of it is there."""
     return _cut(piece.corners, piece.edges, low, high)
 
 
 def cut_triangles(triangles: FloatArray, low: float, high: float) -> FloatArray:
-    """The parts of triangles between two heights [m], seen from above.
+    """Return the parts of triangles between two heights [m], seen from above.
 
     Args:
         triangles: Corners [m], shape (T, 3, 3).
@@ -107,7 +107,7 @@ def cut_triangles(triangles: FloatArray, low: float, high: float) -> FloatArray:
 
 
 def outline_segments(solid: Solid, height: float) -> FloatArray:
-    """The outline of a solid's cut at one height [m], as segments (x0, y0, x1, y1) [m], shape (N, 4).
+    """Return the outline of a solid's cut at one height [m], as segments (x0, y0, x1, y1) [m], shape (N, 4).
 
     For shapes with straight edges; spheres and upright cylinders are discs, see `slab_section`.
     """
@@ -120,7 +120,7 @@ def outline_segments(solid: Solid, height: float) -> FloatArray:
 
 
 def _polyhedron(shape: Box | Cylinder | Mesh) -> tuple[FloatArray, IndexArray]:
-    """Corners (N, 3) in the shape's frame and edges (M, 2) as pairs of their indices."""
+    """Return corners (N, 3) in the shape's frame and edges (M, 2) as pairs of their indices."""
     match shape:
         case Box(size):
             signs = np.array([[i & 1, i >> 1 & 1, i >> 2 & 1] for i in range(8)]) - 0.5
@@ -151,7 +151,7 @@ def _cut(points: FloatArray, edges: IndexArray, low: float, high: float) -> Poly
 
 
 def _mesh_segments(points: FloatArray, faces: IndexArray, height: float) -> FloatArray:
-    """Intersections of triangles with a plane. A corner in the plane counts as above, so that none is found twice."""
+    """Return where triangles meet a plane. A corner in the plane counts as above, so that none is found twice."""
     corners = points[faces]
     above = corners[:, :, 2] >= height
     mixed = above.any(axis=1) & ~above.all(axis=1)

@@ -165,7 +165,7 @@ class SimulatorAdapter(Simulator):
         return getattr(self.simulator, name)
 
     def _owner(self, member: str) -> Any:
-        """The simulator, or one within it, that has an optional member; None where none has."""
+        """Return the simulator, or one within it, that has an optional member; None where none has."""
         simulator = self.simulator
         while simulator is not None and not hasattr(simulator, member):
             simulator = getattr(simulator, _INNER, None)
@@ -254,7 +254,7 @@ def _complete(simulator: SomeSimulator) -> Simulator:
 
 
 def world_of(simulator: SomeSimulator) -> World | None:
-    """The world of a simulator; None if it does not provide one. See `Simulator.world`."""
+    """Return the world of a simulator; None if it does not provide one. See `Simulator.world`."""
     return _complete(simulator).world
 
 
@@ -301,7 +301,7 @@ def _cannot_place(simulator: object) -> InputError:
 
 
 def simulator_names() -> list[str]:
-    """Names that `simulate` takes as a backend, sorted."""
+    """Return names that `simulate` takes as a backend, sorted."""
     return SIMULATORS.names()
 
 

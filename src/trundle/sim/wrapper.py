@@ -129,7 +129,7 @@ class DelayedSimulator(SimulatorWrapper):
         return _join(states)
 
     def _steps_in(self, dt: float) -> tuple[float, int]:
-        """Length [s] and number of the steps of a control period at which a command can take effect."""
+        """Return the length [s] and number of the steps of a control period at which a command can take effect."""
         timestep = self._sim.timestep
         if timestep is None:
             return dt, 1
@@ -141,12 +141,12 @@ class DelayedSimulator(SimulatorWrapper):
 
 
 def _steps_until(delay_s: float, step_s: float) -> int:
-    """After how many steps a delay is over."""
+    """Return after how many steps a delay is over."""
     return max(0, math.ceil(delay_s / step_s - _ROUNDING))
 
 
 def _join(states: list[RobotState]) -> RobotState:
-    """The last of some states, with the contacts and scans of all."""
+    """Return the last of some states, with the contacts and scans of all."""
     if len(states) == 1:
         return states[0]
     contacts: dict[tuple[str, str], Contact] = {}

@@ -1,4 +1,4 @@
-"""`drive_by_hand`: the loop of a drive by keys, in real time and through the stop check; also in MuJoCo's window."""
+"""`drive_by_hand`: keys become commands, which pass the stop check in real time; also in MuJoCo's window."""
 
 from __future__ import annotations
 
@@ -17,13 +17,117 @@ from trundle.navigation.command_check import AssistedCommand, assist_teleop
 from trundle.observation import Estimate, Observation
 from trundle.sim import Simulator
 from trundle.sim.footprint import FootprintChecker
-from trundle.teleop.keys import StepDrive
 from trundle.worlds import World
 
 if TYPE_CHECKING:
     from trundle.mission import Episode, Observer, RunInfo, Step
     from trundle.record.drive_log import DriveLog
+    from trundle.robots import Limits
     from trundle.viewer.native import NativeWindow
+
+
+DEAD_MAN_S = 0.3
+"""How long a key press is active. A held key repeats faster than this; after a release the robot stops."""
+
+SPEED_SHARE = 0.6
+"""Share of the robot's maximum speeds that a key commands: a key is on or off, so the fastest is hard to steer."""
+
+_ARROWS = {b"A": "i", b"B": "k", b"C": "l", b"D": "j"}
+_FORWARD = {"i": 1.0, "w": 1.0, "k": -1.0, "s": -1.0}
+_LEFT = {"j": 1.0, "a": 1.0, "l": -1.0, "d": -1.0}
+
+
+class KeyDrive:
+    """Converts key presses to a twist that ends when the keys are released.
+
+    Forward and turn have separate dead-man timers, so that alternating two keys drives an arc.
+    """
+
+    def __init__(self, limits: Limits) -> None:
+        self._v = SPEED_SHARE * limits.linear_speed
+        self._w = SPEED_SHARE * limits.angular_speed
+        self._forward = (0.0, float("-inf"))
+        self._left = (0.0, float("-inf"))
+        self.done = False
+
+    def press(self, key: str, now: float) -> None:
+        """Process a key at a time `now` [s]; unknown keys do nothing."""
+        if key in _FORWARD:
+            self._forward = (_FORWARD[key], now)
+        elif key in _LEFT:
+            self._left = (_LEFT[key], now)
+        elif key == " ":
+            self._forward = self._left = (0.0, now)
+        elif key == "q":
+            self.done = True
+
+    def twist(self, now: float) -> Twist2D:
+        """Return the command at a time `now` [s]."""
+        forward, left = (sign if now - pressed <= DEAD_MAN_S else 0.0 for sign, pressed in (self._forward, self._left))
+        return Twist2D(forward * self._v, left * self._w)
+
+
+class StepDrive:
+    """Converts single key presses to a twist, in steps of a fifth of the robot's maximum speeds.
+
+    The window reports only key presses, not releases, so that a key cannot mean "while held": up and down change the
+    speed, left and right the turn, and `stop` ends both.
+    """
+
+    STEPS = 5
+
+    def __init__(self, limits: Limits) -> None:
+        self._limits = limits
+        self._forward = 0
+        self._left = 0
+
+    def press(self, key: str) -> None:
+        """Process one key of `NativeWindow.read_keys`; others do nothing."""
+        match key:
+            case "up" | "down":
+                self._forward = self._stepped(self._forward, key == "up")
+            case "left" | "right":
+                self._left = self._stepped(self._left, key == "left")
+            case "stop":
+                self._forward = self._left = 0
+            case _:
+                pass
+
+    def twist(self) -> Twist2D:
+        """Return the command."""
+        return Twist2D(
+            self._forward / self.STEPS * self._limits.linear_speed,
+            self._left / self.STEPS * self._limits.angular_speed,
+        )
+
+    def _stepped(self, value: int, up: bool) -> int:
+        return max(-self.STEPS, min(self.STEPS, value + (1 if up else -1)))
+
+
+def split_keys(data: bytes) -> tuple[list[str], bytes]:
+    """Split what a terminal sent into keys, arrows as i, k, j, l; an unfinished escape sequence is returned."""
+    keys: list[str] = []
+    at = 0
+    while at < len(data):
+        byte = data[at : at + 1]
+        if byte != b"\x1b":
+            keys.append(byte.decode("ascii", "replace").lower())
+            at += 1
+            continue
+        if data[at + 1 : at + 2] not in (b"[", b"O"):
+            if at + 1 == len(data):
+                return keys, data[at:]
+            at += 1
+            continue
+        end = at + 2
+        while end < len(data) and not 0x40 <= data[end] <= 0x7E:
+            end += 1
+        if end == len(data):
+            return keys, data[at:]
+        if data[end : end + 1] in _ARROWS:
+            keys.append(_ARROWS[data[end : end + 1]])
+        at = end + 1
+    return keys, b""
 
 
 _TURN_STEP_RAD = np.radians(2.0)
@@ -55,7 +159,7 @@ class StandingAgent(Agent):
         self.status = NavigationStatus.IDLE
 
     def info(self) -> AgentInfo:
-        """Say which robot stands."""
+        """Return which robot stands."""
         return AgentInfo(type(self).__name__, robot=self.robot)
 
     def reset(self, *, seed: int = 0) -> None:
@@ -69,7 +173,7 @@ class StandingAgent(Agent):
         return Twist2D()
 
     def assist_teleop(self, command: Twist2D, observation: Observation, estimate: Estimate) -> AssistedCommand:
-        """What of a command by hand may be sent in the next control period."""
+        """Return what of a command by hand may be sent in the next control period."""
         checker = self._check_world()
         if checker is None or checker.find(np.array([estimate.pose.as_tuple()])):
             return AssistedCommand(command)
@@ -81,7 +185,7 @@ class StandingAgent(Agent):
         )
 
     def _check_world(self) -> FootprintChecker | None:
-        """What checks the world as it is now; None where the simulator does not know it."""
+        """Return what checks the world as it is now; None where the simulator does not know it."""
         world = self._sim.world
         if world is not self._world:
             body, padded = self.robot.body, self.robot.planar.padded(FOOTPRINT_PADDING_M)
@@ -111,7 +215,7 @@ class _KeyObserver:
         self._keys, self._steering, self._log, self._show = keys, steering, log, show
 
     def on_start(self, run: RunInfo) -> None:
-        """Nothing has moved yet."""
+        """Do nothing: nothing has moved yet."""
 
     def on_step(self, step: Step) -> None:
         """Record and show what was driven, and ask for what the keys say."""
@@ -129,7 +233,7 @@ class _KeyObserver:
         self._steering.put(End("the driver has left") if command is None else Manual(command.v, command.w))
 
     def on_end(self, episode: Episode) -> None:
-        """Leave the last picture as it is."""
+        """Do nothing: the last picture stays."""
 
 
 def drive_by_hand(

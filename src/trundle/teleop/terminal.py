@@ -20,8 +20,7 @@ import numpy.typing as npt
 from trundle.errors import InputError
 from trundle.geometry import Twist2D
 from trundle.maps.rasterise import HeightBand, SolidRaster
-from trundle.teleop.drive import drive_by_hand
-from trundle.teleop.keys import KeyDrive, split_keys
+from trundle.teleop.drive import KeyDrive, drive_by_hand, split_keys
 
 if TYPE_CHECKING:
     from trundle.geometry import Pose2D

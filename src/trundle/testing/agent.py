@@ -140,7 +140,7 @@ def _command(agent: Agent, observation: Observation, estimate: Estimate) -> Twis
 
 
 def _look_around(robot: Robot, time: float) -> tuple[Scan, ...]:
-    """A scan of an empty space by each of the robot's lidars."""
+    """Return a scan of an empty space by each of the robot's lidars."""
     return tuple(
         Scan(
             name,

@@ -190,7 +190,7 @@ def _empty_room() -> OccupancyGrid:
 
 
 def _path(*corners: tuple[float, float]) -> Path:
-    """A polyline with the turns in place at its corners; it starts with yaw 0."""
+    """Return a polyline with the turns in place at its corners; it starts with yaw 0."""
     poses = [(*corners[0], 0.0)]
     for (x0, y0), (x1, y1) in itertools.pairwise(corners):
         yaw = math.atan2(y1 - y0, x1 - x0)

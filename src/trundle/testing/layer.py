@@ -128,7 +128,7 @@ def _paint(layer: Layer, kept: npt.NDArray[np.uint8] | None = None) -> npt.NDArr
 
 
 def _wall_scan(robot: Robot, time: float, pose: Pose2D) -> Scan:
-    """A wall at x = 2 m, as the first lidar sees it."""
+    """Return a wall at x = 2 m, as the first lidar sees it."""
     name = next(iter(robot.lidars))
     lidar = robot.lidars[name]
     sensor = pose @ Pose2D(lidar.x, lidar.y, lidar.yaw)

@@ -231,7 +231,7 @@ def _drive(world: World, robot: Robot) -> tuple[list[Pose2D], list[Observation]]
 
 
 def _room() -> World:
-    """A room of 8 by 6 m with two boxes, so that every place in it looks different."""
+    """Return a room of 8 by 6 m with two boxes, so that every place in it looks different."""
     boxes = (
         ("north", (8.4, 0.2), (0.0, 3.1)),
         ("south", (8.4, 0.2), (0.0, -3.1)),

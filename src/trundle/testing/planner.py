@@ -175,7 +175,7 @@ def _check_path(path: Path, costmap: Costmap, start: Pose2D, goal: Goal) -> None
 
 
 def _densified(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Points x, y [m] along the straight lines between poses, a fifth of a cell apart."""
+    """Return points x, y [m] along the straight lines between poses, a fifth of a cell apart."""
     pieces = [
         np.linspace(a[:2], b[:2], 2 + int(math.dist(a[:2], b[:2]) / (_RESOLUTION / 5.0)))
         for a, b in zip(path.poses[:-1], path.poses[1:], strict=True)

@@ -91,7 +91,7 @@ def check_simulator(
 
 
 def _accept(simulator: SomeSimulator) -> Simulator:
-    """Give a simulator the whole protocol; it must have the least of it.
+    """Adapt a simulator to the whole protocol; it must have the required members.
 
     Raises:
         ConformanceError: If it has not.

@@ -13,8 +13,7 @@ from pydantic import Field
 from trundle._core import ScanTracker
 from trundle.costmap.layers.scan_placer import PlacedScan, PlacedScans, ScanPlacer
 from trundle.errors import InputError, SensorWarning
-from trundle.files.config_fields import NotNegative, Positive
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Config, NotNegative, Positive
 from trundle.geometry import FloatArray, Pose2D
 from trundle.observation import Estimate, Scan, Track, check_scans
 from trundle.robots import Robot

@@ -52,7 +52,7 @@ def find_gl() -> GlKind | None:
 
 
 def describe_missing_gl() -> str:
-    """One sentence on what to install for a better picture; empty if a driver was found."""
+    """Return one sentence on what to install for a better picture; empty if a driver was found."""
     if find_gl() is not None:
         return ""
     return (

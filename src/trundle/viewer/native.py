@@ -201,7 +201,7 @@ class Watcher:
             time.sleep(max(0.0, self._began + step.state.time - time.monotonic()))
 
     def on_end(self, episode: Episode) -> None:
-        """Leave the last picture as it is."""
+        """Do nothing: the last picture stays."""
 
     def _mark(self, step: Step) -> None:
         """Show the path that it follows and the goal that it drives to, if they have changed."""

@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from trundle.errors import WorldError
-from trundle.files.opening import read_limited
-from trundle.files.parser_errors import parser_reason
+from trundle.files.opening import parser_reason, read_limited
 from trundle.geometry import Pose3D
 from trundle.geometry.solids import Box, Color, Cylinder, Solid
 from trundle.values import check_number, is_finite_number, show_value

@@ -21,7 +21,7 @@ from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose2D, Pose3D
 from trundle.geometry.solids import OccupancyCells, Solid, solids_bounds
 from trundle.robots import Robot
-from trundle.worlds.ground import LARGE
+from trundle.worlds.shapes import LARGE
 from trundle.worlds.tessellate import box_mesh, solid_triangles
 from trundle.worlds.world_like import WorldLike, WorldT
 

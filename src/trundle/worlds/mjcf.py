@@ -13,9 +13,10 @@ from trundle.files.model_spec import GeometryChoice, compile_spec, drop_textures
 from trundle.files.uris import Folders, split_folders
 from trundle.geometry import Pose3D
 from trundle.geometry.solids import Box, Color, Cylinder, Mesh, Solid, Sphere
-from trundle.worlds.ground import ENDLESS, LevelPlanes
 from trundle.worlds.options import check_choice
 from trundle.worlds.shapes import (
+    ENDLESS,
+    LevelPlanes,
     Names,
     Part,
     capsule_parts,

@@ -18,7 +18,7 @@ from trundle.evaluation.report.summary import summarise
 from trundle.evaluation.statistics.comparison import compare
 from trundle.evaluation.statistics.table import Table as StatisticsTable
 from trundle.evaluation.store import Store, code_versions, parts, row_encoding
-from trundle.evaluation.store.code import describe_differences
+from trundle.evaluation.store.folder import describe_differences
 
 KILL_AT_EVERY_STEP = """
 import shutil, sys

@@ -5,7 +5,7 @@ import pytest
 
 from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation.suite import Suite, suite_names
-from trundle.evaluation.suite.keywords import SuiteKeywords
+from trundle.evaluation.suite.suite import SuiteKeywords
 from trundle.files.choice import Choice
 from trundle.files.kinds import SUITE, find_kind
 from trundle.planning import create_planner

@@ -11,7 +11,7 @@ from trundle.geometry import Pose2D
 from trundle.mission import DropBox, ReinitializeGlobal
 from trundle.ros2.navigator_role.lifecycle import MANAGERS, NODES
 from trundle.ros2.navigator_role.outputs import local_window
-from trundle.ros2.navigator_role.refusals import REFUSED_ACTIONS
+from trundle.ros2.navigator_role.role import REFUSED_ACTIONS
 
 GET_STATE, MANAGE = "lifecycle_msgs/srv/GetState", "nav2_msgs/srv/ManageLifecycleNodes"
 STARTUP, PAUSE, RESUME, RESET, SHUTDOWN = range(5)

@@ -18,9 +18,8 @@ from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.messages import MessageMaker, Qos
 from trundle.robots import Robot
-from trundle.ros2.remote.frames import FrameTree
-from trundle.ros2.remote.mounts import mount_matrix
-from trundle.ros2.remote.outline import OutlineCheck
+from trundle.ros2.remote.frames import FrameTree, mount_matrix
+from trundle.ros2.remote.guard import OutlineCheck
 
 Navigate = Callable[..., Remote]
 FAR = (8.0, 5.0)

@@ -230,7 +230,7 @@ def write(
     """
     from trundle.files.writing import atomic_path
     from trundle.mapping import draw_map, move_pose_graph, save_pose_graph
-    from trundle.mapping.corrections import find_corrections, joined_nodes
+    from trundle.mapping.parts import find_corrections, joined_nodes
     from trundle.maps.check import check_map
     from trundle.record.map_report_lines import tell_report
     from trundle.record.mapping_picture import choose_corrections, draw_drive, drive_length, tell

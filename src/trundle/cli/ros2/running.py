@@ -86,8 +86,8 @@ def open_page(
     if not shows:
         yield None, None
         return
+    from trundle.serve.run_feed import Watch
     from trundle.serve.steerer import Steerer
-    from trundle.serve.watch import Watch
 
     with browser.serving(scenario, source=source) as page:
         page.hub.controls = steerer = Steerer(speed=speed, restarts="restart" not in lacks)

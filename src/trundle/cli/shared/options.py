@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import CoercionError, Parameter, Token
 
 from trundle.errors import InputError, OutputError
-from trundle.geometry.angles import FORM as ANGLE_FORM
-from trundle.geometry.angles import parse_angle, warn_of_degrees
+from trundle.geometry.poses import FORM as ANGLE_FORM
+from trundle.geometry.poses import parse_angle, warn_of_degrees
 from trundle.messages.codec import Distro as Distribution
 
 if TYPE_CHECKING:

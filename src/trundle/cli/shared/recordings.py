@@ -91,6 +91,6 @@ class FolderRecording:
         return [self._recorder]
 
     def save(self, path: Path) -> None:
-        """Give the finished recording its name."""
+        """Rename the finished recording to its final name."""
         if self._recorder is not None:
             self._recorder.save(path)

@@ -161,7 +161,7 @@ def _kinds_of_name(text: str) -> list[str]:
 
 
 def is_map(path: Path) -> bool:
-    """Whether a file is a map: a ROS map's YAML has an `image:` key, a MovingAI map ends in .map.
+    """Return whether a file is a map: a ROS map's YAML has an `image:` key, a MovingAI map ends in .map.
 
     Raises:
         InputError: If it cannot be read as YAML.
@@ -177,7 +177,7 @@ def is_map(path: Path) -> bool:
 
 
 def is_scenario(path: Path) -> bool:
-    """Whether a YAML file is a scenario: it has a `world:` or a `map:` key.
+    """Return whether a YAML file is a scenario: it has a `world:` or a `map:` key.
 
     Raises:
         InputError: If it cannot be read as YAML.
@@ -191,7 +191,7 @@ def is_scenario(path: Path) -> bool:
 
 
 def is_written(source: str) -> bool:
-    """Whether an argument is the file of a scenario, which says itself what it does not leave to defaults.
+    """Return whether an argument is the file of a scenario, which says itself what it does not leave to defaults.
 
     Raises:
         InputError: If it cannot be read as YAML.
@@ -200,19 +200,19 @@ def is_written(source: str) -> bool:
 
 
 def is_usd(text: str) -> bool:
-    """Whether an argument is a USD file."""
+    """Return whether an argument is a USD file."""
     return text.lower().endswith((".usd", ".usda", ".usdc", ".usdz"))
 
 
 def looks_like_file(text: str) -> bool:
-    """Whether an argument is a file rather than a name."""
+    """Return whether an argument is a file rather than a name."""
     from trundle.worlds.load import is_world_file
 
     return is_world_file(text) or os.sep in text
 
 
 def is_yaml(text: str) -> bool:
-    """Whether an argument is a YAML file, which may be a map or a scenario."""
+    """Return whether an argument is a YAML file, which may be a map or a scenario."""
     return text.lower().endswith((".yaml", ".yml"))
 
 

@@ -120,7 +120,7 @@ def _drop_output() -> None:
 
 
 def show_usage_error(error: CycloptsError, arguments: Sequence[str], *, json: bool) -> int:
-    """Say what is wrong with a command line, and how to get its help; return the exit code."""
+    """Print what is wrong with a command line, and how to get its help; return the exit code."""
     from cyclopts import CoercionError, UnusedCliTokensError
 
     if isinstance(error, CoercionError):

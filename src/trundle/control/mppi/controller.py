@@ -20,12 +20,10 @@ from typing import Any
 import numpy as np
 
 from trundle.control.collision import can_stop
-from trundle.control.controller import Controller, Rollouts
-from trundle.control.intent import Intent
+from trundle.control.controller import Controller, Intent, Rollouts
 from trundle.control.mppi.fields import FieldStyle, Window, cover_with_discs
-from trundle.control.mppi.guide import Guide
+from trundle.control.mppi.guide import Guide, Headway, Route
 from trundle.control.mppi.mppi_settings import MppiSettings
-from trundle.control.mppi.route import Headway, Route
 from trundle.control.mppi.sampler import Aim, Answer, Sampler, Start
 from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
 from trundle.costmap import Costmap
@@ -150,18 +148,18 @@ class MppiController(CopiedAsNew, Controller):
         self._pursuit.set_speed_limit(limit)
 
     def set_tracks(self, tracks: Sequence[Track]) -> None:
-        """Take what moves around the robot, map frame; it is predicted from now on, instead of avoided as it stands."""
+        """Set what moves around the robot, map frame; its motion is predicted from now on."""
         self._movers = tuple(track for track in tracks if track.confirmed and track.moving)
 
     def set_through(self, marks: Sequence[float], tolerance: float) -> None:
-        """Take how far along the path the poses are that it still has to pass, and how near to each it must come."""
+        """Set the poses that are still to be passed: how far along the path, and how near the robot must come."""
         passed = len(self._through) - len(marks)
         if passed > 0 and self._route is not None:
             self._route.reach(self._through[passed - 1])
         self._through, self._lead_past_m = tuple(marks), _LEAD_PAST * tolerance
 
     def rollouts(self, count: int = 30) -> Rollouts | None:
-        """The best samples of the last control period; None where it needed no samples."""
+        """Return the best samples of the last control period; None where it needed no samples."""
         if self._follows or self._done:
             return None
         return Rollouts(*self._sampler.best(count))
@@ -225,7 +223,7 @@ class MppiController(CopiedAsNew, Controller):
         return self._sample(route, window, now)
 
     def _turn_at_end(self, route: Route, now: _Now) -> Path:
-        """A turn in place to the yaw at the path's end: the shorter one, or the other where only that is free.
+        """Return a turn in place to the yaw at the path's end: the shorter one, or the other where only that is free.
 
         Where neither is, its direction is the planned one: the robot stands a little beside the path.
         """
@@ -253,7 +251,7 @@ class MppiController(CopiedAsNew, Controller):
         return self._soften(command, now)
 
     def _soften(self, command: Twist2D, now: _Now) -> Twist2D:
-        """A command that speeds up as gently as the samples do; it may slow down as it likes."""
+        """Return a command that speeds up as gently as the samples do; it may slow down as it likes."""
         gentle = self._limits.approach(now.twist, command, now.dt)
         v = gentle.v if abs(command.v) > abs(now.twist.v) else command.v
         w = gentle.w if abs(command.w) > abs(now.twist.w) else command.w
@@ -264,7 +262,7 @@ class MppiController(CopiedAsNew, Controller):
         return near and route.left_m <= 2.0 * self.settings.goal_tolerance
 
     def _is_exact(self, route: Route, window: Window, pose: Pose2D) -> bool:
-        """Whether the planned path itself is to be followed here."""
+        """Return whether the planned path itself is to be followed here."""
         if route.left_m > self._sample_below_m:
             return True
         ahead = route.ahead(self._exact_before_m)
@@ -276,7 +274,7 @@ class MppiController(CopiedAsNew, Controller):
         return route.left_m < self._exact_before_m and not window.discs_fit(last, self._discs).all()
 
     def _is_narrow(self, costmap: Costmap, poses: FloatArray, pose: Pose2D) -> bool:
-        """Whether the robot is on a part of the path that is free, and leaves it little room; not among what moves."""
+        """Return whether the path is free here and leaves little room, and nothing moves nearby."""
         if self.settings.sampling_room == 0.0 or self._movers:
             return False
         off_m = math.hypot(poses[0, 0] - pose.x, poses[0, 1] - pose.y)
@@ -286,27 +284,27 @@ class MppiController(CopiedAsNew, Controller):
         return bool(near.any()) and not costmap.footprint_collides(poses).any()
 
     def _turns_first(self, route: Route, costmap: Costmap, pose: Pose2D) -> bool:
-        """Whether the robot drives backwards towards an end without room for a turn, and has room for one here."""
+        """Return whether the robot drives backwards to an end without room for a turn, and can turn here."""
         turn = wrap_angle(float(route.poses[route.index, 2]) - pose.yaw)
         if abs(turn) < _FACES_AWAY_RAD or self._has_room_at_end(route, costmap):
             return False
         return not self._hits_in_turn(costmap, pose, turn)
 
     def _has_room_at_end(self, route: Route, costmap: Costmap) -> bool:
-        """Whether the robot can turn round at the path's end, as far as the costmap knows by now."""
+        """Return whether the robot can turn round at the path's end, as far as the costmap knows by now."""
         if self._end_on is not costmap:
             self._end_on = costmap
             self._end_has_room = not self._hits_in_turn(costmap, route.path.goal, 2.0 * math.pi)
         return self._end_has_room
 
     def _hits_in_turn(self, costmap: Costmap, pose: Pose2D, turn: float) -> bool:
-        """Whether the padded outline touches something in a turn in place [rad]."""
+        """Return whether the padded outline touches something in a turn in place [rad]."""
         yaws = pose.yaw + np.linspace(0.0, turn, max(2, math.ceil(abs(turn) / _TURN_STEP_RAD) + 1))
         poses = np.column_stack([np.full((len(yaws), 2), (pose.x, pose.y)), yaws])
         return bool((costmap.footprint_sweeps(poses[:-1], poses[1:], outline=self._padded) < math.inf).any())
 
     def _is_led(self, route: Route, window: Window, pose: Pose2D) -> bool:
-        """Whether samples can go on from here: the cost to go leads on, and not just to where the discs do not pass."""
+        """Return whether samples can go on from here: the cost to go leads to a place where the discs pass."""
         guide = self._guide
         guide.lead(window, route, self._lead_end(route), pose)
         if not math.isfinite(guide.cost_at(window, pose)):
@@ -336,7 +334,7 @@ class MppiController(CopiedAsNew, Controller):
         return self._follow(route.rest(now.pose), now)
 
     def _lead_end(self, route: Route) -> int:
-        """Index of the last pose to lead to: beyond it samples would cut off a pose at which the path doubles back."""
+        """Return the last pose to lead to: beyond it, samples would cut off the place where the path doubles back."""
         end = route.section_end
         if not self._through:
             return end
@@ -352,7 +350,7 @@ class MppiController(CopiedAsNew, Controller):
     # Reasons --------------------------------------------------------------------------------------------------------
 
     def _watch(self, command: Twist2D, twist: Twist2D, costmap: Costmap, dt: float) -> None:
-        """Never stand still without a reason: what stands for a while follows the planned path itself."""
+        """Switch to the planned path itself when samples let the robot stand for a while without a reason."""
         still = max(abs(command.v), abs(twist.v)) < _STILL_MPS and max(abs(command.w), abs(twist.w)) < _STILL_RADPS
         if not still or self._done:
             self._still_s, self.reason = 0.0, ""
@@ -367,7 +365,7 @@ class MppiController(CopiedAsNew, Controller):
             self._hand_over(self._route, costmap, _PATIENCE_M)
 
     def _watch_headway(self, twist: Twist2D, costmap: Costmap, dt: float) -> None:
-        """Never drive to and fro: where samples bring the robot no further, it follows the planned path itself."""
+        """Switch to the planned path itself when samples drive to and fro, and bring the robot no further."""
         if self._route is None or self._movers or self._route.left_m > self._sample_below_m:
             return
         if self._headway.is_lost(self._route.left_m, twist, dt):

@@ -21,8 +21,8 @@ from trundle.geometry import FloatArray, Footprint, Pose2D
 from trundle.maps.cells import FREE, OCCUPIED
 
 _FARTHEST = 254  # largest class of clearance
-_UNIT_M = 0.01
-_NEAR_COST_M = 0.6
+_UNIT_M = 0.01  # least width of a class of clearance
+_NEAR_COST_M = 0.6  # beyond the disc: farther away, nearness costs nothing
 _TOUCH_M = 1e-4  # a disc this near to an obstacle touches it
 
 
@@ -46,7 +46,7 @@ class FieldStyle:
         return max(_UNIT_M, (self.radius + _NEAR_COST_M) / (_FARTHEST - 1))
 
     def costs(self, resolution: float) -> npt.NDArray[np.float32]:
-        """What a cell's length counts [m] by its nearness; infinite where the disc does not fit."""
+        """Return what a cell's length counts [m] by its nearness; infinite where the disc does not fit."""
         free = (_FARTHEST - np.arange(256)) * self.unit - self.radius
         costs = resolution * (1.0 + self.near_weight * np.exp(-np.maximum(free, 0.0) / self.near_distance))
         costs[free <= _TOUCH_M] = np.inf
@@ -55,7 +55,7 @@ class FieldStyle:
 
 @lru_cache(maxsize=16)
 def _clearance_table(resolution: float, unit: float) -> npt.NDArray[np.uint8]:
-    """Nearness by squared distance in cells to the nearest obstacle."""
+    """Return the nearness by squared distance in cells to the nearest obstacle."""
     reach = (_FARTHEST * unit) / resolution + 1.0
     distances = np.sqrt(np.arange(int(reach * reach) + 1)) * resolution - 0.5 * resolution
     classes = np.clip(np.floor(distances / unit + 1e-9), 1, _FARTHEST)
@@ -67,7 +67,7 @@ def _clearance_table(resolution: float, unit: float) -> npt.NDArray[np.uint8]:
 
 @lru_cache(maxsize=16)
 def _nearness_of_costs(style: FieldStyle, unit: float) -> npt.NDArray[np.uint8]:
-    """The nearness at which a metre is as long as a cost of a mask or of unseen space says, by that cost."""
+    """Return the nearness at which a metre is as long as a cost of a mask or of unseen space says, by that cost."""
     shares = np.clip(np.arange(256) / (INSCRIBED - 1), 1e-3, 1.0)
     free = np.minimum(style.radius - style.near_distance * np.log(shares), _FARTHEST * unit)
     nearness = (_FARTHEST - np.clip(np.ceil(free / unit), 1, _FARTHEST)).astype(np.uint8)
@@ -135,7 +135,7 @@ class Window:
             part[x * x + y * y - nearest * (2.0 * along - nearest) <= reach * reach] = False
 
     def _with_costs(self) -> npt.NDArray[np.uint8]:
-        """Nearness for the cost to go: as it is, or more where a mask or unseen space costs more."""
+        """Return the nearness for the cost to go: as it is, or more where a mask or unseen space costs more."""
         costmap = self.costmap
         if costmap.keepout is None and not (costmap.unseen is not None and costmap.unknown == "costly"):
             return self.nearness
@@ -152,27 +152,27 @@ class Window:
     # Frames ---------------------------------------------------------------------------------------------------------
 
     def to_window(self, x: float, y: float) -> tuple[float, float]:
-        """A point of the map frame in the window's [m]."""
+        """Return a point of the map frame in the window's [m]."""
         dx, dy = x - self._frame.x, y - self._frame.y
         return self._cos * dx + self._sin * dy, self._cos * dy - self._sin * dx
 
     def turn_in(self, x: float, y: float) -> tuple[float, float]:
-        """A direction, or a velocity, of the map frame in the window's."""
+        """Return a direction, or a velocity, of the map frame in the window's."""
         return self._cos * x + self._sin * y, self._cos * y - self._sin * x
 
     def pose_in(self, pose: Pose2D) -> tuple[float, float, float]:
-        """A pose of the map frame in the window's."""
+        """Return a pose of the map frame in the window's."""
         return (*self.to_window(pose.x, pose.y), pose.yaw - self._frame.yaw)
 
     def poses_in(self, poses: FloatArray) -> FloatArray:
-        """Poses of the map frame in the window's, shape (N, 3)."""
+        """Return poses of the map frame in the window's, shape (N, 3)."""
         dx, dy = poses[:, 0] - self._frame.x, poses[:, 1] - self._frame.y
         return np.column_stack(
             [self._cos * dx + self._sin * dy, self._cos * dy - self._sin * dx, poses[:, 2] - self._frame.yaw]
         )
 
     def poses_out(self, poses: FloatArray) -> FloatArray:
-        """Poses of the window in the map frame, shape (…, 3)."""
+        """Return poses of the window in the map frame, shape (…, 3)."""
         out = np.empty(poses.shape)
         out[..., 0] = self._frame.x + self._cos * poses[..., 0] - self._sin * poses[..., 1]
         out[..., 1] = self._frame.y + self._sin * poses[..., 0] + self._cos * poses[..., 1]
@@ -180,30 +180,30 @@ class Window:
         return out
 
     def room_around(self, x: float, y: float) -> float:
-        """Distance [m] from a point in the window's frame to its nearest edge; negative outside."""
+        """Return the distance [m] from a point in the window's frame to its nearest edge; negative outside."""
         size = self._size * self.resolution
         return min(x, y, size - x, size - y)
 
     # Reading --------------------------------------------------------------------------------------------------------
 
     def cells_of(self, points: FloatArray) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-        """Cells (row, col) of points in the window's frame, shape (N, 2)."""
+        """Return cells (row, col) of points in the window's frame, shape (N, 2)."""
         cells = np.floor(points / self.resolution).astype(np.int64)
         return cells[:, 1], cells[:, 0]
 
     def inside(self, rows: npt.NDArray[np.int64], cols: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
-        """Which cells lie in the window."""
+        """Return which cells lie in the window."""
         return (rows >= 0) & (rows < self._size) & (cols >= 0) & (cols < self._size)
 
     def clearance_at(self, points: FloatArray) -> FloatArray:
-        """Distance [m] from points in the window's frame to the nearest obstacle; 0 outside the window."""
+        """Return the distance [m] from points in the window's frame to the nearest obstacle; 0 outside the window."""
         rows, cols = self.cells_of(points)
         inside = self.inside(rows, cols)
         found = _FARTHEST - self.nearness[np.where(inside, rows, 0), np.where(inside, cols, 0)].astype(np.float64)
         return np.where(inside, found * self.unit, 0.0)
 
     def discs_fit(self, poses: FloatArray, discs: FloatArray) -> npt.NDArray[np.bool_]:
-        """Whether all discs are free at each pose of the window's frame, shape (N, 3)."""
+        """Return whether all discs are free at each pose of the window's frame, shape (N, 3)."""
         cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
         fit = np.ones(len(poses), np.bool_)
         for x, radius in discs.tolist():
@@ -212,7 +212,7 @@ class Window:
         return fit
 
     def passable(self, points: FloatArray) -> npt.NDArray[np.bool_]:
-        """Whether points in the window's frame lie in cells that the cost to go may pass."""
+        """Return whether points in the window's frame lie in cells that the cost to go may pass."""
         return self.clearance_at(points) > self.style.radius + _TOUCH_M
 
     def cost_to_go(
@@ -229,7 +229,7 @@ class Window:
 
 
 def _part(data: npt.NDArray[np.generic], row: int, col: int, size: int) -> npt.NDArray[np.uint8]:
-    """A square of a costmap's array; 255 outside of it."""
+    """Return a square of a costmap's array; 255 outside of it."""
     rows, cols = data.shape
     top, left = max(row, 0), max(col, 0)
     bottom, right = min(row + size, rows), min(col + size, cols)
@@ -249,7 +249,7 @@ _WIDER = 0.17
 
 
 def cover_with_discs(footprint: Footprint, padding: float = 0.0) -> FloatArray:
-    """The fewest discs on base_link's x axis that cover a footprint and reach little past its sides.
+    """Return the fewest discs on base_link's x axis that cover a footprint and reach little past its sides.
 
     The outline is cut across its axis into slices of equal length. A disc lies on the axis in the middle of each slice
     and just covers it.
@@ -284,7 +284,7 @@ def _cover(outline: FloatArray, count: int) -> FloatArray:
 
 
 def _slice(points: list[tuple[float, float]], low: float, high: float) -> list[tuple[float, float]]:
-    """Corners of the part of a convex outline between two values of x."""
+    """Return corners of the part of a convex outline between two values of x."""
     kept = [(x, y) for x, y in points if low <= x <= high]
     for (x0, y0), (x1, y1) in zip(points, [*points[1:], points[0]], strict=True):
         kept += [

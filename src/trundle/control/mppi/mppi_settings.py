@@ -9,8 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from trundle.control.collision import FOOTPRINT_PADDING_M
-from trundle.files.config_fields import Angle, NotNegative, Positive
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Angle, Config, NotNegative, Positive
 from trundle.robots import Limits, Robot
 
 MOST_STEPS = 400
@@ -125,7 +124,7 @@ class MppiSettings(Config):
     goal_yaw_tolerance: Annotated[Angle, Field(gt=0.0)] = 0.05
 
     def limits_of(self, robot: Robot) -> Limits:
-        """The limits of the samples: the robot's, or those of the settings where they are less."""
+        """Return the limits of the samples: the robot's, or those of the settings where they are less."""
         own = robot.limits
         forward = min(own.linear_speed, self.vx_max or math.inf)
         back = own.linear_speed if own.reverse_speed is None else own.reverse_speed
@@ -139,13 +138,13 @@ class MppiSettings(Config):
         )
 
     def room_of(self, robot: Robot) -> float:
-        """Clearance of a robot's footprint [m] with less of which it follows the path itself."""
+        """Return the clearance of a robot's footprint [m] with less of which it follows the path itself."""
         if self.sampling_room is not None:
             return self.sampling_room
         return _ROOM_SHARE * float(np.ptp(robot.outline[:, 1]))
 
     def step_s(self, robot: Robot) -> float:
-        """Length of a step [s], long enough for the robot to stop within all of them."""
+        """Return the length of a step [s], long enough for the robot to stop within all of them."""
         limits = self.limits_of(robot)
         fastest = max(limits.linear_speed, limits.reverse_speed or 0.0)
         stop_s = max(fastest / limits.linear_acceleration, limits.angular_speed / limits.angular_acceleration)

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle import _core
-from trundle.control.intent import Intent
+from trundle.control.controller import Intent
 from trundle.control.mppi.fields import Window
 from trundle.control.mppi.mppi_settings import MppiSettings
 from trundle.geometry import FloatArray, Pose2D, Twist2D
@@ -210,7 +210,7 @@ class Sampler:
         return min(most, max(-most, w))
 
     def best(self, count: int) -> tuple[FloatArray, FloatArray]:
-        """The best samples of the last tick: poses in the map frame, shape (N, T, 3), and their costs, shape (N,)."""
+        """Return the best samples of the last tick: poses, map frame, shape (N, T, 3), and their costs, shape (N,)."""
         if self._window is None:
             return np.zeros((0, 0, 3)), np.zeros(0)
         poses, costs = self._kernel.rollouts(count)
@@ -218,7 +218,7 @@ class Sampler:
 
 
 def _mover_rows(movers: Sequence[Track], window: Window) -> FloatArray:
-    """What moves, in the window's frame: x, y, vx, vy, radius, variances of position and velocity, shape (M, 7)."""
+    """Return movers, window frame, shape (M, 7): x, y, vx, vy, radius, variances of position and velocity."""
     rows: list[tuple[float, ...]] = []
     for track in movers:
         x, y = window.to_window(track.x, track.y)

@@ -16,8 +16,7 @@ from trundle.costmap.layers.evidence_grid import EvidenceGrid, FieldOfView
 from trundle.costmap.layers.layer import EVERYWHERE, MapPart, MapWindow
 from trundle.costmap.layers.scan_placer import PlacedScan, PlacedScans, ScanPlacer
 from trundle.errors import InputError
-from trundle.files.config_fields import NotNegative, Positive
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Config, NotNegative, Positive
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
 from trundle.observation import Estimate, Scan
 from trundle.robots import Robot

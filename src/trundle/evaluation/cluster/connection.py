@@ -30,7 +30,7 @@ _REACH_S = 5.0
 
 @contextmanager
 def connect(address: str) -> Iterator[ModuleType]:
-    """Give Ray, connected to a cluster; disconnect afterwards, which ends what runs there for us.
+    """Connect Ray to a cluster for the block; disconnecting ends what runs there for this process.
 
     A program that is connected already keeps its connection.
 
@@ -125,7 +125,7 @@ def check_health(address: str, timeout_s: float = 20.0) -> None:
 
 @contextmanager
 def _keeping_sigterm() -> Iterator[None]:
-    """Leave SIGTERM to whom it was left: where Ray starts a cluster, it makes the signal end the program at once."""
+    """Keep the handler of SIGTERM: Ray, when it starts a cluster, installs one that ends the program at once."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

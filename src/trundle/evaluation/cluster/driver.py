@@ -16,7 +16,7 @@ from typing import Any
 
 from trundle.evaluation.cluster.connection import ClusterError, connect
 from trundle.evaluation.cluster.node import MakeSource, Node, ShardDone
-from trundle.evaluation.store.code import describe_differences
+from trundle.evaluation.store.folder import describe_differences
 from trundle.evaluation.store.remote import is_remote
 from trundle.files.writing import cannot_write
 

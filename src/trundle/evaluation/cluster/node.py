@@ -13,8 +13,7 @@ from typing import Protocol
 
 from trundle.errors import OutputError
 from trundle.evaluation.row import Row
-from trundle.evaluation.store.code import code_versions
-from trundle.evaluation.store.folder import PARTS
+from trundle.evaluation.store.folder import PARTS, code_versions
 from trundle.evaluation.store.parts import PartWriter, connect
 from trundle.evaluation.store.remote import RemoteFolder, is_remote
 from trundle.evaluation.store.row_encoding import encode_row

@@ -39,7 +39,7 @@ _OF_A_MISSION = {"start", "goal", "goals", "seed", "name", "floor_z"}
 
 
 def _is_own(choice: Choice) -> bool:
-    """Whether a planner, controller or smoother is one of trundle's."""
+    """Return whether a planner, controller or smoother is one of trundle's."""
     if choice.is_python or ":" in choice.name:
         return False
     modules = [registry.module_of(choice.name) for registry in (PLANNERS, CONTROLLERS, SMOOTHERS)]

@@ -142,7 +142,7 @@ class EpisodeTask:
         return Row(**{**known, **result, **times})
 
     def scenario_of(self, index: int) -> Scenario:
-        """The exact scenario of an episode, with its start and goal: it drives the same when it is run alone.
+        """Return the exact scenario of an episode, with its start and goal: it drives the same when it is run alone.
 
         Raises:
             InputError: If it cannot be prepared, or it was driven by a Python object, which a scenario cannot name.
@@ -158,7 +158,7 @@ class EpisodeTask:
         return self._find_mission(spec).scenario
 
     def grid_of(self, index: int) -> OccupancyGrid:
-        """The map of the place of an episode.
+        """Return the map of the place of an episode.
 
         Raises:
             InputError: If it cannot be made.
@@ -248,7 +248,7 @@ def parts_of(spec: EpisodeSpec) -> tuple[str, str, str]:
 
 
 def facts_of(spec: EpisodeSpec) -> dict[str, Any]:
-    """Columns that are known before anything is made; the mission's hash is empty."""
+    """Return columns that are known before anything is made; the mission's hash is empty."""
     return {
         "id": spec.id,
         "mission": "",
@@ -268,7 +268,7 @@ def facts_of(spec: EpisodeSpec) -> dict[str, Any]:
 
 
 def _ends(mission: _Mission) -> dict[str, Any]:
-    """Columns of the mission."""
+    """Return columns of the mission."""
     goal = mission.goals[-1]
     return {
         "mission": mission.hash,
@@ -280,7 +280,7 @@ def _ends(mission: _Mission) -> dict[str, Any]:
 
 
 def _no_episode(known: Mapping[str, Any], error: PlanningError) -> dict[str, Any]:
-    """Columns of an episode that ended before it began."""
+    """Return columns of an episode that ended before it began."""
     return {
         "outcome": Outcome.NO_PATH.value,
         "message": str(error),
@@ -296,7 +296,7 @@ def _no_episode(known: Mapping[str, Any], error: PlanningError) -> dict[str, Any
 
 
 def _score(spec: EpisodeSpec, mission: _Mission, result: Mapping[str, Any]) -> dict[str, Any]:
-    """Columns of a world with a reference path."""
+    """Return columns of a world with a reference path."""
     if spec.reference is None:
         return {}
     scenario, robot = mission.scenario, mission.kept.place.robot
@@ -311,7 +311,7 @@ def _score(spec: EpisodeSpec, mission: _Mission, result: Mapping[str, Any]) -> d
 
 
 def _result(episode: Episode, truth: Truth | None) -> dict[str, Any]:
-    """Columns of an episode that was driven."""
+    """Return columns of an episode that was driven."""
     metrics, trajectory = episode.metrics, episode.trajectory
     end = dict(zip(("end_x", "end_y", "end_yaw"), trajectory.poses[-1].tolist(), strict=True))
     closest = {}

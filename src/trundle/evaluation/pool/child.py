@@ -25,7 +25,7 @@ _SWEEP_S = 0.5
 
 
 def serve(start: dict[str, Any]) -> None:
-    """Be the server: import, then fork workers until the pool is gone.
+    """Run the server: import, then fork workers until the pool is gone.
 
     Args:
         start: What `launch.describe_start` gives, and `descriptors`: the socket to the pool.
@@ -35,7 +35,7 @@ def serve(start: dict[str, Any]) -> None:
 
 
 def work(start: dict[str, Any]) -> NoReturn:
-    """Be a worker that was not forked from a server.
+    """Run a worker that was not forked from a server.
 
     Args:
         start: What `launch.describe_start` gives, and `descriptors`: a worker's ends of its socket and pipes.

@@ -116,7 +116,7 @@ class ForkServer:
             ends.close()
 
     def send_signal(self, worker: int, number: int) -> None:
-        """Have the server signal a worker, if it has not ended; one that is to be killed with its process group."""
+        """Ask the server to signal a worker that has not ended; SIGKILL goes to its process group."""
         self._request({"do": "signal", "worker": worker, "signal": int(number)}, ())
 
     def collect(self) -> list[Ended]:
@@ -151,7 +151,7 @@ class ForkServer:
         return {}
 
     def close(self) -> None:
-        """Have the server kill all workers, and what they started, and end."""
+        """Ask the server to kill all workers with what they started, and to end."""
         self._control.close()
         try:
             self._process.wait(_END_S)

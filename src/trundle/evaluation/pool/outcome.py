@@ -26,7 +26,7 @@ class Task(Protocol):
         ...
 
     def __call__(self, job: Any, note: Note, /) -> Any:
-        """Do a job; what it returns is pickled.
+        """Run a job; its result is pickled.
 
         Args:
             job: As drawn from the iterable that `Pool.run` was given.
@@ -40,7 +40,7 @@ class Jobs(Protocol):
     """Jobs, of which each worker gets those that suit it."""
 
     def take(self, worker: int) -> Any:
-        """The next job for a worker that is free.
+        """Return the next job for a worker that is free.
 
         Args:
             worker: Its number; a replacement has a new one.

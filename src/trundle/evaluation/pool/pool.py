@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 from trundle.errors import InputError
-from trundle.evaluation.pool import framing, memory
-from trundle.evaluation.pool.failures import MOST_KILLS, Cause, FailureClassifier
+from trundle.evaluation.pool import failures, framing
+from trundle.evaluation.pool.failures import MOST_KILLS, Cause, FailureClassifier, describe_place
 from trundle.evaluation.pool.handle import Handle, State
 from trundle.evaluation.pool.launch import CAN_FORK, describe_start
 from trundle.evaluation.pool.outcome import Done, Failed, Jobs, PoolSetupError, Task
-from trundle.evaluation.pool.tracebacks import describe_place
 from trundle.evaluation.pool.workers import Deadlines, Dumped, Event, Gone, Message, Workers
 from trundle.extras import missing_extra
 from trundle.values import check_count, check_number
@@ -89,7 +88,7 @@ class Pool:
             None if memory_mb is None else int(check_number("memory_mb", memory_mb, 1, 1e9, "MB") * 1e6)
         )
         self._retries = check_count("retries", retries, 0, 100)
-        watched = self._memory_bytes is not None and not memory.HAS_LIMIT
+        watched = self._memory_bytes is not None and not failures.HAS_LIMIT
         fork = CAN_FORK if fork is None else fork
         start = describe_start(
             _pickle_task(task),
@@ -116,7 +115,7 @@ class Pool:
         self.close()
 
     def run(self, jobs: Iterable[Any] | Jobs, *, until: float | None = None) -> Iterator[Done | Failed]:
-        """Do jobs, and yield what became of each as it ends.
+        """Run jobs, and yield the outcome of each as it ends.
 
         A job is drawn when a worker is free for it. If the iterator is closed, or an exception such as
         KeyboardInterrupt passes through it, the workers are killed at once.
@@ -277,7 +276,7 @@ class Pool:
             self._conclude(handle, attempt, cause)
 
     def _take_unready(self, handle: Handle, reason: str, *, killed: bool = False) -> None:
-        """Give the first job of a worker that failed before it to another one."""
+        """Hand the job of a worker that failed before its first job to another one."""
         self._in_flight -= 1
         self._deadlines.clear(handle.number)
         attempt: _Try = handle.job
@@ -309,7 +308,7 @@ class Pool:
         if self._next_watch is None or self._memory_bytes is None or time.monotonic() < self._next_watch:
             return
         numbers = {pid: number for number, pid in self._workers.processes().items()}
-        for pid, size in memory.resident_bytes(numbers).items():
+        for pid, size in failures.resident_bytes(numbers).items():
             handle = self._workers.handles.get(numbers[pid])
             if handle is None or handle.state is not State.BUSY:
                 continue

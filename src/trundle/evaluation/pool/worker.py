@@ -15,8 +15,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
-from trundle.evaluation.pool import framing, memory
-from trundle.evaluation.pool.tracebacks import describe_error, frames_of
+from trundle.evaluation.pool import failures, framing
+from trundle.evaluation.pool.failures import describe_error, frames_of
 from trundle.guard.child import limit_growth
 
 DUMP_SIGNAL = signal.SIGUSR1
@@ -62,7 +62,7 @@ def run_worker(sock: socket.socket, output: int, dump: int, start: WorkerStart) 
             task = pickle.loads(start.task)
             task.setup()
         except BaseException as error:  # noqa: BLE001 - whatever it is, the pool is told
-            with memory.lifted_limit():
+            with failures.lifted_limit():
                 _send(sock, framing.UNREADY, pickle.dumps((describe_error(error), frames_of(error.__traceback__))))
             os._exit(1)
         _Worker(sock, task, dump, start.ends_itself_s).work()
@@ -83,7 +83,7 @@ class _Worker:
         self._standard = _identify_standard()
 
     def work(self) -> None:
-        """Do jobs until there are no more."""
+        """Run jobs until there are no more."""
         _send(self._sock, framing.READY, b"%d" % threading.get_ident())
         while True:
             message = framing.receive(self._sock)
@@ -102,7 +102,7 @@ class _Worker:
             times = time.perf_counter() - begin, time.process_time() - cpu
             reply = self._pack_value(value, times)
         except BaseException as error:  # noqa: BLE001 - whatever it is, the pool is told
-            with memory.lifted_limit():
+            with failures.lifted_limit():
                 reply = self._pack_error(error)
         finally:
             if os.getpid() != self._pid:
@@ -126,7 +126,7 @@ class _Worker:
         return framing.pack(framing.VALUE, content)
 
     def _pack_error(self, error: BaseException) -> bytes:
-        exhausted, frames = memory.is_exhaustion(error), frames_of(error.__traceback__)
+        exhausted, frames = failures.is_exhaustion(error), frames_of(error.__traceback__)
         return framing.pack(framing.FAULT, pickle.dumps((exhausted, describe_error(error), frames, self._is_worn())))
 
     def _is_worn(self) -> bool:

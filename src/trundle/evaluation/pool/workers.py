@@ -226,14 +226,14 @@ class Deadlines:
         self._length_of: dict[int, float] = {}
 
     def set(self, worker: int, seconds: float | None) -> None:
-        """Give a worker so many seconds from now, or no deadline, instead of the one it had."""
+        """Replace the deadline of a worker by one so many seconds from now, or by none."""
         self.clear(worker)
         if seconds is not None:
             self._times.setdefault(seconds, {})[worker] = time.monotonic() + seconds
             self._length_of[worker] = seconds
 
     def clear(self, worker: int) -> None:
-        """Take a worker's deadline away."""
+        """Remove a worker's deadline."""
         length = self._length_of.pop(worker, None)
         if length is not None:
             del self._times[length][worker]

@@ -70,7 +70,7 @@ def barn_figures(table: Table, rows: npt.NDArray[np.bool_] | None = None) -> Map
 
 
 def find_worlds(folder: str | os.PathLike[str], numbers: Sequence[int] | None = None) -> dict[int, tuple[Path, Path]]:
-    """The files of BARN's worlds in a folder, by number: the world's, and that of its reference path.
+    """Return the files of BARN's worlds in a folder, by number: the world's, and that of its reference path.
 
     Raises:
         InputError: If there are none, or one is missing.

@@ -15,8 +15,7 @@ from trundle.errors import InputError
 from trundle.files.choice import Choice
 from trundle.files.writing import write_text
 from trundle.robots import Robot, is_robot_file
-from trundle.robots.drive import Limits
-from trundle.robots.parts import Lidar
+from trundle.robots.parts import Lidar, Limits
 
 TIME_LIMIT_S = 100.0
 ARRIVAL_RADIUS = 1.0
@@ -56,7 +55,7 @@ class Conditions:
     collision_monitor: bool = True
 
     def suite_fields(self) -> dict[str, Any]:
-        """The fields of a suite that they decide, and those that are the same in both benchmarks.
+        """Return the fields of a suite that they decide, and those that are the same in both benchmarks.
 
         Only the time limit ends a run without a contact, so the robot does not give up earlier.
         """
@@ -82,7 +81,7 @@ class Conditions:
 
 
 def benchmark_robot(base: str, *, speed: float, noise: float) -> dict[str, Any]:
-    """The YAML of a robot with BARN's lidar.
+    """Return the YAML of a robot with BARN's lidar.
 
     Args:
         base: Robot that it builds on, by its catalogue name or file.

@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from trundle.errors import InputError
-from trundle.files.opening import describe_unreadable, open_file
-from trundle.files.parser_errors import parser_reason
+from trundle.files.opening import describe_unreadable, open_file, parser_reason
 from trundle.geometry import FloatArray, Goal, Pose2D, path_length
-from trundle.robots.drive import Limits
+from trundle.robots.parts import Limits
 
 _CELL = 0.15  # edge of a cell [m]
 _CORNER = (-4.575, 5.075)  # centre of cell (0, 0) [m]
@@ -39,7 +38,7 @@ class ReferencePath:
     points: FloatArray
 
     def between(self, start: Pose2D, goal: Goal) -> ReferencePath:
-        """The path with the ends of a mission added, as BARN measures it."""
+        """Return the path with the ends of a mission added, as BARN measures it."""
         return ReferencePath(np.vstack([(start.x, start.y), self.points, goal[:2]]))
 
     @property
@@ -53,7 +52,7 @@ class ReferencePath:
         return best / min(max(time_s, _FASTEST * best), _SLOWEST * best)
 
     def shortest_time(self, limits: Limits, arrival_radius: float) -> float:
-        """Shortest time [s] along the path from rest, by the limits of speed and acceleration.
+        """Return the shortest time [s] along the path from rest, by the limits of speed and acceleration.
 
         The turns cost nothing in it. A run may be faster where it cuts the corners of the path's cells.
 
@@ -69,7 +68,7 @@ class ReferencePath:
         return speed / acceleration + (distance - ramp) / speed
 
     def _length_to_within(self, radius: float) -> float:
-        """Length [m] up to where the path first comes within a distance of its end."""
+        """Return the length [m] up to where the path first comes within a distance of its end."""
         driven, end = 0.0, self.points[-1]
         for first, last in zip(self.points[:-1], self.points[1:], strict=True):
             step, off = last - first, first - end

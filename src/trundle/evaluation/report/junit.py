@@ -93,7 +93,7 @@ def _suite(
 
 
 def _add_failure(case: ElementTree.Element, row: Row, folder: str) -> str:
-    """Say why a mission failed; returns the kind of the element."""
+    """Add why a mission failed to its element; return the kind of what was added."""
     kind = "error" if row.outcome in _BROKEN else "failure"
     element = ElementTree.SubElement(case, kind, message=_text(cause(row)), type=_text(row.outcome))
     element.text = _text(f"{row.error or row.message}\nRun it again: {replay_command(folder, row.id)}")
@@ -101,5 +101,5 @@ def _add_failure(case: ElementTree.Element, row: Row, folder: str) -> str:
 
 
 def _text(text: str) -> str:
-    """Text without the characters that XML cannot hold."""
+    """Return the text without the characters that XML cannot hold."""
     return _NOT_XML.sub("\ufffd", text)

@@ -59,7 +59,7 @@ def summarise(
 
 
 def stopped_as_dict(stopped: Stopped | None) -> dict[str, Any] | None:
-    """Why not all episodes have a row, as plain values."""
+    """Return why not all episodes have a row, as plain values."""
     if stopped is None:
         return None
     return {"reason": stopped.reason, "in_flight": len(stopped.in_flight_s), "left_out": stopped.left_out}

@@ -130,7 +130,7 @@ def write_value(change: Change, value: float, n: int) -> str:
 
 
 def write_difference(change: Change) -> tuple[str, str]:
-    """A difference and its interval, with their signs; of shares in percentage points."""
+    """Return a difference and its interval, with their signs; of shares in percentage points."""
     mean, (low, high) = change.difference.value, change.difference.interval
     share = change.figure.name in _SHARES
     scale, unit = (100.0, "pp") if share else (1.0, change.figure.unit)
@@ -139,14 +139,14 @@ def write_difference(change: Change) -> tuple[str, str]:
 
 
 def turned_text(pair: PairComparison, p: float) -> str:
-    """Say on how many missions only one of the two arrives."""
+    """Return in words on how many missions only one of the two arrives."""
     lost, won = len(pair.newly_failing), len(pair.newly_passing)
     test = f"McNemar's exact test: p {write_p(p)}"
     return f"B fails on {lost} where A arrives, and arrives on {won} where A fails ({test})"
 
 
 def write_p(p: float) -> str:
-    """A p with two digits, and what stands before it."""
+    """Return a p with two digits, and what stands before it."""
     return "< 0.0001" if p < 0.0001 else f"= {p:.2g}" if p < 0.995 else "= 1"
 
 

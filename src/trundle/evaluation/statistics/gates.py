@@ -49,7 +49,7 @@ class GateResult:
         return self.state == "passed"
 
     def as_dict(self) -> dict[str, Any]:
-        """The result as plain values, for JSON."""
+        """Return the result as plain values, for JSON."""
         return {
             "gate": self.gate,
             "passed": self.passed,

@@ -56,7 +56,7 @@ def quantile(confidence: float) -> float:
 
 
 def wilson(successes: int, n: int, confidence: float = CONFIDENCE) -> Interval:
-    """Interval of a share, from a count of successes: Wilson's score interval (JASA 22, 1927).
+    """Return the interval of a share, from a count of successes: Wilson's score interval (JASA 22, 1927).
 
     Args:
         successes: 0..n.

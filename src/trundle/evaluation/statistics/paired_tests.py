@@ -77,7 +77,7 @@ def paired_bootstrap(
     resamples: int = RESAMPLES,
     confidence: float = CONFIDENCE,
 ) -> tuple[float, Interval]:
-    """Mean of paired differences, and its bootstrap interval clustered by world; see `bootstrap_means`."""
+    """Return the mean of paired differences, and its bootstrap interval clustered by world; see `bootstrap_means`."""
     (mean,) = bootstrap_means([differences], clusters, seed=seed, resamples=resamples, confidence=confidence)
     return mean.value, mean.interval
 
@@ -90,7 +90,7 @@ def bootstrap_means(
     resamples: int = RESAMPLES,
     confidence: float = CONFIDENCE,
 ) -> list[Mean]:
-    """Means of columns, with percentile intervals of one bootstrap that all columns share.
+    """Return means of columns, with percentile intervals of one bootstrap that all columns share.
 
     A resample draws as many worlds as there are, with replacement, and in each of them as many of its missions (the
     two-stage bootstrap of Davison and Hinkley, "Bootstrap Methods and their Application", 1997, section 3.8). So
@@ -161,7 +161,7 @@ def _make_units(clusters: npt.NDArray[Any]) -> tuple[npt.NDArray[np.intp], npt.N
 
 
 def _resample(table: FloatArray, sizes: npt.NDArray[np.intp], resamples: int, rng: np.random.Generator) -> FloatArray:
-    """Sums of the columns of `table`, shape (units, K), in each resample, shape (resamples, K)."""
+    """Return sums of the columns of `table`, shape (units, K), in each resample, shape (resamples, K)."""
     n = len(table)
     starts = np.cumsum(sizes) - sizes
     parts: list[FloatArray] = []
@@ -175,7 +175,7 @@ def _resample(table: FloatArray, sizes: npt.NDArray[np.intp], resamples: int, rn
 
 
 def _draw_one_stage(n: int, count: int, rng: np.random.Generator) -> npt.NDArray[np.int64]:
-    """Rows of `count` resamples, as resample * n + row: of one world, or of as many worlds as there are rows."""
+    """Return rows of `count` resamples, as resample * n + row: of one world, or of as many worlds as there are rows."""
     rows = rng.integers(n, size=(count, n))
     return (rows + n * np.arange(count)[:, None]).ravel()
 

@@ -123,7 +123,7 @@ class PartWriter:
 
 
 def find_fault(database: duckdb.DuckDBPyConnection, part: Path) -> str | None:
-    """Say why a part cannot be used; None where it can."""
+    """Return why a part cannot be used; None where it can."""
     import duckdb
 
     match = _NAME.fullmatch(part.name)

@@ -19,7 +19,7 @@ _KEPT = (MANIFEST, SUITE, SELECTION, JOURNAL)
 
 
 def is_remote(out: object) -> bool:
-    """Whether this names an object store (`s3://bucket/folder`) and no folder."""
+    """Return whether this names an object store (`s3://bucket/folder`) and no folder."""
     return isinstance(out, str) and _URI.match(out) is not None
 
 
@@ -48,7 +48,7 @@ class RemoteFolder:
             raise OutputError(f"cannot use the folder {uri}: {error}") from error
 
     def list(self, below: str = "") -> list[str]:
-        """Names of the files in it, or in a folder of it.
+        """Return names of the files in it, or in a folder of it.
 
         Raises:
             OutputError: If it cannot be read.

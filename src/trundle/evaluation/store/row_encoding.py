@@ -91,7 +91,7 @@ def _unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _is_in_bounds(name: str, value: Any) -> bool:
-    """Whether a value of the right type is one that a row can have."""
+    """Return whether a value of the right type is one that a row can have."""
     if name in _BOUNDS:
         return 0 <= value < _BOUNDS[name]
     if name == "id":
@@ -110,7 +110,7 @@ def _is_figure(value: Any) -> bool:
 
 
 def _is_text(text: str) -> bool:
-    """Whether it has no half of a surrogate pair, which UTF-8 cannot write."""
+    """Return whether it has no half of a surrogate pair, which UTF-8 cannot write."""
     return text.isascii() or not _SURROGATE.search(text)
 
 

@@ -207,7 +207,7 @@ class Store:
 
     @contextmanager
     def _keeping_failure(self) -> Iterator[None]:
-        """After a write failed, refuse any other."""
+        """Refuse all writes after one has failed."""
         try:
             yield
         except (OutputError, OSError) as error:

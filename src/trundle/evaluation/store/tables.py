@@ -227,7 +227,7 @@ def _as_array(name: str, values: Sequence[Any]) -> Column:
 
 
 def _unmask(name: str, column: Column, texts: dict[str, str]) -> Column:
-    """Do as `_as_array` with an array in which missing values are masked; equal texts become one object."""
+    """Convert an array with masked missing values as `_as_array` does; equal texts become one object."""
     values = np.ma.getdata(column)
     is_missing = np.ma.getmaskarray(column)
     if SQL_TYPES[name] == "VARCHAR":

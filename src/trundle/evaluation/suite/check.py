@@ -14,9 +14,8 @@ from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation.public.reference import load_reference
 from trundle.evaluation.statistics import Gate
 from trundle.evaluation.suite.expand import Expansion
-from trundle.evaluation.suite.fields import SuiteFields
+from trundle.evaluation.suite.fields import PluginChoice, SuiteFields
 from trundle.evaluation.suite.parts import SuiteWorld
-from trundle.evaluation.suite.plugin import PluginChoice
 from trundle.localization import create_localizer
 from trundle.maps import OCCUPIED, OccupancyGrid
 from trundle.mission.fields import MapOptions

@@ -14,10 +14,9 @@ from typing import Any, cast
 from trundle.costmap.costmap_settings import check_unknown_cost
 from trundle.errors import InputError
 from trundle.evaluation.row import NAVIGATOR
-from trundle.evaluation.suite.fields import SuiteFields
+from trundle.evaluation.suite.fields import PluginChoice, SuiteFields, identity_of
 from trundle.evaluation.suite.identity import EpisodeSpec, digest, robot_content, short, world_content, world_of_seed
 from trundle.evaluation.suite.parts import ListedMission, Missions, SuiteWorld
-from trundle.evaluation.suite.plugin import PluginChoice, identity_of
 from trundle.evaluation.suite.vary import apply
 from trundle.files.choice import Choice
 from trundle.files.yaml_config import Config

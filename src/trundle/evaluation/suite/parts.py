@@ -15,8 +15,7 @@ from pydantic_core import PydanticCustomError
 from trundle.errors import UnknownNameError
 from trundle.evaluation.suite.vary import Distribution, draw
 from trundle.files.choice import Choice, Option
-from trundle.files.config_fields import NotNegative, PoseNumbers, Positive
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Config, NotNegative, PoseNumbers, Positive
 from trundle.mission.fields import WorldChoice
 from trundle.mission.goal_fields import GoalFields
 from trundle.mission.sampling import MIN_DISTANCE
@@ -27,14 +26,14 @@ _MAP_SUFFIXES = (".yaml", ".yml", ".map")
 
 
 def as_items(given: object) -> object:
-    """Take a single value as a list of one; a generator or a set as a list."""
+    """Convert a single value to a list of one, and a generator or a set to a list."""
     if isinstance(given, list | tuple | range | set | frozenset):
         return cast("object", tuple(cast("Any", given)))
     return (given,)
 
 
 def read_items(given: object) -> object:
-    """Take a single value as a list of one, and refuse an empty list."""
+    """Convert a single value to a list of one, and refuse an empty list."""
     items = as_items(given)
     if items == ():
         raise PydanticCustomError("empty", "an empty list: the cross product has no episodes", {})
@@ -42,7 +41,7 @@ def read_items(given: object) -> object:
 
 
 def read_lists(given: object) -> object:
-    """Take values that are lists themselves: a list of lists is several, and any other list is one."""
+    """Read values that are lists themselves: a list of lists is several values, any other list is one."""
     if isinstance(given, list | tuple):
         ones = cast("Sequence[object]", given)
         if ones and all(isinstance(one, list | tuple) for one in ones):
@@ -158,7 +157,7 @@ class Missions(Config):
         return number * (1 if self.listed is None else len(self.listed))
 
     def at(self, index: int) -> tuple[int, ListedMission | None]:
-        """Seed and listed mission, if there are any, of one of them."""
+        """Return the seed and listed mission, if there are any, of one of them."""
         seeds = self._seeds
         if self.listed is None:
             return seeds[index], None
@@ -243,7 +242,7 @@ class SuiteWorld(Config):
         return drawn or (not self.is_file and self.seed is None)
 
     def files(self) -> dict[str, str]:
-        """Paths of its files, by field."""
+        """Return paths of its files, by field."""
         files = {
             "name": self.name if self.is_file else None,
             "keepout": self.keepout,
@@ -262,7 +261,7 @@ class SuiteWorld(Config):
         }
 
     def settings(self, seed: int) -> dict[str, Any]:
-        """The fields of a scenario in this world."""
+        """Return the fields of a scenario in this world."""
         options = self.draw_options(seed)
         settings: dict[str, Any] = {
             name: getattr(self, name)

@@ -7,8 +7,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from trundle.errors import InputError
-from trundle.files.config_fields import Angle
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Angle, Config
 
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Alpha = Annotated[float, Field(ge=0.0, le=10.0)]

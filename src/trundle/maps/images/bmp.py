@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trundle.errors import MapError
-from trundle.files.parser_errors import parser_reason
+from trundle.files.opening import parser_reason
 from trundle.maps.images.pixels import Pixels
 
 SIGNATURE = b"BM"

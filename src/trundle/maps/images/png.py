@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from trundle._core import png_unfilter
 from trundle.errors import MapError
-from trundle.files.parser_errors import parser_reason
+from trundle.files.opening import parser_reason
 from trundle.maps.images.pixels import Pixels, SampleArray
 
 _COUNTED_BYTES = 1 << 20

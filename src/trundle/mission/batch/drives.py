@@ -145,7 +145,7 @@ class _Clock:
         self._steps, self._period = count_steps(planned.info.dt, TIMESTEP), -1
 
     def tick(self) -> float:
-        """The next one."""
+        """Return the next one."""
         self._period += 1
         return self._period * self._steps * TIMESTEP
 
@@ -186,7 +186,7 @@ class _KnownDrive(NamedTuple):
 
 
 def find_meetings(settings: Sequence[Setting], ends: Sequence[object], threads: int) -> dict[int, str]:
-    """Say whether robots without lidars, once their drives are known, meet what moves in their worlds.
+    """Return whether robots without lidars, once their drives are known, meet what moves in their worlds.
 
     A robot that sees nobody drives the same among people as alone. So its drive is computed without them, and then
     repeated among them, command by command: where nothing is touched, it stays as it is.
@@ -245,7 +245,7 @@ def _repeat(group: Sequence[_KnownDrive], threads: int) -> list[str]:
 
 
 def _simulator(world: World, robot: Robot, count: int, seconds: float, threads: int) -> BatchSimulator:
-    """A simulator of the world's movers alone: what stands there was looked at when the drives were computed."""
+    """Return a simulator of the world's movers alone: what stands there was looked at when the drives were computed."""
     cells = int(np.ceil(2.0 * robot.circumscribed_radius)) + 1
     nothing = OccupancyGrid(np.zeros((cells, cells), dtype=np.int8), 1.0)
     # Between two samples movers go straight: only those at the simulator's steps miss none of its contacts.

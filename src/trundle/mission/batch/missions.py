@@ -157,13 +157,13 @@ class MissionBatch:
         return HandedOver(reason) if reason else _conclude(planned, drive, sensed.log.monitor_stops)
 
     def _needs_of(self, world: World) -> str:
-        """What of a world has to be simulated in Python; it is kept for the next missions there."""
+        """Return what of a world has to be simulated in Python; it is kept for the next missions there."""
         if self._world is None or self._world[0] is not world:
             self._world = world, world_needs_python(world)
         return self._world[1]
 
     def _kernel_for(self, navigator: Navigator) -> MissionDriver:
-        """The kernel for a navigator's costmap and settings; it is kept for the next missions."""
+        """Return the kernel for a navigator's costmap and settings; it is kept for the next missions."""
         costmap = navigator.costmap
         parts = (costmap, navigator.controller, navigator.goal_checker, navigator.progress_checker)
         for kept, _, kernel in self._kernels:
@@ -182,12 +182,12 @@ class MissionBatch:
 
 
 def _is_alone(planned: Planned) -> bool:
-    """Whether nothing but the kernel decides on a drive."""
+    """Return whether nothing but the kernel decides on a drive."""
     return not _samples(planned) and not monitors(planned.setting)
 
 
 def _samples(planned: Planned) -> bool:
-    """Whether a mission is driven by samples."""
+    """Return whether a mission is driven by samples."""
     return isinstance(planned.navigator.controller, MppiController)
 
 
@@ -243,7 +243,7 @@ def _plan(mission: BatchMission, needs: str) -> Planned | Episode | HandedOver |
 
 
 def _conclude(planned: Planned, drive: BatchDrive, monitor_stops: int | None) -> Episode:
-    """The episode of a drive."""
+    """Return the episode of a drive."""
     info, rows, time = planned.info, drive.rows, drive.time
     log = RunLog.of(_trajectory(time, rows), (planned.route[0],))
     log.monitor_stops = monitor_stops
@@ -256,7 +256,7 @@ def _conclude(planned: Planned, drive: BatchDrive, monitor_stops: int | None) ->
 
 
 def _give_up(planned: Planned, error: PlanningError) -> Episode:
-    """The episode of a mission without a path."""
+    """Return the episode of a mission without a path."""
     state, estimate = standing_at(planned.info.start)
     log = RunLog()
     log.add(state, Twist2D(), estimate, 0, None)

@@ -60,7 +60,7 @@ def needs_python(scenario: ScenarioFields) -> tuple[str, ...]:
 
 
 def _needed_by_lidars(scenario: ScenarioFields) -> list[str]:
-    """What of a scenario's lidars is not known beforehand to make no difference."""
+    """Return what of a scenario's lidars is not known beforehand to make no difference."""
     if not scenario.lidar:
         return ["collision_monitor without lidars"] if scenario.collision_monitor else []
     needs: list[str] = []

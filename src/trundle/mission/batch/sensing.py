@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from trundle._core import chebyshev_field
 from trundle.control import CollisionMonitor
-from trundle.control.intent import Intent
+from trundle.control.controller import Intent
 from trundle.control.pursuit_settings import PursuitSettings
 from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
 from trundle.costmap import LETHAL, Costmap
@@ -148,7 +148,7 @@ class MissionSensing:
         pose: Pose2D,
         intent: Intent | None = None,
     ) -> Twist2D:
-        """Say what the collision monitor sends instead of a command, by the scans up to now [s]."""
+        """Return what the collision monitor sends instead of a command, by the scans up to now [s]."""
         if self._monitor is None:
             return command
         self._monitor.set_intent(intent)
@@ -157,7 +157,7 @@ class MissionSensing:
         return report.command
 
     def surroundings(self) -> Surroundings:
-        """What the robot's software makes of its scans, for a controller that looks all around.
+        """Return what the robot's software makes of its scans, for a controller that looks all around.
 
         Where no cell of the map may change, and all that the lidars see is on it, the layers are left out.
         """
@@ -171,12 +171,12 @@ class MissionSensing:
         return self._surroundings
 
     def comes_near_box(self, places: FloatArray) -> bool:
-        """Whether an unmapped box may matter to a robot at some places [m], shape (N, 2) or more columns."""
+        """Return whether an unmapped box may matter to a robot at some places [m], shape (N, 2) or more columns."""
         costmap = self._setting.navigator.costmap
         return any(_is_near(places, box, self._far + costmap.resolution) for box in self._boxes)
 
     def find_difference(self, drive: BatchDrive) -> str:
-        """What was sensed that might have made a difference to a drive, in a few words; empty where nothing was."""
+        """Return in a few words what was sensed that may have changed a drive; empty if nothing was."""
         setting, costmap = self._setting, self._setting.navigator.costmap
         if self.comes_near_box(drive.places):
             return "an unmapped box near the path"
@@ -198,7 +198,7 @@ class MissionSensing:
         return ""
 
     def look(self, time: float, pose: Pose2D) -> tuple[Scan, ...]:
-        """Take the scans that are due after the last look and up to now [s]."""
+        """Simulate the scans that are due after the last look and up to now [s]."""
         scans = self._lidars.scan(pose, self._since, time)
         self._since = time
         if self._scatters and self._doubts is not None and self._surroundings is None:
@@ -221,12 +221,12 @@ def _points_on(outline: WorldOutline, step: float) -> FloatArray:
 
 
 def layers_of(setting: Setting) -> LayersSettings:
-    """How the scans of a mission are put into its costmap."""
+    """Return how the scans of a mission are put into its costmap."""
     return LayersSettings() if setting.scenario.layers is None else setting.scenario.layers
 
 
 def monitors(setting: Setting) -> bool:
-    """Whether the commands of a mission pass a collision monitor."""
+    """Return whether the commands of a mission pass a collision monitor."""
     chosen = setting.scenario.collision_monitor
     return bool(_lidars_of(setting)) if chosen is None else chosen is not False
 
@@ -306,7 +306,7 @@ class _Doubts:
         )
 
     def matter_to(self, drive: BatchDrive, reach: float) -> bool:
-        """Whether one of these cells is looked up on a drive; blocked ones are within a reach [m]."""
+        """Return whether one of these cells is looked up on a drive; blocked ones are within a reach [m]."""
         cells = reach / self.costmap.resolution + _SPARE_CELLS
         if cells > _FARTHEST_CELLS:
             return bool((self.near < _FARTHEST_CELLS).any())
@@ -315,7 +315,7 @@ class _Doubts:
         return bool(self.costs[row[:count], col[:count]].any() or (self.near[row, col] <= cells).any())
 
     def unexpected(self, scan: Scan, pose: Pose2D, least: float, most: float) -> FloatArray:
-        """Hits of a scan at a pose, from a range on and up to another [m], that may mark other cells.
+        """Return hits of a scan at a pose, from a range on and up to another [m], that may mark other cells.
 
         Returns:
             Where they are [m], map frame, shape (hits, 2).
@@ -327,7 +327,7 @@ class _Doubts:
         return self._unexpected_of(np.column_stack([x, y]))
 
     def expect_all(self, world: World, heights: Sequence[float]) -> bool:
-        """Whether hits at some heights [m], but for those on unmapped boxes, are where the map has something."""
+        """Return whether hits at some heights [m], but for those on unmapped boxes, are where the map has something."""
         for height in heights:
             if height not in self.known:
                 mapped = replace(world, solids=tuple(solid for solid in world.solids if solid.kind != KIND))
@@ -345,7 +345,7 @@ class _Doubts:
         return points[~fits]
 
     def _cells_at(self, places: FloatArray) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-        """Rows and columns of the cells that hold some places [m], or of those nearest to them on the map."""
+        """Return rows and columns of the cells that hold some places [m], or of those nearest to them on the map."""
         row, col = self.costmap.world_to_cell(places[0], places[1])
         rows, cols = self.costmap.shape
         return np.clip(row, 0, rows - 1), np.clip(col, 0, cols - 1)
@@ -359,7 +359,7 @@ def _make_monitor(setting: Setting) -> CollisionMonitor | None:
 
 
 def _reads_exactly(lidar: Lidar, robot: Robot) -> bool:
-    """Whether a lidar has no noise, and all that it can see without the robot touching it is in its range."""
+    """Return whether a lidar has no noise, and all that it can see without the robot touching it is in its range."""
     outline = robot.planar.outline
     along = np.roll(outline, -1, axis=0) - outline
     off = (lidar.x, lidar.y) - outline
@@ -368,7 +368,7 @@ def _reads_exactly(lidar: Lidar, robot: Robot) -> bool:
 
 
 def _is_near(places: FloatArray, box: Solid, reach: float) -> bool:
-    """Whether a box comes within a reach [m] of one of some places."""
+    """Return whether a box comes within a reach [m] of one of some places."""
     low, high = box.bounds()
     half = 0.5 * math.hypot(float(high[0] - low[0]), float(high[1] - low[1]))
     x, y, _ = box.pose.position

@@ -35,7 +35,7 @@ class Surroundings:
         self._movers, self._goal = MoverMemory(), goal
 
     def take(self, scans: Sequence[Scan], time: float, pose: Pose2D) -> None:
-        """Take the scans that arrived up to now [s], and where the robot is."""
+        """Note the scans that arrived up to now [s], and where the robot is."""
         placed = self._placer.place(scans, Estimate(time, pose))
         if self._map is not None:
             self._map.update(placed, self._goal, self._movers.recent)

@@ -100,7 +100,7 @@ class ControlLoop:
         return None
 
     def _assist(self) -> Twist2D | Ending:
-        """What of the command by hand passes the agent's stop check; or how the run ends now."""
+        """Return what of the command by hand passes the agent's stop check; or how the run ends now."""
         if self.executor is None:
             return Twist2D()
         return self.goals.pass_by_hand(self.state, self.dt) or self.executor.assist()
@@ -145,7 +145,7 @@ class ControlLoop:
         return self.state
 
     def stop(self, message: str, fault: Fault | None) -> None:
-        """Take how the run has ended: no more physics steps are reported, and directives that wait are refused."""
+        """Stop the loop at the end of the run: report no more physics steps, and refuse directives that wait."""
         if self._watches:
             self._backend.watch_substeps(None)
         if self.executor is not None:

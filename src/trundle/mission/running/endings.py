@@ -43,14 +43,14 @@ class RunEnd:
         self.complete = False
 
     def put(self, outcome: Outcome, message: str, error: BaseException | None, contacts: Iterable[str]) -> None:
-        """Take an end of a run in which these were touched: it is a collision then, unless it is an error."""
+        """Set the end of a run in which these were touched: it is a collision then, unless it is an error."""
         touched = ", ".join(contacts)
         if touched and outcome not in (Outcome.COLLIDED, Outcome.ERROR):
             outcome, message = Outcome.COLLIDED, f"touched {touched} while driving; {message}"
         self.outcome, self.message, self.error = outcome, message, error
 
     def explain(self, error: BaseException) -> Ending:
-        """The end that an exception means: no path, a simulator that failed, Ctrl-C, or the fault of a plug-in."""
+        """Return the end that an exception means: no path, a failed simulator, Ctrl-C, or the fault of a plug-in."""
         if isinstance(error, KeyboardInterrupt):
             return Outcome.ABORTED, "stopped by Ctrl-C"
         if isinstance(error, SimulationError):
@@ -83,13 +83,13 @@ def at_goal(state: RobotState, estimate: Pose2D | None) -> Ending:
 
 
 def elsewhere(agent: Agent, state: RobotState) -> Ending:
-    """The agent says that it has arrived where there is no goal."""
+    """Return the end of a run whose agent says that it has arrived, where there is no goal."""
     name = "navigator" if agent.plans else "agent"
     return Outcome.STUCK, f"the {name} says that it arrived, but it is at {_words(state.pose)}"
 
 
 def timed_out(goals: Sequence[Goal], time_limit_s: float) -> Ending:
-    """The time limit is over."""
+    """Return the end of a run at its time limit."""
     what = "goal not reached" if goals else "not finished"
     return Outcome.TIMED_OUT, f"{what} within {time_limit_s:.1f} s"
 
@@ -101,7 +101,7 @@ def tipped_over(state: RobotState) -> Ending:
 
 
 def given_up(report: AgentReport, state: RobotState) -> Ending | None:
-    """What the status of an agent that does not drive on means; None where it goes on later."""
+    """Return what the status of an agent that does not drive on means; None where it goes on later."""
     status, said = report.status, report.message
     if status is NavigationStatus.DRIVING:
         return None
@@ -120,7 +120,7 @@ def given_up(report: AgentReport, state: RobotState) -> Ending | None:
 
 
 def describe_contact(contact: Contact, time: float) -> str:
-    """What touches what, where and when [s]."""
+    """Return in one line what touches what, where and when [s]."""
     where = f"the {contact.part} touches {contact.other} at ({contact.x:.2f}, {contact.y:.2f})"
     if time == 0.0:
         return (

@@ -91,7 +91,7 @@ def make_episode(
     complete: bool | None = None,
     own_map: OwnMap | None = None,
 ) -> Episode:
-    """The episode of a run.
+    """Return the episode of a run.
 
     Args:
         info: What observers got at the start.

@@ -148,7 +148,7 @@ class GoalSequence:
             return command if isinstance(command, Twist2D) else check_command(self._agent, command)
 
     def pass_by_hand(self, state: RobotState, dt: float) -> Ending | None:
-        """Note that a control period of this length [s] is driven by hand; or how the run ends now."""
+        """Count a control period of this length [s] that is driven by hand; return how the run ends, if it does."""
         if self._extends:
             self.time_limit_s += dt
         return self._ending_before(state) or self._timed_out(state)
@@ -180,7 +180,7 @@ class GoalSequence:
         return True
 
     def _is_at(self, goal: Goal, pose: Pose2D) -> bool:
-        """Whether the robot is at a goal, truly or by its estimate; the latter is noted."""
+        """Return whether the robot is at a goal, truly or by its estimate; the latter is noted."""
         if self._checker.is_within(pose, goal.pose, any_yaw=goal.yaw_free):
             return True
         believed = self._stack.believed
@@ -198,16 +198,16 @@ class GoalSequence:
         return endings.timed_out(self.goals, self.time_limit_s) if state.time >= self.time_limit_s - 1e-9 else None
 
     def was_complete(self, report: AgentReport) -> bool:
-        """Whether the last search that found no path was complete, by what the agent reports at the end."""
+        """Return whether the last search that found no path was complete, by what the agent reports at the end."""
         error = self._unreachable or report.error
         return isinstance(error, PlanningError) and error.complete
 
     def ended_by_hand(self, why: str) -> Ending:
-        """How a run ends that is ended by hand: finished, where it has no other end."""
+        """Return how a run ends that is ended by hand: finished, where it has no other end."""
         return (Outcome.FINISHED if self._waits else Outcome.ABORTED), why
 
     def arrived_before(self, why: str, state: RobotState) -> Ending | None:
-        """How a run that went on after its goals is ended by hand at the last one; None where it is elsewhere."""
+        """Return the end by hand of a run that waited at its last goal; None if the robot is elsewhere."""
         if not (self.goes_on and self.goals and self.is_done) or not self.rests(state):
             return None
         last, places = self.goals[-1], (state.pose, self._stack.believed)
@@ -217,7 +217,7 @@ class GoalSequence:
         return outcome, f"{message}; {why}"
 
     def rests(self, state: RobotState) -> bool:
-        """Whether the robot stands, and has nothing to do until there is another goal."""
+        """Return whether the robot stands, and has nothing to do until there is another goal."""
         status, twist = self._stack.report.status, state.twist
         is_over = status in FINAL or (status is NavigationStatus.IDLE and self.is_done)
         return is_over and abs(twist.v) < STANDING_MPS and abs(twist.w) < STANDING_RADPS

@@ -34,7 +34,7 @@ SLOWNESS = 4.0
 
 
 def read_goals(goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]] | None) -> tuple[Goal, ...]:
-    """Take one goal, or a list of them.
+    """Read one goal, or a list of them.
 
     Raises:
         InputError: If these are no poses, or there is none.
@@ -123,7 +123,7 @@ def plan_legs(
 
 
 def _is_bad_input(error: PlanningError, goal: Goal, *, first: bool) -> bool:
-    """Whether the start or a goal is at fault. How the robot will stand at an earlier goal is not known yet."""
+    """Return whether the start or a goal is at fault. How the robot will stand at an earlier goal is not known yet."""
     if not isinstance(error, BlockedPoseError | OutsideMapError):
         return False
     return first or error.pose is None or error.pose[:2] == goal[:2]
@@ -145,7 +145,7 @@ def allowed_time(agent: Agent, robot: Robot, start: Pose2D, goals: Sequence[Goal
 
 
 def standing_at(start: Pose2D) -> tuple[RobotState, Estimate]:
-    """State and estimate of a robot that stands at its start, for a run whose simulator has not said it."""
+    """Return the state and estimate of a robot that stands at its start, for a run whose simulator has not said it."""
     still = WheelSpeeds(0.0, 0.0)
     origin = Pose2D(0.0, 0.0)
     return RobotState(0.0, start, Twist2D(), still, still, origin), Estimate(0.0, start, None, origin)
@@ -161,7 +161,7 @@ def describe_early(
     seed: int,
     world: World | None,
 ) -> RunInfo:
-    """What observers get of a run that ends before its first step, as far as its agent can say it."""
+    """Return what observers get of a run that ends before its first step, as far as its agent can say it."""
     info, dt = AgentInfo(type(agent).__name__), CONTROL_PERIOD_S
     if isinstance(agent, Agent):
         with contextlib.suppress(Exception):  # it is not known yet to be one that works
@@ -183,7 +183,7 @@ def describe_run(
     world: World | None,
     localizer: Localizer | None = None,
 ) -> RunInfo:
-    """What observers get before the first step."""
+    """Return what observers get before the first step."""
     locates = localizer.localizer if isinstance(localizer, LocalizerAdapter) else localizer
     return RunInfo(
         name=name,

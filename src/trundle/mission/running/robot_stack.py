@@ -37,7 +37,7 @@ class SomeMonitor(Protocol):
     def check(
         self, command: Twist2D, twist: Twist2D, scans: Sequence[Scan], time: float, odometry: Pose2D
     ) -> MonitorReport:
-        """Say what to send instead of a command."""
+        """Return what to send instead of a command."""
         ...
 
 
@@ -52,7 +52,7 @@ class Monitor(SomeMonitor, Protocol):
         """Take into account from now on how late scans and commands arrive. By default it does not."""
 
     def set_intent(self, intent: Intent | None) -> None:
-        """Take what the agent means to command next, or None, before each check. By default it does not count."""
+        """Set what the agent means to command next, or None, before each check. By default it is ignored."""
 
 
 class MonitorAdapter(Monitor):
@@ -163,7 +163,7 @@ class RobotStack:
             self._keeper.reset()
 
     def observe(self, state: RobotState) -> None:
-        """Take what arrives of what the robot observes now, and estimate where it is."""
+        """Receive the part of the observation that has arrived by now, and estimate where the robot is."""
         observation = state.observation
         if self._delay is not None:
             observation = replace(observation, scans=self._delay.deliver(state.time, observation.scans))
@@ -257,7 +257,7 @@ class RobotStack:
         return self._localizer
 
     def move_to(self, state: RobotState) -> None:
-        """Take that the robot was put somewhere else, at rest: it sees nothing yet, and a localizer does not notice."""
+        """Note that the robot was put elsewhere, at rest: it has no scans yet, and its localizer is not told."""
         self.observation = replace(self.observation, twist=state.twist, scans=())
         if self._localizer is None:
             self.estimate = Estimate(state.time, state.pose, None, _AT_ODOM_ORIGIN)

@@ -78,13 +78,13 @@ class RunLog:
 
     @classmethod
     def of(cls, trajectory: Trajectory, paths: Sequence[Path]) -> RunLog:
-        """The log of a run without contacts that was driven as a whole."""
+        """Return the log of a run without contacts that was driven as a whole."""
         log = cls()
         log._given, log._count, log.paths = trajectory, len(trajectory), list(paths)
         return log
 
     def __len__(self) -> int:
-        """How many rows were added."""
+        """Return how many rows were added."""
         return self._count
 
     def add(self, state: RobotState, sent: Twist2D, estimate: Estimate, goal: int, path: Path | None) -> None:
@@ -131,7 +131,7 @@ class RunLog:
         self._stopped = stops
 
     def trajectory(self) -> Trajectory:
-        """The rows."""
+        """Return the rows."""
         if self._given is not None:
             return self._given
         columns = dict(zip(Trajectory.columns(), map(np.array, zip(*self._rows, strict=True)), strict=True))
@@ -148,7 +148,7 @@ class RunLog:
             self._forgotten_paths = first
 
     def unseen_contacts(self, world: World | None, robot: Robot) -> tuple[str, ...]:
-        """Names of what was touched and is not crossed by the plane of any lidar that sent a scan."""
+        """Return names of what was touched and is not crossed by the plane of any lidar that sent a scan."""
         touched = [*self.contacts, *(name for name in self.standing_contacts if name not in self.contacts)]
         lidars = self._lidars.intersection(robot.lidars)
         if not touched or not lidars or world is None:
@@ -185,7 +185,7 @@ class RunLog:
                 self.hit = self.hit or contact
 
     def _touches_again(self, name: str, state: RobotState, *, stood: bool) -> bool:
-        """Whether the robot touches what it was pushed against, and has hardly moved since."""
+        """Return whether the robot touches what it was pushed against, and has hardly moved since."""
         if name not in self._spared_at:
             return False
         time, pose = self._spared_at[name]

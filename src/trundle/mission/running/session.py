@@ -315,7 +315,7 @@ class Session:
         return self.conclude()
 
     def _attempt(self, act: Callable[[ControlLoop], Ending | None]) -> bool:
-        """Do something of the run, and say whether it goes on; what it raises ends the run."""
+        """Call a part of the run, and return whether the run goes on; an exception ends it."""
         if self._ended.outcome is not None or self._loop is None:
             return False
         try:

@@ -132,13 +132,13 @@ class DirectiveExecutor:
             self.ending = Outcome.ABORTED, "the run is paused, and its record has no more directives"
 
     def assist(self) -> Twist2D:
-        """What of the command by hand passes the agent's stop check."""
+        """Return what of the command by hand passes the agent's stop check."""
         assisted = self._stack.assist(self._stack.robot.limits.clamp(self.manual or _STAND))
         self.held_back = assisted.reason
         return assisted.command
 
     def stop(self, why: str, time: float, fault: Fault | None = None) -> None:
-        """The run has ended at this time [s], by an exception where there is a fault; orders that wait are refused."""
+        """End the orders at this time [s], by an exception where there is a fault; refuse those that wait."""
         try:
             self._tasks.stop(why, time, fault)
         finally:
@@ -181,7 +181,7 @@ class DirectiveExecutor:
             raise broken
 
     def _is_renewal(self, order: Order) -> bool:
-        """Whether this repeats the command by hand that holds, which is then held for longer."""
+        """Return whether this repeats the command by hand that holds, which is then held for longer."""
         command = order.directive
         if not isinstance(command, kinds.Manual) or self.manual != Twist2D(command.v, command.w):
             return False
@@ -282,7 +282,7 @@ class DirectiveExecutor:
             self._goals.set_again()
 
     def _free_name(self) -> str:
-        """A name that no solid of the world has."""
+        """Return a name that no solid of the world has."""
         world = self._sim.world
         taken = set() if world is None else {solid.name for solid in world.solids}
         number = len(self.boxes) + 1
@@ -329,7 +329,7 @@ class RunningTasks:
         self._end_both("stopped" if fault is None else "failed", why, time, fault)
 
     def check(self, time: float) -> None:
-        """End what has ended in the last control period, by what the agent reports."""
+        """Conclude the orders that have ended in the last control period, by what the agent reports."""
         report = self._stack.report
         if self._behavior is not None and report.status is not NavigationStatus.BEHAVING:
             ran = next((run for run in reversed(report.behaviors) if run.reason == ASKED_FOR), None)

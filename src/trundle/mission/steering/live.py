@@ -249,6 +249,6 @@ class Pace:
             self._marks.popleft()
 
     def hold(self) -> None:
-        """Stand still: real time passes now, and simulated time does not."""
+        """Hold the simulated time while real time passes."""
         self._anchor = None
         self._marks.clear()

@@ -64,7 +64,7 @@ class TaskWatcher(Protocol):
         ...
 
     def end(self, end: TaskEnd) -> None:
-        """It has ended; nothing follows."""
+        """Note the end of the run; nothing follows."""
         ...
 
 

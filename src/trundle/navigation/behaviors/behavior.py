@@ -64,7 +64,7 @@ class Behavior(Protocol):
         return 10.0
 
     def helps(self, context: BehaviorContext) -> bool:
-        """Whether it can help where the robot makes no progress now; recovery leaves it out otherwise."""
+        """Return whether it can help where the robot makes no progress now; recovery leaves it out otherwise."""
         return True
 
     def start(self, context: BehaviorContext) -> None:
@@ -119,7 +119,7 @@ def describe_behaviors(runs: Sequence[BehaviorRun]) -> str:
 
 
 def behavior_names() -> list[str]:
-    """Names that `create_behavior` takes, sorted."""
+    """Return names that `create_behavior` takes, sorted."""
     return BEHAVIORS.names()
 
 
@@ -144,7 +144,7 @@ def check_behavior_kind(behavior: object) -> None:
 
 
 def snake_case(name: str) -> str:
-    """The name of a class in snake case, as behaviors and services of ROS are called: `BackUp` is back_up."""
+    """Return the name of a class in snake case, as behaviors and services of ROS are called: `BackUp` is back_up."""
     return "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in name).lstrip("_")
 
 
@@ -188,7 +188,7 @@ def shorten_behavior(choice: Mapping[str, Any]) -> object:
 
 
 def _first_option(name: str, value: object) -> dict[str, object]:
-    """The options of a behavior of which only the first value is given."""
+    """Return the options of a behavior of which only the first value is given."""
     maker = cast("Callable[..., object]", BEHAVIORS.load(name))
     for parameter in inspect.signature(maker).parameters.values():
         if parameter.kind is parameter.POSITIONAL_OR_KEYWORD:

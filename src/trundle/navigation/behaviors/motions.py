@@ -9,7 +9,7 @@ import numpy as np
 from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop, may_pass
 from trundle.errors import BehaviorFailedError, InputError
 from trundle.geometry import FloatArray, Twist2D, integrate_twist, shrink_outline, wrap_angle
-from trundle.geometry.angles import parse_angle, warn_of_degrees
+from trundle.geometry.poses import parse_angle, warn_of_degrees
 from trundle.navigation.behaviors.behavior import Behavior, BehaviorContext
 from trundle.values import as_number, check_number
 
@@ -58,7 +58,7 @@ class DriveOnHeading(Behavior):
         return 2.0 * self.distance / self.speed + 5.0 if self._allowance is None else self._allowance
 
     def helps(self, context: BehaviorContext) -> bool:
-        """Whether the robot may drive the first 5 cm of it."""
+        """Return whether the robot may drive the first 5 cm of it."""
         first = self._direction * min(self.distance, _FIRST_M)
         return _may_begin(context, [Twist2D(share * first, 0.0) for share in _SHARES])
 
@@ -146,11 +146,11 @@ class Spin(Behavior):
         return 2.0 * abs(math.pi if self.angle is None else self.angle) / self.speed + 5.0
 
     def _angle_from(self, yaw: float) -> float:
-        """How far to turn [rad] from this yaw."""
+        """Return how far to turn [rad] from this yaw."""
         return wrap_angle((self.heading or 0.0) - yaw) if self.angle is None else self.angle
 
     def helps(self, context: BehaviorContext) -> bool:
-        """Whether the robot may make the first turn in which its outline moves by 5 cm."""
+        """Return whether the robot may make the first turn in which its outline moves by 5 cm."""
         angle = self._angle_from(context.pose.yaw)
         first = math.copysign(min(abs(angle), _FIRST_M / context.robot.circumscribed_radius), angle)
         return _may_begin(context, [Twist2D(0.0, share * first) for share in _SHARES])
@@ -177,7 +177,7 @@ class Spin(Behavior):
 
 
 def _may_begin(context: BehaviorContext, motions: list[Twist2D]) -> bool:
-    """Whether the robot may drive from where it is through motions of 1 s each, all of them from there."""
+    """Return whether the robot may drive from where it is through motions of 1 s each, all of them from there."""
     x, y, yaw = context.pose.as_tuple()
     poses = [(x, y, yaw), *(integrate_twist(x, y, yaw, motion.v, motion.w, 1.0) for motion in motions)]
     padded = context.robot.planar.padded(FOOTPRINT_PADDING_M).outline
@@ -192,12 +192,12 @@ def _blocked_at(context: BehaviorContext) -> str:
 
 
 def _speed_to_stop(left: float, deceleration: float) -> float:
-    """The speed from which a robot stops within `left`."""
+    """Return the speed from which a robot stops within `left`."""
     return math.sqrt(2.0 * _BRAKING_SHARE * deceleration * left)
 
 
 def positive(name: str, value: float) -> float:
-    """A positive number of an option.
+    """Return a positive number of an option.
 
     Raises:
         InputError: If it is none.
@@ -222,12 +222,12 @@ def _read_angle(name: str, value: float | str) -> float:
 
 
 CLEAR_M, CLEAR_MPS = 0.1, 0.15
-_TURNS_RADPS = (0.0, 0.3, -0.3, 0.7, -0.7)
+_TURNS_RADPS = (0.0, 0.3, -0.3, 0.7, -0.7)  # of the motions compared, each forwards, backwards and, but for 0, in place
 _AHEAD_S = (0.5, 1.0, 2.0)
-_LATER_WEIGHT = 0.1
-_DEPTHS_M = (0.0, 0.04, 0.08, 0.12, 0.16)
-_GAIN_M = 0.005
-_NEAR_M = 0.05
+_LATER_WEIGHT = 0.1  # of the room gained in half a second: of motions that gain as much, the quickest is taken
+_DEPTHS_M = (0.0, 0.04, 0.08, 0.12, 0.16)  # by which the outline is shrunk until it touches nothing
+_GAIN_M = 0.005  # a tenth of a usual cell
+_NEAR_M = 0.05  # a usual cell
 _MOST_M = 1.0
 _VAIN_S = 0.4
 _MOVES_MPS, _MOVES_RADPS = 0.01, 0.02
@@ -263,7 +263,7 @@ class DriveClear(Behavior):
         return 15.0
 
     def helps(self, context: BehaviorContext) -> bool:
-        """Whether the robot touches something, or nearly does."""
+        """Return whether the robot touches something, or nearly does."""
         pose = np.array(context.pose.as_tuple())
         return float(context.costmap.clearance(pose, cap=_MOST_M)[0]) < _NEAR_M
 
@@ -331,7 +331,7 @@ class DriveClear(Behavior):
 
 
 def _outline_that_is_free(context: BehaviorContext) -> tuple[FloatArray, float]:
-    """The footprint, or the largest smaller outline that touches nothing, and how far from everything it is [m]."""
+    """Return the footprint, or the largest smaller outline that is free, and its distance from everything else [m]."""
     costmap = context.costmap
     pose = np.array(context.pose.as_tuple())
     for depth in _DEPTHS_M:

@@ -183,7 +183,7 @@ class Explorer(Agent):
         self._take(chosen, now, pose, ended=ended)
 
     def _is_target_shut_in(self, target: Frontier, pose: Pose2D) -> bool:
-        """Whether the planner's error is about the place that it drives to, and not about where the robot is.
+        """Return whether the planner's error is about the place that it drives to, and not about where the robot is.
 
         In an office with narrow rooms, an explorer that waited after three of these, as if it were shut in itself,
         stood for 70 of 420 s.
@@ -192,7 +192,7 @@ class Explorer(Agent):
         return at is not None and math.dist(at[:2], target.view) < math.dist(at[:2], (pose.x, pose.y))
 
     def _wait_s(self) -> float:
-        """How long it waits where no path leads to its target."""
+        """Return how long it waits where no path leads to its target."""
         if len(self._shut_from) >= _SHUT_IN and not self._has_waited:
             return math.inf  # until the navigator, or the explorer's patience, has had enough
         return _PATHLESS_S if self.navigator.path is None else _STANDING_S
@@ -226,7 +226,7 @@ class Explorer(Agent):
             self._end(NavigationStatus.STUCK, "the lidars see nothing from here: their scans show no floor around it")
 
     def _why(self, what: str) -> str:
-        """A failure of the navigator in words, with what it says of it."""
+        """Return a failure of the navigator in words, with what it says of it."""
         said = self.navigator.message or (str(self.navigator.error) if self.navigator.error else "")
         return f"{what}: {said}" if said else what
 
@@ -237,11 +237,11 @@ class Explorer(Agent):
     # What it says of itself -----------------------------------------------------------------------------------------
 
     def info(self) -> AgentInfo:
-        """Say what it is and drives with."""
+        """Return what it is and drives with."""
         return self.navigator.info()
 
     def report(self, *, rollouts: bool = False) -> AgentReport:
-        """Say what it is doing, and why."""
+        """Return what it is doing, and why."""
         report = self.navigator.report(rollouts=rollouts)
         message = report.message or self._message
         if self.status in FINAL:
@@ -271,7 +271,7 @@ class Explorer(Agent):
         self.navigator.set_sent_command(command)
 
     def assist_teleop(self, command: Twist2D, observation: Observation, estimate: Estimate) -> AssistedCommand:
-        """Say what of a command by hand may be sent."""
+        """Return what of a command by hand may be sent."""
         self.target = None
         return self.navigator.assist_teleop(command, observation, estimate)
 

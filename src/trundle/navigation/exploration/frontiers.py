@@ -13,8 +13,7 @@ from pydantic import Field
 
 from trundle._core import cast_grid_rays, inflate, label_components, mark_gaps
 from trundle.costmap import INSCRIBED, LETHAL, Costmap
-from trundle.files.config_fields import NotNegative, Positive
-from trundle.files.yaml_config import Config
+from trundle.files.yaml_config import Config, NotNegative, Positive
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.cells import OCCUPIED
 from trundle.planning import cost_field
@@ -143,7 +142,7 @@ def find_frontiers(
 
 
 def shows_floor(costmap: Costmap, pose: Pose2D) -> bool:
-    """Whether a costmap shows free space that the robot can drive on from a pose, map frame."""
+    """Return whether a costmap shows free space that the robot can drive on from a pose, map frame."""
     unseen = costmap.unknown_cells
     row, col = (int(index) for index in costmap.world_to_cell(pose.x, pose.y))
     if not costmap.contains(row, col) or unseen.all():
@@ -198,7 +197,7 @@ def _without_specks(unseen: _Mask, least: float) -> _Mask:
 
 
 def _reach(costmap: Costmap, unseen: _Mask, row: int, col: int) -> npt.NDArray[np.float32]:
-    """What it costs to drive to each cell through known free space; infinite where the robot does not get."""
+    """Return what it costs to drive to each cell through known free space; infinite where the robot does not get."""
     costs = np.where(costmap.data < INSCRIBED, _STEP + costmap.data // 6, _WALL).astype(np.uint8)
     costs[unseen] = _WALL
     reach = math.ceil((costmap.circumscribed_radius + _AROUND_M) / costmap.resolution)
@@ -212,7 +211,7 @@ def _reach(costmap: Costmap, unseen: _Mask, row: int, col: int) -> npt.NDArray[n
 
 
 def _cost_of_turning(costmap: Costmap) -> int:
-    """The highest cost of a cell at which the robot fits at every yaw."""
+    """Return the highest cost of a cell at which the robot fits at every yaw."""
     off = costmap.circumscribed_radius - costmap.inscribed_radius
     return int((INSCRIBED - 1) * math.exp(-costmap.cost_scaling_factor * off))
 
@@ -361,7 +360,7 @@ class Targets:
                 one.tries, one.waits, one.is_forgiven = one.tries - 1, False, True
 
     def note_vanished(self, frontier: Frontier) -> None:
-        """Note that a frontier was looked at, and is none any more.
+        """Note that a frontier was looked at and has vanished.
 
         One that comes back again and again, as where beams graze a wall, is given up.
         """
@@ -384,5 +383,5 @@ class Targets:
 
 
 def is_same(one: Frontier, other: Frontier) -> bool:
-    """Whether two frontiers, of one time or of two, are one and the same."""
+    """Return whether two frontiers, of one time or of two, are one and the same."""
     return math.hypot(one.x - other.x, one.y - other.y) < _SAME_M

@@ -85,11 +85,11 @@ class Policy(Agent):
         return f"Policy({self.file.path.name}, {self.status.value})"
 
     def info(self) -> AgentInfo:
-        """Say which file it drives by."""
+        """Return which file it drives by."""
         return self._info
 
     def report(self, *, rollouts: bool = False) -> AgentReport:
-        """Say what it is doing, and why it is stuck."""
+        """Return what it is doing, and why it is stuck."""
         followed = self._followed
         path, left_m = (None, None) if followed is None else (followed.path, followed.left_m)
         return AgentReport(self.status, self._message, self._error, path, left_m)
@@ -143,7 +143,7 @@ class Policy(Agent):
         return self._slow_down(self._action, math.hypot(goal.x - pose.x, goal.y - pose.y))
 
     def _waits_for_scans(self, time: float) -> bool:
-        """Whether a lidar that it needs has not measured yet; after a while that is an end."""
+        """Return whether a lidar that it needs has not measured yet; after a while that is an end."""
         missing = [name for name in self.lidars if name not in self._scans]
         if not missing:
             return False
@@ -194,7 +194,7 @@ class Policy(Agent):
         return True
 
     def _path_ahead(self, pose: Pose2D) -> Floats:
-        """Points of the path ahead, base_link [m], shape (points, 2)."""
+        """Return points of the path ahead, base_link [m], shape (points, 2)."""
         points = np.zeros((self.file.path_points, 2), dtype=np.float32)
         if self._followed is None:
             return points
@@ -227,7 +227,7 @@ class Policy(Agent):
         return Twist2D(v, w)
 
     def _ranges(self, lidar: str) -> Floats:
-        """Ranges of the policy's beams, each of the measured beam nearest in direction, up to its reach [m]."""
+        """Return ranges of the policy's beams, each of the measured beam nearest in direction, up to its reach [m]."""
         scan, count = self._scans[lidar], self.file.beams
         picked = _nearest_beams(scan, self.lidars[lidar].model_copy(update={"beams": count}).angles)
         ranges = np.where(np.isnan(scan.ranges), self.file.reach, scan.ranges)[picked]
@@ -244,7 +244,7 @@ def _control_period(period: float) -> float:
 
 
 def _choose_lidars(file: PolicyFile, robot: Robot) -> dict[str, Lidar]:
-    """The lidars that a policy observes: those that it names, or the robot's first."""
+    """Return the lidars that a policy observes: those that it names, or the robot's first."""
     if "ranges" not in file.observations:
         return {}
     if not robot.lidars:
@@ -259,7 +259,7 @@ def _choose_lidars(file: PolicyFile, robot: Robot) -> dict[str, Lidar]:
 
 
 def _nearest_beams(scan: Scan, wanted: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
-    """Index of the measured beam nearest to each direction."""
+    """Return the index of the measured beam nearest to each direction."""
     turn = 2.0 * math.pi
     order = np.argsort(scan.angles % turn)
     angles = scan.angles[order] % turn

@@ -1,4 +1,4 @@
-"""What planners on blocked and free cells share: the `GridSearch` of the last costmap, updated with it."""
+"""Planners on blocked and free cells, `astar` and `any_angle`, with one `GridSearch` that follows the costmap."""
 
 from __future__ import annotations
 
@@ -11,10 +11,14 @@ from typing import Unpack
 import numpy as np
 import numpy.typing as npt
 
+from trundle import _core
 from trundle.costmap import INSCRIBED, Costmap
-from trundle.planning.grid.grid_search import GridSearch
+from trundle.geometry import FloatArray, path_length
+from trundle.planning.cancellation import Patience
+from trundle.planning.grid.grid_search import GridSearch, check_method
 from trundle.planning.grid_planners.detours import TightPlaces
-from trundle.planning.grid_planners.footprint_planner import FootprintOptions, FootprintPlanner
+from trundle.planning.grid_planners.footprint_planner import FootprintOptions, FootprintPlanner, to_grid, to_map
+from trundle.planning.queries.ends import End
 
 _SMALL = 8
 """A search is updated where a changed rectangle is at most one in so many parts of the map, and made anew otherwise."""
@@ -140,3 +144,100 @@ class BinaryPlanner(FootprintPlanner):
     def _search(self, costmap: Costmap, costs: npt.NDArray[np.uint8]) -> AbstractContextManager[GridSearch]:
         """Lend the search over cells below 253, of the costmap's own costs or of those of a replan."""
         return self._kept.of(costmap) if costs is costmap.data else self._kept.around(costmap, costs)
+
+
+class AnyAnglePlanner(BinaryPlanner):
+    """Finds the shortest path of a point around cells of 253 and more, in any direction (`any_angle_path`).
+
+    Between the centres of the cells that hold the start and the goal it is the Euclidean optimum. It is joined to their
+    poses directly where the straight line is free, and through the centres of these cells otherwise. The robot's centre
+    touches the corners of cells of 253, where it may be up to 0.71 of a cell nearer to an obstacle than the inscribed
+    radius, and never enters one. Whether the robot fits is decided by its footprint alone: every pose is checked with
+    it, and after a collision the path is planned again around those cells, as with every grid planner. The result is
+    the shortest path of a point around the cells that are blocked by then. `Path.cost` is its length [m]; the costs of
+    cells below 253 do not count. For the options see `FootprintPlanner`.
+    """
+
+    name = "any_angle"
+
+    def __init__(self, **options: Unpack[FootprintOptions]) -> None:
+        super().__init__("jps", **options)
+
+    def _find_path(
+        self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End, patience: Patience
+    ) -> tuple[FloatArray, float] | None:
+        with self._search(costmap, costs) as search:
+            path = search.any_angle_path(start.cell, goal.cell, deadline_s=patience.seconds, cancel=patience.cancel)
+        if path.status in ("timeout", "cancelled"):
+            raise patience.stopped(path.status)
+        if path.status != "found":
+            return None
+        points = path.waypoints[:, ::-1] + 0.5
+        first, last = to_grid(costmap, np.array([[end.pose.x, end.pose.y] for end in (start, goal)]))
+        if len(points) <= 2:
+            inner = points[:0] if self._is_free(costs, first, last) else points
+        else:
+            skip_first = self._is_free(costs, first, points[1])
+            skip_last = self._is_free(costs, points[-2], last)
+            inner = points[int(skip_first) : len(points) - int(skip_last)]
+        vertices: FloatArray = to_map(costmap, np.concatenate([[first], inner, [last]]))
+        vertices[0], vertices[-1] = (start.pose.x, start.pose.y), (goal.pose.x, goal.pose.y)
+        return vertices, path_length(vertices)
+
+    def _is_free(self, costs: npt.NDArray[np.uint8], a: FloatArray, b: FloatArray) -> bool:
+        """Return whether the line between two points in grid units is clear of blocked cells, but for its ends."""
+        return bool(np.isfinite(_core.line_costs(costs, self._line_weights, a.reshape(1, 2), b.reshape(1, 2))[0]))
+
+
+_SHORTCUT_STEP_CELLS = 8
+"""The shortcut may turn where the grid path turns, and at every this many cells of it."""
+
+
+class AStarPlanner(BinaryPlanner):
+    """Finds the shortest 8-connected path with A* or jump point search, and shortens it by lines of sight.
+
+    Cells of 253 and more are blocked; the costs of others do not count. The path is checked with the footprint like
+    that of any `FootprintPlanner`. Where that collides, mostly at the corners that a shortest path
+    touches, it is rerouted with more room. `Path.cost` is its length [m].
+
+    Args:
+        method: "astar", "jps", or "auto" for whichever is faster on the map, as `GridSearch` has them. All find paths
+            of the same length over the cells.
+        options: Those of `FootprintPlanner`.
+    """
+
+    name = "astar"
+
+    def __init__(self, *, method: str = "auto", **options: Unpack[FootprintOptions]) -> None:
+        super().__init__(check_method(method), **options)
+
+    def _find_path(
+        self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End, patience: Patience
+    ) -> tuple[FloatArray, float] | None:
+        # Searched from the lower cell to the higher, so that both directions give the same path.
+        turned = (goal.cell, goal.pose.as_tuple()) < (start.cell, start.pose.as_tuple())
+        first, last = (goal, start) if turned else (start, goal)
+        with self._search(costmap, costs) as search:
+            path = search.shortest_path(first.cell, last.cell, deadline_s=patience.seconds, cancel=patience.cancel)
+        if path.status in ("timeout", "cancelled"):
+            raise patience.stopped(path.status)
+        if path.status != "found":
+            return None
+        centres = path.cells[_turning_points(path.cells)][:, ::-1].astype(np.float64) + 0.5
+        ends = to_grid(costmap, np.array([[end.pose.x, end.pose.y] for end in (first, last)]))
+        points = np.concatenate([ends[:1], centres, ends[1:]])
+        patience.check()
+        chosen, cost = _core.shortcut(costs, self._line_weights, points)
+        vertices = to_map(costmap, points[chosen])
+        vertices[0], vertices[-1] = (first.pose.x, first.pose.y), (last.pose.x, last.pose.y)
+        return vertices[::-1] if turned else vertices, cost * costmap.resolution
+
+
+def _turning_points(cells: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:
+    """Return which cells of a grid path may become vertices."""
+    keep = np.zeros(len(cells), dtype=np.bool_)
+    keep[::_SHORTCUT_STEP_CELLS] = True
+    keep[-1] = True
+    steps = np.diff(cells, axis=0)
+    keep[1:-1] |= (steps[1:] != steps[:-1]).any(axis=1)
+    return keep

@@ -159,7 +159,7 @@ class Slot:
         self._steering.put(directive, by=by, watcher=task)
 
     def adopt(self, task: Task) -> None:
-        """Take a task that gives its own directives as the one that runs; what ran is aborted."""
+        """Replace the running task, which is aborted, by one that gives its directives itself."""
         self.preempt("another goal has come")
         self._current = task
 
@@ -173,7 +173,7 @@ class Slot:
         return True
 
     def carry(self, why: str) -> None:
-        """Let what runs go on in the next run; what cannot is aborted."""
+        """Carry the running tasks over into the next run, and abort those that cannot go on there."""
         task = self._current
         if task is None or task.goal.is_over or task.again() is None:
             self.preempt(why)
@@ -181,7 +181,7 @@ class Slot:
             task.is_carried = True
 
     def resume(self) -> None:
-        """Give the run that has begun what the one before has left."""
+        """Resume in the new run what the last one has left."""
         with self._lock:
             task = self._current
             if task is None or not task.is_carried or task.goal.is_over:
@@ -265,7 +265,7 @@ class Tasks:
             end(why)
 
     def carry(self, why: str) -> None:
-        """Let drives to goals go on in the next run; paths and behaviors are aborted for a reason."""
+        """Carry drives to goals over into the next run; abort paths and behaviors for a reason."""
         self.flush()
         self.drive.carry(why)
         self.behavior.preempt(why)

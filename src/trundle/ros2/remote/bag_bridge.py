@@ -182,7 +182,7 @@ class _BagOutputs:
         }
 
     def on_start(self, run: RunInfo) -> None:
-        """Let the clock begin."""
+        """Start the clock."""
         self._context.clock.begin()
 
     def on_step(self, step: Step) -> None:

@@ -187,7 +187,7 @@ class CommandOutput:
     # The listening thread -------------------------------------------------------------------------------------------
 
     def _hear(self, message: Any, source: str) -> None:
-        """Take note of a command that is not ours; one to stand is nobody's motion."""
+        """Note a command of another publisher; zeros move nothing, and do not count."""
         twist = message.twist if message.__msgtype__ == _STAMPED else message
         heard = Twist2D(float(twist.linear.x), float(twist.angular.z))
         ours = self._sources.is_ours(source)

@@ -1,4 +1,7 @@
-"""`Guard`: why the robot must stand now. Nothing here is trundle's own, so nothing is taken for granted."""
+"""`Guard`: why the robot must stand now. Nothing here is trundle's own, so nothing is taken for granted.
+
+`OutlineCheck` compares the outline in the robot's file with the wheels of the robot that is there.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +10,15 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from trundle.control import CollisionMonitor, Intent
 from trundle.control.collision_monitor import MonitorReport
 from trundle.control.latency import Latency
 from trundle.geometry import Pose2D, Twist2D
 from trundle.observation import Scan
+from trundle.robots import Robot
+from trundle.ros2.remote.frames import FrameTree
 
 STAND = Twist2D()
 
@@ -98,17 +105,70 @@ class GuardedMonitor:
             self._monitor.set_latency(latency)
 
     def set_intent(self, intent: Intent | None) -> None:
-        """Take what the agent means to command next."""
+        """Set what the agent means to command next."""
         if self._monitor is not None:
             self._monitor.set_intent(intent)
 
     def check(
         self, command: Twist2D, twist: Twist2D, scans: Sequence[Scan], time: float, odometry: Pose2D
     ) -> MonitorReport:
-        """Say what to send instead of a command: nothing moves while the guard has a reason."""
+        """Return what to send instead of a command: nothing moves while the guard has a reason."""
         monitor = self._monitor
         report = MonitorReport(command) if monitor is None else monitor.check(command, twist, scans, time, odometry)
         reasons = self._guard.look(self._real())
         if not reasons:
             return report
         return MonitorReport(STAND, "stop" if command != STAND else "none", next(iter(reasons.values())))
+
+
+OUTSIDE_M = 0.05
+"""Middles of wheels that are farther than this outside of the outline [m] are those of a larger robot."""
+
+_WHEEL = "wheel"
+
+
+class OutlineCheck:
+    """Lets a robot stand whose wheels, by tf, are outside of the outline that its file gives.
+
+    Nothing else that robots usually send says how large they are: one that publishes no frames of its wheels is taken
+    as its file has it.
+
+    Args:
+        frames: The transforms.
+        base: Frame of the robot's base.
+        robot: The robot, by its file.
+    """
+
+    def __init__(self, frames: FrameTree, base: str, robot: Robot) -> None:
+        self._frames, self._base, self._robot = frames, base, robot
+        self._seen = 0
+        self._reasons: Reasons = {}
+
+    def look(self) -> None:
+        """Look at the frames if there are new ones; in the thread that has them."""
+        if len(self._frames) == self._seen:
+            return
+        self._seen = len(self._frames)
+        wheels = {name: at.pose for name, at in self._frames.below(self._base).items() if _WHEEL in name.lower()}
+        out = {name: _outside(pose, self._robot) for name, pose in wheels.items()}
+        name = max(out, key=lambda one: out[one], default="")
+        if not name or out[name] <= OUTSIDE_M:
+            self._reasons = {}
+            return
+        x, y, _ = wheels[name].as_tuple()
+        self._reasons = {
+            "outline": f"by tf {name} is at ({x:.2f}, {y:.2f}), outside of the outline of {self._robot.name}: give the "
+            "file of the robot that is there with --robot"
+        }
+
+    def rule(self, now: float) -> Reasons:
+        """Return what was found; a rule of the guard."""
+        return self._reasons
+
+
+def _outside(pose: Pose2D, robot: Robot) -> float:
+    """Return how far a point is outside of the outline, which is convex and counter-clockwise [m]."""
+    corners = np.asarray(robot.outline, dtype=np.float64)
+    sides = np.roll(corners, -1, axis=0) - corners
+    outward = np.column_stack([sides[:, 1], -sides[:, 0]]) / np.linalg.norm(sides, axis=1)[:, None]
+    return float(((np.array((pose.x, pose.y)) - corners) * outward).sum(axis=1).max())

@@ -21,13 +21,10 @@ from trundle.robots import Robot
 from trundle.ros2.bad_input import BadInputError
 from trundle.ros2.profile import Profile
 from trundle.ros2.remote.commands import Sources
-from trundle.ros2.remote.frames import MOST_FRAMES, FrameTree
-from trundle.ros2.remote.guard import Guard, Reasons
+from trundle.ros2.remote.frames import MOST_FRAMES, FrameTree, Mounts
+from trundle.ros2.remote.guard import Guard, OutlineCheck, Reasons
 from trundle.ros2.remote.map_odom import MapOdomInput
-from trundle.ros2.remote.mounts import Mounts
-from trundle.ros2.remote.outline import OutlineCheck
-from trundle.ros2.remote.readings import Odometry, read_odometry
-from trundle.ros2.remote.scans import ScanInputs
+from trundle.ros2.remote.scans import Odometry, ScanInputs, read_odometry
 from trundle.ros2.remote.streams import AHEAD_S, WALL_S, RobotClock, Stream
 from trundle.ros2.wire import Wire
 
@@ -323,7 +320,7 @@ class RobotInputs:
         self._heard.append(scan)
 
     def _pass_on_scans(self) -> None:
-        """Let the one that drives take what was heard; a control period for each scan would be too many."""
+        """Pass what was heard on to the driving thread; a control period for each scan would be too many."""
         if self._heard:
             with self.changed:
                 self._scans += self._heard

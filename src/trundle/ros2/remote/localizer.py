@@ -31,6 +31,7 @@ SCANS = 5
 MISFIT = "the scans do not fit the map"
 """So begins why a robot stands that is not where it was told to be."""
 
+# A hit agrees that is so near to something on the map; a beam contradicts that ends so far behind something.
 _TOLERANCE_M, _DEPTH_M = 0.25, 0.3
 _BEAMS = 180
 _LONGEST_M = 15.0
@@ -218,7 +219,7 @@ class RemoteLocalizer(Localizer):
         return self._shown
 
     def begin(self) -> None:
-        """Take the next `reset` as that of a run that begins, which says nothing new: the robot is where it was."""
+        """Expect a `reset` from a run that begins: it says nothing new, as the robot is where it was."""
         self._begins = True
         if self.is_told:  # the times of a run begin at 0
             self._pending, self.is_told, self.is_located = (self._shown, None), False, False
@@ -245,7 +246,7 @@ class RemoteLocalizer(Localizer):
             self._pending = None, None
 
     def doubt(self) -> None:
-        """Take note that nobody knows any more how the robot has moved: its pose has to be told again.
+        """Note that the robot has moved by an unknown amount: its pose has to be told again.
 
         One that makes its map goes on where the odometry alone has jumped: its scans are what they were. Otherwise a
         new part of the map begins, and the robot is located once it recognises what it has mapped before.

@@ -48,7 +48,7 @@ class MapOdomInput:
         return any(abs(at.x - sent.x) < _OWN_M and abs(at.y - sent.y) < _OWN_M for sent in self.published.copy())
 
     def take(self, pose: Pose2D, now: float, *, is_static: bool) -> None:
-        """Take one that came at a real time [s]."""
+        """Receive a map → odom that came at a real time [s]."""
         self.is_static = is_static
         self.stream.mark(now)
         if self._before is not None and _is_same(pose, self._before):
@@ -56,7 +56,7 @@ class MapOdomInput:
         self._before, self.pose, self.why = None, pose, ""
 
     def doubt(self, text: str) -> None:
-        """Take note of a jump of clock or odometry, which this text tells."""
+        """Note a jump of clock or odometry, which this text describes."""
         self._before, self.pose = self.pose or self._before, None
         if self._before is not None:
             self.why = (

@@ -14,9 +14,9 @@ from trundle.messages.readers import read_pose
 from trundle.robots import Robot
 from trundle.ros2.profile import Profile
 from trundle.ros2.remote.commands import Sources
+from trundle.ros2.remote.frames import mount_matrix
 from trundle.ros2.remote.inputs import RobotInputs
 from trundle.ros2.remote.localizer import RemoteLocalizer, TfLocalizer
-from trundle.ros2.remote.mounts import mount_matrix
 from trundle.ros2.role import BridgeContext
 from trundle.ros2.wire import Wire
 

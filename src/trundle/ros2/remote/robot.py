@@ -126,7 +126,7 @@ class RemoteRobot(Simulator):
         return self._time.offset
 
     def use_world(self, world: World) -> None:
-        """Be in the world of another map from now on."""
+        """Use the world of another map from now on."""
         self._world = world
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
@@ -191,7 +191,7 @@ class RemoteRobot(Simulator):
     # Odometry that is silent ----------------------------------------------------------------------------------------
 
     def _needs_waking(self, now: float) -> bool:
-        """Whether to command a robot to stand that sends no odometry, as some send it only while they are commanded."""
+        """Return whether to send zeros to a robot without odometry: some send it only while they are commanded."""
         inputs = self._inputs
         silent = inputs.odometry is None or inputs.odometry_silent
         others = bool(self._commands.others(now))

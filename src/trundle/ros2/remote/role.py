@@ -99,7 +99,7 @@ class RemoteRole(NavigatorRole):
         self._kit.is_own_pose = start.is_own
 
     def use_drive(self, drive: GoalDrive) -> None:
-        """Let what stops the robot end a drive, too."""
+        """End a drive, too, when the robot is stopped."""
         self._kit.tasks.ends.append(drive.stop)
 
     def begin(self, observers: Sequence[Observer], seed: int | None) -> Session:
@@ -148,7 +148,7 @@ class RemoteRole(NavigatorRole):
             self._compensate()
 
     def _compensate(self) -> None:
-        """Let the navigator plan for the pose that the robot has when a command arrives.
+        """Set the latency, so that the navigator plans for the pose at which a command arrives.
 
         Odometry is taken as of now, by its stamps. Nobody stamps when a command takes effect: it is taken to travel for
         as long as the stamps say that odometry does.

@@ -115,6 +115,6 @@ def make_parts(setting: Setting, *, has_scans: bool) -> tuple[Localizer, MapFit 
 
 
 def _sees(setting: Setting, *, has_scans: bool) -> bool:
-    """Whether the localizer of a scenario locates the robot by its scans."""
+    """Return whether the localizer of a scenario locates the robot by its scans."""
     choice = setting.scenario.localizer
     return has_scans and choice is not None and choice.name != "odometry"

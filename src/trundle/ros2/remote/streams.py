@@ -98,7 +98,7 @@ class RobotClock:
         return self.jumps, self.settings, self.is_simulated
 
     def set(self, time: float, real: float) -> bool:
-        """Take a time of /clock [s] that came at a real time [s]; return whether the time has jumped.
+        """Set the time of /clock [s] as received at a real time [s]; return whether the time has jumped.
 
         A clock that repeats its time stands: that is no sign of life.
         """
@@ -129,7 +129,7 @@ class RobotClock:
         return ahead if self._leads[what] >= MANY else 0.0
 
     def see(self, stamp: float, wall: float) -> None:
-        """Take the stamp [s] of a message that arrived at a time of this machine's clock [s]; 0 is no stamp."""
+        """Compare a message's stamp [s] with when it arrived by this machine's clock [s]; 0 is no stamp."""
         if stamp == 0.0:
             return
         if not self.is_simulated:

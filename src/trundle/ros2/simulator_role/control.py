@@ -78,11 +78,11 @@ class SimulationControl:
         return "stopped" if self._stopped_at == self._context.periods.count else "paused"
 
     def play(self) -> None:
-        """Let the time go on."""
+        """Resume the simulated time."""
         self._do(Pause(False))
 
     def pause(self) -> None:
-        """Let the time stand; a stopped simulation becomes paused."""
+        """Pause the simulated time; a stopped simulation becomes paused."""
         self._stopped_at = None
         self._do(Pause(True))
 
@@ -140,7 +140,7 @@ class SimulationControl:
             raise ControlError(f"the run did not begin again within {_TAKES_S:g} s")
 
     def reset_time(self) -> None:
-        """Let the clock begin at 0 now; the run goes on as it is."""
+        """Restart the clock at 0; the run goes on as it is."""
         self._context.clock.offset -= self._context.clock.now
         self._context.clock.now = 0.0
 

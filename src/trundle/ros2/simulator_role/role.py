@@ -141,7 +141,7 @@ class RosAgent(Agent):
     # The listening thread -------------------------------------------------------------------------------------------
 
     def _take(self, message: Any, source: str) -> None:
-        """Take a Twist or a TwistStamped; one that is bad is dropped and reported."""
+        """Receive a Twist or a TwistStamped; a bad one is dropped and reported."""
         twist = message
         try:
             if message.__msgtype__ == _STAMPED:
@@ -186,7 +186,7 @@ class RosAgent(Agent):
         check_stamp(stamp, self._clock.now, tolerance_s=TIMEOUT_S)
 
     def _is_shared(self, kind: str) -> bool:
-        """Whether several publishers command, where messages do not say whose they are.
+        """Return whether several publishers command, where messages do not say whose they are.
 
         Programs may offer commands of both types, and send one of them.
         """

@@ -183,7 +183,7 @@ class ActionHandler(Protocol):
         ...
 
     def accepted(self, goal: GoalHandle) -> None:
-        """Take a goal that was accepted; it is ended later, from any thread."""
+        """Handle a goal that was accepted; it is ended later, from any thread."""
         ...
 
     def cancel(self, goal: GoalHandle) -> bool:

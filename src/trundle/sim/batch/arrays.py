@@ -188,6 +188,6 @@ def _as_integers(values: object, kind: type[_Item], what: str) -> npt.NDArray[_I
 
 
 def blocked_cells(grid: OccupancyGrid, *, unknown_is_solid: bool) -> npt.NDArray[np.bool_]:
-    """Cells that are walls: as in a costmap, only 100 is occupied and 1 to 99 are free."""
+    """Return cells that are walls: as in a costmap, only 100 is occupied and 1 to 99 are free."""
     blocked = grid.data == OCCUPIED
     return blocked | (grid.data == UNKNOWN) if unknown_is_solid else blocked

@@ -32,20 +32,20 @@ class BodyState:
 
 
 def placement(pose: Pose2D, height: float) -> tuple[FloatArray, FloatArray]:
-    """Position [m], shape (3,), and quaternion (wxyz), shape (4,), of a pose at a height [m]."""
+    """Return the position [m], shape (3,), and quaternion (wxyz), shape (4,), of a pose at a height [m]."""
     half = pose.yaw / 2.0
     return np.array([pose.x, pose.y, height]), np.array([math.cos(half), 0.0, 0.0, math.sin(half)])
 
 
 def planar_pose(body: BodyState) -> Pose2D:
-    """The body's pose on the floor."""
+    """Return the body's pose on the floor."""
     w, x, y, z = (float(number) for number in body.quaternion)
     yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     return Pose2D(float(body.position[0]), float(body.position[1]), yaw)
 
 
 def base_motion(body: BodyState, root: Pose2D) -> tuple[Pose2D, Twist2D]:
-    """Pose and twist of base_link, for an articulation whose root is at `root` in base_link."""
+    """Return the pose and twist of base_link, for an articulation whose root is at `root` in base_link."""
     at_root = planar_pose(body)
     pose = at_root @ root.inverse()
     w = float(body.angular[2])
@@ -64,7 +64,7 @@ class Adapter(Protocol):
         ...
 
     def is_loading(self) -> bool:
-        """Whether the stage is still being loaded."""
+        """Return whether the stage is still being loaded."""
         ...
 
     def stage_units(self) -> tuple[float, str]:
@@ -100,11 +100,11 @@ class Adapter(Protocol):
         ...
 
     def is_playing(self) -> bool:
-        """Whether the timeline runs; somebody may have paused or stopped it in the window."""
+        """Return whether the timeline runs; somebody may have paused or stopped it in the window."""
         ...
 
     def is_stopped(self) -> bool:
-        """Whether the timeline was stopped."""
+        """Return whether the timeline was stopped."""
         ...
 
     def halt(self) -> None:

@@ -29,7 +29,7 @@ class Isaac5Adapter:
         return stage_utils.open_stage(path)
 
     def is_loading(self) -> bool:
-        """Whether the stage is still being loaded."""
+        """Return whether the stage is still being loaded."""
         return stage_utils.is_stage_loading()
 
     def stage_units(self) -> tuple[float, str]:
@@ -80,11 +80,11 @@ class Isaac5Adapter:
         self._world.render()
 
     def is_playing(self) -> bool:
-        """Whether the timeline runs."""
+        """Return whether the timeline runs."""
         return self._world.is_playing()
 
     def is_stopped(self) -> bool:
-        """Whether the timeline was stopped."""
+        """Return whether the timeline was stopped."""
         return self._world.is_stopped()
 
     def halt(self) -> None:

@@ -31,7 +31,7 @@ class Isaac6Adapter:
         return done
 
     def is_loading(self) -> bool:
-        """Whether the stage is still being loaded."""
+        """Return whether the stage is still being loaded."""
         return stage_utils.is_stage_loading()
 
     def stage_units(self) -> tuple[float, str]:
@@ -87,11 +87,11 @@ class Isaac6Adapter:
         RenderingManager.render()
 
     def is_playing(self) -> bool:
-        """Whether the timeline runs."""
+        """Return whether the timeline runs."""
         return app_utils.is_playing()
 
     def is_stopped(self) -> bool:
-        """Whether the timeline was stopped."""
+        """Return whether the timeline was stopped."""
         return app_utils.is_stopped()
 
     def halt(self) -> None:

@@ -34,7 +34,7 @@ _SCHEMES = ("http://", "https://", "omniverse://")
 
 
 def is_usd(text: str) -> bool:
-    """Whether a text is the path or address of a USD file rather than a name."""
+    """Return whether a text is the path or address of a USD file rather than a name."""
     return text.lower().endswith(_SUFFIXES)
 
 

@@ -93,7 +93,7 @@ def read_joints(path: Path) -> list[Joint]:
 
 
 def _wheel_joints(path: Path, root: XmlElement) -> frozenset[str]:
-    """Joints of the wheels that `trundle drive` drives in a URDF; empty for an arm.
+    """Return joints of the wheels that `trundle drive` drives in a URDF; empty for an arm.
 
     If the robot cannot be driven, for example without its meshes, they are found by name.
     """
@@ -155,7 +155,7 @@ def _model_joint(model: mujoco.MjModel, index: int, drives: bool) -> Joint:
 
 
 def _driven(model: mujoco.MjModel) -> set[int]:
-    """Joints that an actuator moves, directly or through a tendon that couples joints."""
+    """Return joints that an actuator moves, directly or through a tendon that couples joints."""
     driven: set[int] = set()
     for kind, target in zip(model.actuator_trntype, model.actuator_trnid[:, 0], strict=True):
         if kind in (mujoco.mjtTrn.mjTRN_JOINT.value, mujoco.mjtTrn.mjTRN_JOINTINPARENT.value):
@@ -218,7 +218,7 @@ def _joint(path: Path, element: ElementTree.Element, driven: set[str]) -> Joint:
 
 
 def _axis(where: str, element: ElementTree.Element | None) -> tuple[float, float, float]:
-    """The unit axis; x by default, as in URDF."""
+    """Return the unit axis; x by default, as in URDF."""
     if element is None:
         return (1.0, 0.0, 0.0)
     words = element.get("xyz", "1 0 0").split()
@@ -250,7 +250,7 @@ def _number(what: str, word: str) -> float:
 
 
 def _driven_joints(robot: ElementTree.Element) -> set[str]:
-    """Joints that a transmission or ros2_control commands."""
+    """Return joints that a transmission or ros2_control commands."""
     driven: set[str] = set()
     for transmission in robot.iter("transmission"):
         driven |= {joint.get("name", "") for joint in transmission.findall("joint")}

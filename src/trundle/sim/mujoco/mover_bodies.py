@@ -61,7 +61,7 @@ class MoverBodies:
         self.set_speeds()
 
     def resume(self, before: MoverBodies) -> None:
-        """Go on where the bodies of another model of the same movers were."""
+        """Continue from where the bodies of another model of the same movers were."""
         for index in before._passing:
             self._passing[index] = None
             self._model.geom_conaffinity[self._geoms[self._owners == index]] = 0
@@ -98,7 +98,7 @@ class MoverBodies:
                     self._model.geom_conaffinity[self._geoms[self._owners == index]] = 0
 
     def passing_contacts(self) -> list[Contact]:
-        """Contacts of the robot with those that pass through it; who has left it collides again."""
+        """Return contacts of the robot with those that pass through it; who has left it collides again."""
         if not self._passing:
             return []
         found = self.field.touching(self._robot()[0])

@@ -41,7 +41,7 @@ class RingBeams:
     def cast(
         self, origin: Sequence[float], directions: FloatArray, reach: float, movers: Sequence[MoverState] = ()
     ) -> FloatArray:
-        """Distances [m] from an origin (x, y, z) [m], map frame, to what is nearest; infinity without anything.
+        """Return distances [m] from an origin (x, y, z) [m], map frame, to what is nearest; infinity without anything.
 
         Args:
             origin: Where the beams begin.

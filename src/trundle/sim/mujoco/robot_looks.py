@@ -191,7 +191,7 @@ def _shrunk(outline: FloatArray, scale: float) -> FloatArray:
 
 
 def _between_wheels(robot: Robot) -> FloatArray:
-    """The outline, narrowed so that wheels inside it are visible from the side."""
+    """Return the outline, narrowed so that wheels inside it are visible from the side."""
     half_width = float(np.abs(robot.outline[:, 1]).max())
     inside = robot.drive.track_width / 2.0 - 0.55 * robot.drive.wheel_width
     across = inside / half_width if 0.5 * half_width < inside < half_width else 1.0
@@ -199,5 +199,5 @@ def _between_wheels(robot: Robot) -> FloatArray:
 
 
 def _front(outline: FloatArray) -> float:
-    """Where the x axis crosses the front of the outline [m]."""
+    """Return where the x axis crosses the front of the outline [m]."""
     return float(outline[:, 0].max())

@@ -39,6 +39,7 @@ _STIFF_SOLREF = (0.01, 1.0)
 _STIFF_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 # As stiff, but with slow recovery: a part that penetrates a wall within one step is not thrown back.
 _BUMPER_SOLREF = (0.01, 4.0)
+# MuJoCo's defaults.
 _SOFT_SOLREF = (0.02, 1.0)
 _SOFT_SOLIMP = (0.9, 0.95, 0.001, 0.5, 2.0)
 
@@ -120,7 +121,7 @@ class FeedForward:
         )
 
     def free(self, before: Motion, now: Motion) -> tuple[float, float]:
-        """Servo setpoints [rad/s] for the step from one motion to the next, if both wheels follow."""
+        """Return the servo setpoints [rad/s] for the step from one motion to the next, if both wheels follow."""
         v_rate, w_rate = (now.v - before.v) / self.timestep, (now.w - before.w) / self.timestep
         # Newton and Euler at base_link, whose origin is not the centre of mass.
         force = self.mass * v_rate - self.arm * now.w * now.w
@@ -131,7 +132,7 @@ class FeedForward:
         return now.left + left / self.gain, now.right + right / self.gain
 
     def held(self, free: float, commanded: float, speed: float) -> float:
-        """Setpoint [rad/s] of a servo.
+        """Return the setpoint [rad/s] of a servo.
 
         The error is limited instead of the torque: at its torque limit MuJoCo does not damp a servo, and it chatters.
 
@@ -200,7 +201,7 @@ def traction_joints(robot: Robot) -> tuple[str, str]:
 
 
 def named_wheels(robot: Robot) -> list[tuple[DriveWheel, str]]:
-    """The visible wheels of a robot, with their bodies' names."""
+    """Return the visible wheels of a robot, with their bodies' names."""
     if not robot.drive.axles:
         return list(zip(robot.drive.wheels, ("wheel_left", "wheel_right"), strict=True))
     words = {1: "left", -1: "right"}

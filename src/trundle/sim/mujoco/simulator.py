@@ -17,7 +17,7 @@ from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist, wrap_
 from trundle.geometry.solids import Solid
 from trundle.observation import Scan
 from trundle.robots import Robot, WheelSpeeds
-from trundle.robots.balance import describe_imbalance
+from trundle.robots.robot import describe_imbalance
 from trundle.sim.lidar import LidarChoice, LidarSet, SceneBeams
 from trundle.sim.movers import MoverField
 from trundle.sim.mujoco.contacts import ContactReader
@@ -267,7 +267,7 @@ class MujocoSimulator(Simulator):
         return self._state(tuple(touched.values()), since)
 
     def _substep(self, time: float) -> Substep:
-        """What watchers get after a physics step."""
+        """Return what watchers get after a physics step."""
         positions, speeds = self.data.qpos.tolist(), self.data.qvel.tolist()
         (left, right), (left_start, right_start) = self._wheel_qpos, self._wheel_start
         turned = WheelSpeeds(positions[left] - left_start, positions[right] - right_start)
@@ -322,7 +322,7 @@ class MujocoSimulator(Simulator):
 
 
 def _planar(positions: list[float], speeds: list[float]) -> tuple[Pose2D, Twist2D]:
-    """Pose and twist of the base, from the positions and speeds of all joints."""
+    """Return the pose and twist of the base, from the positions and speeds of all joints."""
     x, y, _, qw, qx, qy, qz = positions[:7]
     pose = Pose2D(x, y, math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz)))
     vx, vy, _, _, _, w = speeds[:6]
@@ -330,7 +330,7 @@ def _planar(positions: list[float], speeds: list[float]) -> tuple[Pose2D, Twist2
 
 
 def _tilt(positions: list[float]) -> float:
-    """Angle of the base's z axis from the vertical [rad], from the positions of all joints."""
+    """Return the angle of the base's z axis from the vertical [rad], from the positions of all joints."""
     _, qx, qy, _ = positions[3:7]
     return math.acos(max(-1.0, 1.0 - 2.0 * (qx * qx + qy * qy)))
 
@@ -351,7 +351,7 @@ def check_stands(robot: Robot) -> None:
 
 
 def _resting_state(robot: Robot, timestep: float, casters: Casters, *, mass: float = 1.0) -> FloatArray:
-    """Joint positions of the robot after it has settled on an empty floor, at the origin facing x.
+    """Return joint positions of the robot after it has settled on an empty floor, at the origin facing x.
 
     Raises:
         RobotError: If it cannot be modelled, or does not come to rest on its wheels.

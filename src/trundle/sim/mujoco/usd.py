@@ -83,7 +83,7 @@ def _freedom(prim: Any, unit: float) -> tuple[str, Any, tuple[float, float] | No
 
 
 def _generic(prim: Any, unit: float) -> tuple[str, Any, tuple[float, float] | None]:
-    """A joint that is free except where limits lock it; a lower limit above the upper one locks an axis."""
+    """Return a joint that is free except where limits lock it; a lower limit above the upper one locks an axis."""
     limits: dict[str, tuple[float, float]] = {}
     for name in (*_TURNS, *_SLIDES):
         low, high = -math.inf, math.inf

@@ -150,7 +150,7 @@ def _add_mesh(spec: mujoco.MjSpec, name: str, vertices: FloatArray, faces: npt.N
 
 
 def at_least_four(vertices: FloatArray) -> FloatArray:
-    """Vertices [m], shape (N, 3), the first repeated if there are fewer than MuJoCo needs."""
+    """Return vertices [m], shape (N, 3), the first repeated if there are fewer than MuJoCo needs."""
     missing = max(0, 4 - len(vertices))
     return np.vstack([vertices, np.repeat(vertices[:1], missing, axis=0)])
 

@@ -121,7 +121,7 @@ class Attachment:
     def _in_order(
         self, paths: Sequence[str], handles: list[int], tensors: list[npt.NDArray[np.float32]]
     ) -> list[float]:
-        """Values of joints in the order of their paths, from degrees to radians."""
+        """Return values of joints in the order of their paths, from degrees to radians."""
         by_handle = dict(zip(handles, tensors, strict=True))
         return [math.radians(float(by_handle[handle][0])) for handle in self._handles(paths)]
 

@@ -194,7 +194,7 @@ def _set_up(ovphysx: Any) -> None:
 
 
 def _schema_folders() -> list[str]:
-    """Folders of the PhysX schemas, without which a stage would lose its PhysX attributes.
+    """Return folders of the PhysX schemas, without which a stage would lose its PhysX attributes.
 
     Their package is not imported: that registers them with usd-core.
     """

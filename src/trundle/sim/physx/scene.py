@@ -65,7 +65,7 @@ class Scene:
         return collider
 
     def top(self, collider: str) -> float:
-        """Height of a collider's highest point [m]; infinity where its bounds are not known."""
+        """Return the height of a collider's highest point [m]; infinity where its bounds are not known."""
         prim = self.stage.GetPrimAtPath(collider)
         if not prim:
             return math.inf
@@ -230,7 +230,7 @@ def _add_movers(stage: Any, field: MoverField | None) -> list[str]:
 
 
 def _named_colliders(stage: Any) -> list[str]:
-    """Paths of the colliders that are solids of a world that trundle wrote: all but the floor."""
+    """Return paths of the colliders that are solids of a world that trundle wrote: all but the floor."""
     return [
         str(prim.GetPath())
         for prim in stage.Traverse()
@@ -239,7 +239,7 @@ def _named_colliders(stage: Any) -> list[str]:
 
 
 def _report_contacts(stage: Any, others: list[str] | None) -> None:
-    """Have contacts of the robot's bodies reported, and pushed out of what they overlap slowly.
+    """Report the contacts of the robot's bodies, and push them out of what they overlap slowly.
 
     Args:
         stage: The stage.
@@ -255,7 +255,7 @@ def _report_contacts(stage: Any, others: list[str] | None) -> None:
 
 
 def report_contacts(prim: Any) -> None:
-    """Have every contact of a body or a static collider reported, however light."""
+    """Report every contact of a body or a static collider, however light."""
     prim.AddAppliedSchema("PhysxContactReportAPI")
     _write(prim, "physxContactReport:threshold", Sdf.ValueTypeNames.Float, 0.0)
 

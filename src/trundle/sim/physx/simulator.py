@@ -85,7 +85,7 @@ class PhysxSimulator(UsdSimulator):
         super().__init__(robot, physics_dt=physics_dt, ground_offset=ground_offset)
         check_installation()
         need_usd("backend physx")
-        from trundle.sim.physx.contacts import ContactReader
+        from trundle.sim.physx.body import ContactReader
         from trundle.sim.physx.files import choose_files, write_scene
         from trundle.sim.physx.stage import RunningStage
 
@@ -129,7 +129,7 @@ class PhysxSimulator(UsdSimulator):
             raise
 
     def _settle_beside(self, world: World) -> None:
-        """Let the robot settle beside a world with a level floor: from now on it starts as it stands there.
+        """Settle the robot beside a world with a level floor: from now on it starts as it stands there.
 
         That saves half of a reset's time, and a robot that starts in a solid is not pushed far before it is told.
         """

@@ -164,7 +164,7 @@ class RunningStage:
 
 
 def _as_usd(solid: Solid) -> str:
-    """A stage with one solid that reports its contacts; the robot's bodies do so with the solids of the start only."""
+    """Return a stage with one solid that reports its contacts: the robot's bodies do so for the first solids only."""
     stage: Any = Usd.Stage.CreateInMemory()
     prim = add_solid(stage, "/solid", solid)
     stage.SetDefaultPrim(prim)

@@ -93,17 +93,17 @@ def _folder() -> Path:
 
 
 def _prefix() -> Path:
-    """The Python, of its packages and of the machine's libraries."""
+    """Return the Python, of its packages and of the machine's libraries."""
     return _folder() / f"python-{_hash([REQUIREMENTS], f'{platform.machine()} {platform.libc_ver()}')}"
 
 
 def _failure() -> Path:
-    """The file that keeps why the last build failed."""
+    """Return the file that keeps why the last build failed."""
     return _folder() / f"{_prefix().name}.failed"
 
 
 def _kernels() -> Path:
-    """The kernels: those of an installed trundle fit where they are of the stable ABI; others are compiled."""
+    """Return the kernels: those of an installed trundle fit where they are of the stable ABI; others are compiled."""
     installed = PACKAGE / "_core" / "_kernels.abi3.so"
     if installed.is_file() or not _sources():
         return installed
@@ -111,7 +111,7 @@ def _kernels() -> Path:
 
 
 def _sources() -> list[Path]:
-    """What the kernels are compiled of; nothing where trundle is not a checkout."""
+    """Return what the kernels are compiled of; nothing where trundle is not a checkout."""
     root = PACKAGE.parents[1]
     if not (root / "CMakeLists.txt").is_file():
         return []
@@ -120,7 +120,7 @@ def _sources() -> list[Path]:
 
 
 def _assets() -> Path:
-    """The assets, of what writes them: trundle's robots, worlds and USD."""
+    """Return the assets, of what writes them: trundle's robots, worlds and USD."""
     parts = ("robots", "worlds", "usd", "export", "testing/isaac/assets.py", "sim/isaac/assets.py", "sim/mujoco")
     files = [path for part in parts for path in sorted([PACKAGE / part, *(PACKAGE / part).rglob("*")])]
     return _folder() / f"assets-{_hash([path for path in files if path.suffix in ('.py', '.yaml', '.xml')])}"

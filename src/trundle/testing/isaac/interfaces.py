@@ -36,7 +36,7 @@ class SceneQueries:
         )
 
     def raycast_any(self, origin: Any, direction: Any, distance: float, bothSides: bool = False) -> bool:
-        """Whether a ray hits anything."""
+        """Return whether a ray hits anything."""
         return bool(self._cast(origin, direction, distance, SceneQueryMode.ANY, bothSides))
 
     def raycast_all(
@@ -54,11 +54,11 @@ class SceneQueries:
         return self._overlap(reportFn, SceneQueryGeometryType.SPHERE, radius=radius, position=pos)
 
     def overlap_box_any(self, halfExtent: Any, pos: Any, rot: Any) -> bool:
-        """Whether there is anything in a box."""
+        """Return whether there is anything in a box."""
         return self.overlap_box(halfExtent, pos, rot, lambda _: False) > 0
 
     def overlap_sphere_any(self, radius: float, pos: Any) -> bool:
-        """Whether there is anything in a sphere."""
+        """Return whether there is anything in a sphere."""
         return self.overlap_sphere(radius, pos, lambda _: False) > 0
 
     def _cast(self, origin: Any, direction: Any, distance: float, mode: Any, both: bool) -> list[types.SimpleNamespace]:

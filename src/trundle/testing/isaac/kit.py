@@ -74,11 +74,11 @@ class Timeline:
         self.time = 0.0
 
     def is_playing(self) -> bool:
-        """Whether it plays."""
+        """Return whether it plays."""
         return self._state is TimelineEvent.PLAY
 
     def is_stopped(self) -> bool:
-        """Whether it was stopped."""
+        """Return whether it was stopped."""
         return self._state is TimelineEvent.STOP
 
     def play(self, *_: object) -> None:
@@ -119,7 +119,7 @@ class Extensions:
     """The extension manager: all extensions that there are can be imported from the start."""
 
     def is_extension_enabled(self, name: str) -> bool:
-        """Whether it can be imported; Fabric, a copy of the stage in memory, is not there."""
+        """Return whether it can be imported; Fabric, a copy of the stage in memory, is not there."""
         return not name.startswith("omni.") or "fabric" not in name
 
     def set_extension_enabled_immediate(self, name: str, enabled: bool) -> bool:
@@ -186,7 +186,7 @@ class App:
         self.kept: object = None
 
     def is_running(self) -> bool:
-        """Whether there is simulated time left, and it was not closed."""
+        """Return whether there is simulated time left, and it was not closed."""
         return not self.closed and self.simulated < self.seconds - 1e-9
 
     def count(self, dt: float) -> None:

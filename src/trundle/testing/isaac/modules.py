@@ -170,7 +170,7 @@ def torch_members() -> dict[str, object]:
 
 
 def is_open(name: str) -> bool:
-    """Whether a module has everything: those of Kit, those that draw, and the compiled parts of NVIDIA's extensions."""
+    """Return whether a module has any name: those of Kit, those that draw, and compiled parts of extensions."""
     parts = name.split(".")
     return parts[0] in ROOTS or (parts[0] == "isaacsim" and ("bindings" in parts or parts[1:2] in (["util"], ["gui"])))
 
@@ -194,5 +194,5 @@ def extension_paths() -> list[str]:
 
 
 def _is_on(path: object, fullname: str) -> bool:
-    """Whether a folder of a package's path has a module."""
+    """Return whether a folder of a package's path has a module."""
     return importlib.machinery.PathFinder.find_spec(fullname, path) is not None  # pyright: ignore[reportArgumentType]

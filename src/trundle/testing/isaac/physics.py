@@ -262,7 +262,7 @@ class Engine:
         return self._known[number]
 
     def _of(self, kind: int, quantity: str) -> list[str]:
-        """Paths of all objects of a kind that PhysX has."""
+        """Return paths of all objects of a kind that PhysX has."""
         with self.physx.read_sync(kind, [quantity], scope=ObjectScope.ALL) as result:
             return [path for group in result.groups for path in self._paths.get_path_strings(group.prim_list)]
 
@@ -270,7 +270,7 @@ class Engine:
         return self._of(SimObjectType.ARTICULATION, "rootPosition")
 
     def _free(self) -> list[str]:
-        """Bodies that forces move, and that are no links."""
+        """Return bodies that forces move, and that are no links."""
         stage = self._context.stage
         return [
             path for path in self._bodies
@@ -279,7 +279,7 @@ class Engine:
         ]  # fmt: skip
 
     def _root_link(self, articulation: str) -> str:
-        """The root link of an articulation, whose path may be that of a prim above it."""
+        """Return the root link of an articulation, whose path may be that of a prim above it."""
         if articulation in self._links:
             return articulation
         binding = self.bind([articulation], TensorType.ARTICULATION_ROOT_POSE)

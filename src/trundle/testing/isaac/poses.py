@@ -207,7 +207,7 @@ def restore(stage: Usd.Stage, kept: Kept) -> None:
 
 
 def _above(path: Sdf.Path, bodies: Collection[str]) -> str:
-    """The nearest body at a path or above it; empty if there is none."""
+    """Return the nearest body at a path or above it; empty if there is none."""
     return next((name for name in map(str, path.GetPrefixes()[::-1]) if name in bodies), "")
 
 

@@ -54,11 +54,11 @@ class PhysicsScenes:
         return self._engine.steps
 
     def is_simulating(self) -> bool:
-        """Whether the timeline plays."""
+        """Return whether the timeline plays."""
         return self._app.timeline.is_playing()
 
     def is_paused(self) -> bool:
-        """Whether it is paused."""
+        """Return whether it is paused."""
         return not self._app.timeline.is_playing() and not self._app.timeline.is_stopped()
 
     def get_callback_iter(self) -> int:

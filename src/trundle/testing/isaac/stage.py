@@ -174,7 +174,7 @@ class Context:
         return next(name for name in taken if not stage.GetPrimAtPath(name))
 
     def match(self, pattern: str, kind: str = "") -> list[str]:
-        """Paths of prims that match a pattern: `*` or `.*` is any text but a slash, others are [0-9] and (a|b)."""
+        """Return paths of prims by a pattern: `*` or `.*` is any text but a slash, others are [0-9] and (a|b)."""
         if self._stage is None:
             return []
         parts = pattern.strip("/").split("/")
@@ -206,7 +206,7 @@ def add_ground_plane(
 
 
 def _is_kind(prim: Usd.Prim, kind: str) -> bool:
-    """What NVIDIA's finder takes a kind of prim for: a root of an articulation, a rigid body, or a schema's type."""
+    """Return NVIDIA's name for a kind of prim: a root of an articulation, a rigid body, or a schema's type."""
     names = {"articulation": "PhysicsArticulationRootAPI", "rigid_body": "PhysicsRigidBodyAPI"}
     return prim.HasAPI(names[kind]) if kind in names else prim.GetTypeName() == kind
 

@@ -86,7 +86,7 @@ class View:
         self._run = engine.runs
 
     def check(self) -> bool:
-        """Whether all of the prims are there."""
+        """Return whether all of the prims are there."""
         return self._engine.loaded
 
     def binding(self, quantity: str) -> Any:
@@ -168,7 +168,7 @@ class ArticulationView(View):
         return tuple(self.binding("generalized_mass_matrices").shape[1:])
 
     def _parts(self, root: str) -> dict[str, Usd.Prim]:
-        """Bodies and joints of the articulation by name: those of the tree that its root or a parent of it spans."""
+        """Return bodies and joints of the articulation by name, in the tree that its root or a parent of it spans."""
         prim = self._stage.stage.GetPrimAtPath(root)
         if prim.HasAPI(UsdPhysics.RigidBodyAPI) or prim.IsA(UsdPhysics.Joint):
             prim = prim.GetParent()

@@ -30,20 +30,20 @@ from trundle.worlds.gazebo.elements import (
     read_version,
     refuse_macros,
 )
-from trundle.worlds.gazebo.files import (
+from trundle.worlds.gazebo.shapes import (
     Files,
     MissingFileError,
     find_model_file,
     is_plain_floor,
     is_sun,
+    read_color,
+    read_geometry,
     read_plain_floor,
 )
-from trundle.worlds.gazebo.shapes import read_color, read_geometry
-from trundle.worlds.ground import ENDLESS, LevelPlanes
 from trundle.worlds.leave_out import Filter, warn_of_unmet
 from trundle.worlds.movers import Mover, Waypoints, person_body
 from trundle.worlds.options import check_choice
-from trundle.worlds.shapes import Names, Part, make_solids
+from trundle.worlds.shapes import ENDLESS, LevelPlanes, Names, Part, make_solids
 from trundle.worlds.world import World
 
 GeometryChoice: TypeAlias = Literal["collision", "visual"]

@@ -14,8 +14,8 @@ from trundle.errors import WorldError
 from trundle.geometry import FloatArray
 from trundle.geometry.solids import Solid, solids_bounds
 from trundle.worlds.affine import FlattenedError
-from trundle.worlds.ground import find_ground, is_ground
 from trundle.worlds.leave_out import Filter, warn_of_unmet
+from trundle.worlds.shapes import find_ground, is_ground
 from trundle.worlds.usd.options import NAME, SEEDS, Options
 from trundle.worlds.usd.shapes import Colors, Shapes, level_plane
 from trundle.worlds.usd.stage import opened, report_missing, select_variants, to_metres, warn

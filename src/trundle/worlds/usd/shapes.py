@@ -14,7 +14,7 @@ from trundle.geometry import FloatArray, Pose3D
 from trundle.geometry.solids import Box, Color, Cylinder, Mesh, Sphere
 from trundle.worlds import tessellate
 from trundle.worlds.affine import FlattenedError, place, pose_of, scale_mesh, split
-from trundle.worlds.ground import ENDLESS, LevelPlane, is_level
+from trundle.worlds.shapes import ENDLESS, LevelPlane, is_level
 from trundle.worlds.tessellate import convex_hull, triangulate
 from trundle.worlds.usd.walk import TIME, Place
 

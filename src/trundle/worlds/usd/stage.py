@@ -14,8 +14,7 @@ import numpy as np
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 from trundle.errors import WorldError, WorldWarning
-from trundle.files.opening import check_regular, describe_unreadable
-from trundle.files.parser_errors import parser_reason
+from trundle.files.opening import check_regular, describe_unreadable, parser_reason
 from trundle.geometry import FloatArray
 
 log = logging.getLogger(__name__)

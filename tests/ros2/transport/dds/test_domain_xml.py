@@ -2,7 +2,7 @@
 
 from xml.etree import ElementTree
 
-from trundle.ros2.transport.dds.domains import domain_xml
+from trundle.ros2.transport.dds.node import domain_xml
 from trundle.ros2.transport.domain import Settings
 
 

@@ -75,7 +75,7 @@ _STEPS = 60
 def interval_bar(
     value: float, interval: Interval, axis: tuple[float, float], *, text: str, bound: float | None = None
 ) -> str:
-    """A dot with its interval on an axis; a dashed line stands for a bound, or for zero."""
+    """Return a dot with its interval on an axis; a dashed line stands for a bound, or for zero."""
     low, high = axis
     span = (high - low) or 1.0
 
@@ -95,7 +95,7 @@ def interval_bar(
 
 
 def share_axis(lows: Sequence[float]) -> tuple[tuple[float, float], str]:
-    """An axis of shares that begins at a round number below all of these, and what it is called."""
+    """Return an axis of shares that begins at a round number below all of these, and what it is called."""
     least = max(0.0, math.floor(min(lows) * 20.0 - 0.2) / 20.0)
     return (least, 1.0), f"{100.0 * least:.0f} % to 100 %"
 
@@ -118,7 +118,7 @@ def outcome_bar(counts: Mapping[str, int]) -> str:
 
 
 def distribution(series: Sequence[tuple[str, FloatArray]], unit: str) -> str:
-    """Share of the episodes (upwards) with at most this value (to the right), a line for each series.
+    """Return the share of the episodes (upwards) with at most this value (to the right), a line for each series.
 
     Args:
         series: Name and values; those without a value are left out.
@@ -156,7 +156,7 @@ def distribution(series: Sequence[tuple[str, FloatArray]], unit: str) -> str:
 
 
 def line_key(place: int) -> str:
-    """The line of a series, for a legend."""
+    """Return the line of a series, for a legend."""
     style = f'stroke="{LINE_COLORS[place % len(LINE_COLORS)]}" stroke-dasharray="{DASHES[place % len(DASHES)]}"'
     return (
         f'<svg class="line" viewBox="0 0 34 12" aria-hidden="true"><path d="M0 6h34" stroke-width="4" {style}/></svg>'

@@ -58,7 +58,7 @@ def _chart(table: Table, name: str, groups: Sequence[Group]) -> str:
 
 
 def extremes(table: Table, folder: str) -> str:
-    """Tables of the slowest plans and of the closest passes among those that arrived."""
+    """Return tables of the slowest plans and of the closest passes among those that arrived."""
     planning = table.numbers["planning_ms"].astype(float)
     slowest = _first(-planning)
     clearance = BY_NAME["min_clearance_m"].values(table)
@@ -105,7 +105,7 @@ _PARTS = 5
 
 
 def comparisons(comparison: Comparison | None) -> str:
-    """A table for each pair of settings; nothing where there is only one setting."""
+    """Return a table for each pair of settings; nothing where there is only one setting."""
     if comparison is None:
         return ""
     parts = [_pair(pair, folded=place >= _OPEN) for place, pair in enumerate(comparison.pairs)]
@@ -198,7 +198,7 @@ def _clear(interval: Interval) -> bool:
 
 
 def _success_by_part(table: Table, name: str) -> str:
-    """Success in each fifth of the values drawn."""
+    """Return success in each fifth of the values drawn."""
     values = table.vary[name]
     known = np.flatnonzero(~np.isnan(values))
     edges = np.unique(np.quantile(values[known], np.linspace(0.0, 1.0, _PARTS + 1)))

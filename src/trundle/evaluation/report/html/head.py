@@ -62,7 +62,7 @@ def verdict(
 
 
 def tiles(table: Table) -> str:
-    """The figures of all episodes."""
+    """Return the figures of all episodes."""
     n, successes = len(table), int(table.arrived.sum())
     low, high = wilson(successes, n)
     failed = {outcome: count for outcome, count in count_outcomes(table).items() if outcome != "arrived"}
@@ -139,7 +139,7 @@ def _sensing_tiles(table: Table) -> list[tuple[str, str, str]]:
 
 
 def groups(table: Table, gates: Sequence[GateResult]) -> str:
-    """Success of each group with Wilson's interval, and how its episodes ended."""
+    """Return success of each group with Wilson's interval, and how its episodes ended."""
     found = list(iterate_groups(group_rows(table), table))
     left_out = len(found) - _MOST_GROUPS
     if left_out > 0:

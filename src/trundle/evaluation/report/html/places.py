@@ -11,8 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from trundle.evaluation.report.html.charts import CLOSE, MARKED, count_text, icon, kind_of
-from trundle.evaluation.report.html.clusters import Cluster, find_clusters
-from trundle.evaluation.report.html.world_map import Frame, WorldMap, draw_map
+from trundle.evaluation.report.html.world_map import Cluster, Frame, WorldMap, draw_map, find_clusters
 from trundle.evaluation.report.text import cause, replay_command
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics.figures import write_number

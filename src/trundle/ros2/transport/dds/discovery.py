@@ -118,7 +118,7 @@ class Participants:
         self.ill_formed = 0
 
     def update(self, data: bytes) -> None:
-        """Take a message; one that cannot be read is counted and left out."""
+        """Update the graph by a message; one that cannot be read is counted and left out."""
         try:
             participant, nodes = decode_info(data, self._size)
         except InputError:

@@ -1,17 +1,17 @@
-"""`DdsTransport`: a node on the network of ROS 2 by Cyclone DDS; topics alone."""
+"""`DdsTransport`: a node on the network of ROS 2 by Cyclone DDS; topics alone. Its domain is shared in the process.
 
-# Cyclone DDS has no wheel for some Pythons and machines.
-# pyright: reportMissingImports=false
+Configuration: https://cyclonedds.io/docs/cyclonedds/latest/config/config_file_reference.html.
+"""
 
 from __future__ import annotations
 
 import threading
 from typing import TYPE_CHECKING
+from xml.sax.saxutils import quoteattr
 
 from trundle.errors import InputError
 from trundle.messages import Codec, Distro, Qos
 from trundle.messages.makers import learn_particle_cloud
-from trundle.ros2.transport.dds import domains
 from trundle.ros2.transport.dds.discovery import Discovery
 from trundle.ros2.transport.dds.endpoints import DdsPublisher, DdsSubscription
 from trundle.ros2.transport.dds.library import Writing, delete, every_sample, require, version
@@ -21,7 +21,108 @@ from trundle.ros2.transport.transport import ActionHandler, Endpoint, Graph, Han
 
 if TYPE_CHECKING:
     from cyclonedds.core import Qos as DdsQos
+    from cyclonedds.domain import Domain
     from cyclonedds.topic import Topic
+
+
+# Cyclone DDS has no wheel for some Pythons and machines.
+# pyright: reportMissingImports=false
+
+
+LOOPBACK = "127.0.0.1"
+
+_GENERAL = """
+<General>
+  <Interfaces><NetworkInterface {interface}/></Interfaces>
+  <AllowMulticast>{multicast}</AllowMulticast>
+  <MaxMessageSize>65500B</MaxMessageSize>
+</General>
+"""
+"""Multicast finds others and carries no data, as in rmw_cyclonedds; large datagrams make large messages cheap."""
+
+_DISCOVERY = """
+<Discovery>
+  <ParticipantIndex>auto</ParticipantIndex>
+  <MaxAutoParticipantIndex>119</MaxAutoParticipantIndex>
+  <LeaseDuration>5 s</LeaseDuration>
+  <Peers addLocalhost="{localhost}">{peers}</Peers>
+</Discovery>
+"""
+"""120 participants of a machine have ports in a domain. Others forget us five seconds after we were killed."""
+
+_COMPATIBILITY = "<Compatibility><IgnoreTypeInformation>1.15</IgnoreTypeInformation></Compatibility>"
+"""1.15 is eProsima's vendor id. Without this, Kilted's Fast DDS matches no type that has sequences."""
+
+_WRITING = "<Internal><Watermarks><WhcAdaptive>false</WhcAdaptive><WhcHigh>1 GB</WhcHigh></Watermarks></Internal>"
+"""A writer does not wait for slow readers: its history, of limited depth, replaces what they have not fetched."""
+
+_joined: dict[int, tuple[Domain, str, int]] = {}
+"""The domain of each number, its configuration, and how many use it."""
+
+_lock = threading.Lock()
+
+
+def domain_xml(settings: Settings) -> str:
+    """Return the configuration for a domain, and after it what the user's CYCLONEDDS_URI adds."""
+    local = settings.range == "localhost"
+    peers = ("localhost",) if local else settings.static_peers
+    parts = (
+        _GENERAL.format(
+            interface=f'address="{LOOPBACK}" multicast="true"' if local else 'autodetermine="true"', multicast="spdp"
+        ),
+        _DISCOVERY.format(
+            localhost="false" if local else "true",
+            peers="".join(f"<Peer address={quoteattr(peer)}/>" for peer in peers),
+        ),
+        _COMPATIBILITY,
+        _WRITING,
+    )
+    ours = f'<CycloneDDS><Domain Id="any">{"".join(parts)}</Domain></CycloneDDS>'
+    return f"{ours},{settings.cyclonedds_uri}" if settings.cyclonedds_uri else ours
+
+
+def join(settings: Settings) -> None:
+    """Open a domain, or use the one that is open.
+
+    Raises:
+        InputError: If it is open with another range, or its configuration cannot be used.
+    """
+    from cyclonedds.core import DDSException
+    from cyclonedds.domain import Domain
+
+    xml = domain_xml(settings)
+    with _lock:
+        if settings.domain in _joined:
+            domain, other, users = _joined[settings.domain]
+            if other != xml:
+                raise InputError(
+                    f"domain {settings.domain} is open in this process with another range or configuration"
+                )
+        else:
+            try:
+                domain, users = Domain(settings.domain, xml), 0
+            except DDSException as error:
+                more = ", or CYCLONEDDS_URI has a fault" if settings.cyclonedds_uri else ""
+                raise InputError(
+                    f"Cyclone DDS cannot open domain {settings.domain} with range {settings.range}{more}: {error}"
+                ) from error
+        _joined[settings.domain] = domain, xml, users + 1
+
+
+def leave(number: int) -> None:
+    """Leave a domain; the last one that leaves ends its threads."""
+    with _lock:
+        domain, xml, users = _joined[number]
+        if users > 1:
+            _joined[number] = domain, xml, users - 1
+            return
+        del _joined[number]
+    delete(domain)
+
+
+# Cyclone DDS has no wheel for some Pythons and machines.
+# pyright: reportMissingImports=false
+
 
 NO_SERVICES = (
     "services and actions are off: over Cyclone DDS a client of another middleware would wait for ever. "
@@ -59,11 +160,11 @@ class DdsTransport:
         self._codec = Codec(settings.distro)
         learn_particle_cloud(self._codec)  # what a localizer publishes; Nav2's types do not come along
         self._idl = IdlTypes(self._codec)
-        domains.join(settings)
+        join(settings)
         try:
             self._participant = DomainParticipant(settings.domain, _participant_qos())
         except BaseException:
-            domains.leave(settings.domain)
+            leave(settings.domain)
             raise
         self._discovery = Discovery(self._participant, self._idl, self._codec, namespace=namespace or "/", node=node)
         self._guard = GuardCondition(self._participant)
@@ -165,7 +266,7 @@ class DdsTransport:
             for one in (*self._publishers, *self._subscriptions):
                 one.close()
             delete(self._participant)
-            domains.leave(self.settings.domain)
+            leave(self.settings.domain)
 
     def _topic(self, topic: str, type_name: str) -> Topic:
         from cyclonedds.topic import Topic

@@ -66,7 +66,7 @@ class RosProcess:
         return self._process.pid
 
     def describe_end(self, timeout_s: float) -> str:
-        """How it ended and what it wrote last, if it ends within this time."""
+        """Return how it ended and what it wrote last, if it ends within this time."""
         if not self._has_ended.wait(timeout_s):
             return "it closed its socket"
         status = self._process.returncode
@@ -74,7 +74,7 @@ class RosProcess:
         return f"{how}: {self._lines[-1]}" if self._lines else how
 
     def close(self) -> None:
-        """Have it leave: by closing its socket, then by SIGTERM, then by SIGKILL."""
+        """End the child: by closing its socket, then by SIGTERM, then by SIGKILL."""
         with contextlib.suppress(OSError):
             self.socket.shutdown(socket.SHUT_RDWR)
         if not self._has_ended.wait(_LEAVE_S):
@@ -178,7 +178,7 @@ class Link:
             raise TransportError(self.lost if has_answered else f"it did not start within {_START_S:.0f} s")
 
     def call(self, do: str, **arguments: object) -> Any:
-        """Have the child do something, and wait for its answer.
+        """Call a function of the child, and wait for its answer.
 
         Raises:
             InputError: If this ROS cannot do it; the message is the child's.

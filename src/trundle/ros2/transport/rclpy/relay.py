@@ -273,7 +273,7 @@ class RclpyTransport:
         return replace(settings, distro=distro or settings.distro), tuple(notes)
 
     def _make(self, do: str, number: int, **arguments: object) -> None:
-        """Have the child make what is registered here already: its first frame may come before its answer."""
+        """Make something in the child that is registered here already: its first frame may come before its answer."""
         arguments["number"] = number
         self._link.call(do, **arguments)
         self._made.append((do, arguments))

@@ -7,7 +7,7 @@ from trundle.geometry.solids import Box, Solid
 from trundle.robots import Robot
 from trundle.worlds import World
 from trundle.worlds.floors import find_common_floor, find_floor, lower_world
-from trundle.worlds.ground import ENDLESS, LevelPlane, find_ground
+from trundle.worlds.shapes import ENDLESS, LevelPlane, find_ground
 
 CARTER = Robot.load("nova_carter")
 HERE = Pose2D(0.0, 0.0)

@@ -11,7 +11,7 @@ import pytest
 from trundle.errors import RobotError, TrundleError, WorldError
 from trundle.files.mesh import read_mesh
 from trundle.files.model_spec import compile_spec, read_spec
-from trundle.files.parser_errors import parser_errors, parser_reason
+from trundle.files.opening import parser_errors, parser_reason
 from trundle.sim.mujoco.joints import read_joints
 
 ANYTHING = [

@@ -8,7 +8,7 @@ from trundle.geometry import Pose2D, Pose3D
 from trundle.geometry.solids import OccupancyCells, Solid
 from trundle.robots import Robot
 from trundle.sim.mujoco.model import build_spec
-from trundle.viewer.triangles import model_triangles
+from trundle.viewer.software import model_triangles
 from trundle.worlds import World
 
 XML = """

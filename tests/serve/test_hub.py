@@ -1,6 +1,6 @@
 import json
 
-from trundle.serve.clients import BURST, RATE_PER_S, Client, fragments, is_long
+from trundle.serve.hub import BURST, RATE_PER_S, Client, fragments, is_long
 from trundle.serve.run_feed import RunFeed
 
 

@@ -21,13 +21,11 @@ from trundle.ros2.bad_input import MOST_KINDS, BadInputError, Warnings
 from trundle.ros2.names import Names
 from trundle.ros2.profile import Profile
 from trundle.ros2.remote.commands import Sources
-from trundle.ros2.remote.frames import FrameTree
+from trundle.ros2.remote.frames import FrameTree, Mount, Mounts, mount_matrix
 from trundle.ros2.remote.guard import Guard
 from trundle.ros2.remote.inputs import RobotInputs
-from trundle.ros2.remote.mounts import Mount, Mounts, mount_matrix
-from trundle.ros2.remote.readings import read_scan
 from trundle.ros2.remote.robot import RunTime
-from trundle.ros2.remote.scans import Band, read_cloud
+from trundle.ros2.remote.scans import Band, read_cloud, read_scan
 from trundle.ros2.remote.streams import RobotClock, Stream
 from trundle.ros2.types import Types
 from trundle.ros2.wire import Wire

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from trundle.control.mppi.route import Route
+from trundle.control.mppi.guide import Route
 from trundle.geometry import Pose2D
 from trundle.path import Path
 
