@@ -193,8 +193,8 @@ class WarpCrowds:
         needed = self._count * (24 * pairs + self._members * (self._model.window**2 // 2 + 24 * chunk + _OF_MEMBER))
         if needed > self._free_memory:
             raise InputError(
-                f"{self._count:,} robots among live crowds of {self._members} members need {needed / 1e9:.2g} GB of the "
-                f"device, which has {self._free_memory / 1e9:.2g} GB free; use fewer robots, or smaller crowds"
+                f"{self._count:,} robots among live crowds of {self._members} members need {needed / 1e9:.2g} GB of "
+                f"the device, which has {self._free_memory / 1e9:.2g} GB free; use fewer robots, or smaller crowds"
             )
 
     def _window_of(self, longest: int) -> int:
