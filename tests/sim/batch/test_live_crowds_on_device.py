@@ -228,3 +228,9 @@ def test_a_bad_command_on_the_device_lets_crowds_stand(device):
     simulator.step((0.2, 0.0), PERIOD)
     simulator.synchronize()
     assert not np.array_equal(simulator.movers(0), before[0])
+
+
+def test_crowds_too_large_for_the_memory_of_a_device_are_refused(device, monkeypatch):
+    monkeypatch.setattr(device_crowds, "free_memory", lambda _: 10**7)
+    with pytest.raises(InputError, match=r"robots among live crowds of 9 members need .* GB.*use fewer robots"):
+        BatchSimulator(GRID, CARTER, count=3_000, recordings=[live(*PEOPLE)], device="cuda")

@@ -30,6 +30,9 @@ _FOR_PATHS, _FOR_SEARCH = 4, 8
 _MEMORY_OF_CPU = 2**33
 """What Warp's CPU device counts as free [bytes]; it is for tests."""
 
+_OF_MEMBER = 350
+"""What the state of a member takes [bytes], without its path and the discs that this leads around."""
+
 _MOST_BLOCKS = 1024
 """Blocks that search side by side: an H200 runs eight on each of its 132 multiprocessors."""
 
@@ -49,7 +52,7 @@ class WarpCrowds:
         now: (x, y, yaw) of the members, rows, around each robot, after each substep of a chunk; see `place`.
 
     Raises:
-        InputError: If the floors of the crowds have more cells than the device can number.
+        InputError: If the floors of the crowds have more cells than the device can number, or its memory is too small.
     """
 
     def __init__(
@@ -72,8 +75,9 @@ class WarpCrowds:
                 f"the floors of live crowds have {cells:,} cells in all, more than the {_MOST_CELLS:,} of a device; "
                 "use fewer crowds, or smaller areas"
             )
-        self._free_memory = device.free_memory if device.is_cuda else _MEMORY_OF_CPU
+        self._free_memory = free_memory(device)
         self._model = self._put_model(live, len(batch.recordings) - 1)
+        self._check_memory(chunk)
         self._state = self._make_state(max(len(walk.arrays.floors) for walk in walks))
         self._starts = self._make_starts(max(len(walk.arrays.floors) for walk in walks))
         self._search = self._make_search(max(floor.costs.size for walk in walks for floor in walk.arrays.floors))
@@ -184,6 +188,15 @@ class WarpCrowds:
         model.window = self._window_of(max(max(floor.costs.shape) for floor in floors))
         return model
 
+    def _check_memory(self, chunk: int) -> None:
+        pairs = self._members * (self._members + 1)
+        needed = self._count * (24 * pairs + self._members * (self._model.window**2 // 2 + 24 * chunk + _OF_MEMBER))
+        if needed > self._free_memory:
+            raise InputError(
+                f"{self._count:,} robots among live crowds of {self._members} members need {needed / 1e9:.2g} GB of "
+                f"the device, which has {self._free_memory / 1e9:.2g} GB free; use fewer robots, or smaller crowds"
+            )
+
     def _window_of(self, longest: int) -> int:
         """The edge of the squares for paths: the largest that memory allows."""
         window = _WINDOW
@@ -236,3 +249,8 @@ class WarpCrowds:
 
     def _array(self, values: Any, dtype: Any) -> Any:
         return wp.array(values, dtype=dtype, device=self._device)
+
+
+def free_memory(device: Any) -> int:
+    """Return the free memory of a device [bytes]."""
+    return device.free_memory if device.is_cuda else _MEMORY_OF_CPU
