@@ -45,11 +45,6 @@ inline std::shared_ptr<const Floor> make_floor(In<std::uint8_t, 2> costs, In<std
   return floor;
 }
 
-// A copy of cells of a floor.
-inline nb::ndarray<nb::numpy, std::uint8_t> cells_of(const Floor &floor, std::vector<std::uint8_t> cells) {
-  return to_numpy(std::move(cells), {static_cast<std::size_t>(floor.rows), static_cast<std::size_t>(floor.cols)});
-}
-
 inline std::shared_ptr<const CrowdModel> make_model(std::vector<std::shared_ptr<const Floor>> floors,
                                                     In<std::int64_t, 1> counts, In<double, 2> members,
                                                     In<double, 2> corners, In<std::int64_t, 1> corner_counts,

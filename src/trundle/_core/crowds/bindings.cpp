@@ -7,16 +7,7 @@ void bind_crowds(nanobind::module_ &m) {
   using nanobind::arg;
   nb::class_<Floor>(m, "CrowdFloor")
       .def(nb::new_(&make_floor), arg("costs"), arg("nearness"), arg("corner_x"), arg("corner_y"), arg("resolution"),
-           arg("reach"), arg("look"))
-      .def_prop_ro("costs", [](const Floor &floor) { return cells_of(floor, floor.costs); },
-                   nb::rv_policy::move)
-      .def_prop_ro("nearness", [](const Floor &floor) { return cells_of(floor, floor.nearness); },
-                   nb::rv_policy::move)
-      .def_ro("corner_x", &Floor::corner_x)
-      .def_ro("corner_y", &Floor::corner_y)
-      .def_ro("resolution", &Floor::resolution)
-      .def_ro("reach", &Floor::reach)
-      .def_ro("look", &Floor::look);
+           arg("reach"), arg("look"));
   nb::class_<CrowdModel>(m, "CrowdModel")
       .def(nb::new_(&make_model), arg("floors"), arg("counts"), arg("members"), arg("corners"), arg("corner_counts"),
            arg("mover_radii"));

@@ -22,15 +22,38 @@ from trundle.worlds.movers.mover import Mover, outline_of, radius_of, top_of
 _RESOLUTION = 0.05
 _MOST_CELLS = 1_000_000
 _FLOOR_TOP = 0.05  # what is not higher is driven over [m]
-_WALL = 255  # the cost of what is impassable
+WALL = 255
+"""The cost of a cell that is impassable."""
+
 _BASE, _EXTRA, _DECAY_M = 10.0, 60.0, 0.4  # what a cell costs: paths keep off solids where there is room
 _NEAR_M = 1.2  # solids that are farther than this from the disc are not felt [m]
 _AHEAD_M = 0.3  # how far along its path somebody looks [m]
 
 
+class FloorArrays(NamedTuple):
+    """Where members of a crowd can be, as `CrowdFloor` takes it.
+
+    Attributes:
+        costs: Of a path through each cell, `WALL` where it is blocked, shape (rows, cols); the rim is blocked.
+        nearness: Of solids: 255 in them, 0 from `reach` on, shape (rows, cols).
+        corner_x, corner_y: The corner of cell (0, 0) [m].
+        resolution: Edge of a cell [m].
+        reach: Distance from which solids are not felt [m].
+        look: How many cells ahead on its path somebody goes for.
+    """
+
+    costs: npt.NDArray[np.uint8]
+    nearness: npt.NDArray[np.uint8]
+    corner_x: float
+    corner_y: float
+    resolution: float
+    reach: float
+    look: int
+
+
 def make_floor(
     solids: Sequence[Solid], bounds: tuple[float, float, float, float], radius: float, top: float
-) -> CrowdFloor | None:
+) -> FloorArrays | None:
     """Return where a disc is clear of a world's solids, as far as one can get from the largest such area.
 
     Args:
@@ -54,22 +77,22 @@ def make_floor(
     reach = least + _NEAR_M
     distances = np.sqrt(np.arange(int((reach / edge) ** 2) + 1)) * edge
     costs = _BASE + _EXTRA * np.exp(-np.maximum(0.0, distances - least) / _DECAY_M)
-    costs[distances <= least] = _WALL
+    costs[distances <= least] = WALL
     through = np.maximum(inflate(occupied, costs.astype(np.uint8)), np.uint8(_BASE))
-    through[occupied != 0] = _WALL
+    through[occupied != 0] = WALL
     nearness = inflate(occupied, np.round(255.0 * (1.0 - distances / reach)).astype(np.uint8))
-    labels, table = label_components((through != _WALL).view(np.uint8), False)
+    labels, table = label_components((through != WALL).view(np.uint8), False)
     if len(table) == 0:
         return None
-    through[labels != int(np.argmax(table[:, 0])) + 1] = _WALL
+    through[labels != int(np.argmax(table[:, 0])) + 1] = WALL
     look = max(1, round(_AHEAD_M / edge))
-    return CrowdFloor(through, nearness, x0 - edge, y0 - edge, edge, reach, look)
+    return FloorArrays(through, nearness, x0 - edge, y0 - edge, edge, reach, look)
 
 
 class CrowdArrays(NamedTuple):
-    """What `CrowdModel` is made of, as that takes it."""
+    """What `CrowdModel` is made of, as that takes it but for the floors."""
 
-    floors: list[CrowdFloor]
+    floors: list[FloorArrays]
     counts: npt.NDArray[np.int64]
     members: FloatArray
     corners: FloatArray
@@ -121,7 +144,7 @@ class CrowdWalk:
             np.array([len(outline) for outline in outlines]),
             np.array([radius_of(mover.parts) for mover in movers], dtype=np.float64),
         )
-        self.model = CrowdModel(*self.arrays)
+        self.model = CrowdModel([CrowdFloor(*floor) for floor in self.arrays.floors], *self.arrays[1:])
         """What the kernel knows of the crowds."""
         self._run = CrowdRun(self.model)
 
@@ -190,7 +213,7 @@ def _numbers_of(crowd: Crowd) -> tuple[float, float, bool, bool]:
     return radius_of(crowd.body), crowd.speed, crowd.sees_robot, crowd.steers
 
 
-def _make_floor(crowd: Crowd, solids: Sequence[Solid]) -> CrowdFloor:
+def _make_floor(crowd: Crowd, solids: Sequence[Solid]) -> FloorArrays:
     if crowd.area is not None:
         bounds = crowd.area
     elif solids:

@@ -32,9 +32,10 @@ wp.set_module_options(EXACT | {"block_dim": BLOCK})
 
 _BLOCKED, _UNREACHED = wp.constant(wp.int64(-1)), wp.constant(wp.int64(2**62))
 _STRAIGHT, _DIAGONAL = wp.constant(wp.int64(985)), wp.constant(wp.int64(1393))
-_FRONT = wp.constant(wp.int64(60_000))
-"""How much farther each front may reach: about two cells in the open. Cells that cost more wait, so that those around
-them by cheaper cells come first, and few are reached twice."""
+_FRONT = wp.constant(wp.int64(25_000))
+"""How much farther each front may reach: a straight step in the open is 19,700. Cells that cost more wait, so that few
+are reached twice. In an office, a warehouse and a maze a cell is spread from 1.0, 2.0 and 1.0 times, in 870, 910 and
+1,490 fronts; with 20,000 once, in a quarter more fronts; with 60,000 7, 29 and 57 times, in 430, 760 and 800."""
 
 _UNIT = wp.constant(wp.float64(1.0 / 1970.0))
 _INFINITE = wp.constant(wp.float32(math.inf))

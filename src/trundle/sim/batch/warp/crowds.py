@@ -18,7 +18,7 @@ from trundle.sim.batch.cpu import reach_of
 from trundle.sim.batch.recording import LiveCrowds
 from trundle.sim.batch.warp import crowd_draws, crowd_goals, crowd_paths, crowd_starts, crowd_steps
 from trundle.sim.batch.warp import crowd_model as shared
-from trundle.worlds.movers.walk import PERIOD_S
+from trundle.worlds.movers.walk import PERIOD_S, WALL
 
 _MOST_CELLS = 2**31 - 1
 _WINDOW, _LEAST_WINDOW = 256, 32
@@ -157,7 +157,7 @@ class WarpCrowds:
         model.keys = self._array(np.array([key for key, _ in named], dtype=np.uint32), wp.uint32)
         model.has_seed = self._array(np.array([seed is not None for _, seed in named]), wp.bool)
         model.words = self._array(np.concatenate([crowds.walk.words(0) for crowds in live.values()]), wp.uint64)
-        free = [np.flatnonzero(floor.costs != 255) for floor in floors]
+        free = [np.flatnonzero(floor.costs != WALL) for floor in floors]
         sizes, free_sizes = [floor.costs.size for floor in floors], [len(each) for each in free]
         model.floors = self._array(
             np.array(
