@@ -162,6 +162,10 @@ class Replanner:
             self.tries.pending, self._failed = True, None
         if static is None or planner is self.quick or timed_out(error) or not self._sensed.may_doubt:
             return False
+        if is_of_goal(error, state.ahead):
+            return False
+        if self._sensed.doubt_passed():
+            return True
         is_closed = self._routes.is_closed(static, now.pose, state.ahead, planner, self.tries.deadline_s(now.twist))
         self.budget.spend(self._routes.expansions, now.time, needed=True)
         return is_closed and self._sensed.doubt_static()
@@ -358,6 +362,8 @@ class Replanner:
 
     def _plan_again(self, now: Snapshot, state: DriveState, planner: Planner, *, again: bool = True) -> Decision:
         """Plan and count that, unless there is no use in it or there were too many plans."""
+        if self._failed is not None and not is_of_goal(self._failed.error, state.ahead) and self._sensed.doubt_passed():
+            now = now._replace(costmap=self._sensed.costmap)
         refusal = self._refusal(now, state, planner)
         if refusal is not None:
             return Decision(error=refusal.with_traceback(None))

@@ -168,6 +168,11 @@ class LayeredCostmap:
         with self._lock:
             return np.zeros((0, 2)) if self._obstacle is None else self._obstacle.obstacles()
 
+    def passes(self, x: FloatArray, y: FloatArray) -> npt.NDArray[np.bool_]:
+        """Whether scans agree that beams pass through points x and y [m], map frame, shape (N,)."""
+        with self._lock:
+            return np.zeros(len(x), np.bool_) if self._obstacle is None else self._obstacle.passes(x, y)
+
     def reset(self) -> None:
         """Forget what was sensed, for a new run."""
         with self._lock:

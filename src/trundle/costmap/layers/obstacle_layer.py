@@ -12,7 +12,7 @@ import numpy.typing as npt
 from pydantic import Field, model_validator
 
 from trundle import _core
-from trundle.costmap.layers.evidence_grid import EvidenceGrid, FieldOfView
+from trundle.costmap.layers.evidence_grid import SURELY_FREE, EvidenceGrid, FieldOfView
 from trundle.costmap.layers.layer import EVERYWHERE, MapPart, MapWindow
 from trundle.costmap.layers.scan_placer import PlacedScan, PlacedScans, ScanPlacer
 from trundle.errors import InputError
@@ -283,6 +283,10 @@ class ObstacleLayer:
     def obstacles(self) -> FloatArray:
         """Return where marked cells were hit [m], map frame, shape (N, 2)."""
         return self._grid.marks()
+
+    def passes(self, x: FloatArray, y: FloatArray) -> npt.NDArray[np.bool_]:
+        """Whether `misses_to_clear` scans have passed through the cells of points x and y [m], map frame, and none hits."""
+        return self._grid.levels(x, y) == SURELY_FREE
 
     def _correct(self, before: Estimate, estimate: Estimate, odom_pose: Pose2D) -> bool:
         """Forget what lies around the robot if the estimate jumps from the one before; return whether it does."""
