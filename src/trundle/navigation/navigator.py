@@ -27,7 +27,7 @@ from trundle.navigation.navigator_requests import NavigatorRequests
 from trundle.navigation.navigator_settings import NavigatorSettings
 from trundle.navigation.progress import PathProgress, Retries
 from trundle.navigation.recovery import BehaviorRunner, Recovery
-from trundle.navigation.relocalization import CORRECTED_M, Relocalization
+from trundle.navigation.relocalization import Relocalization
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.retreat import Retreat
 from trundle.navigation.route_planner import RoutePlanner
@@ -270,7 +270,7 @@ class Navigator(NavigatorRequests):
             self._has_scans = True
             estimate = Estimate(now, pose) if given.estimate is None else given.estimate
             placed = self._placer.place(scans, estimate)
-            if estimate.state == "localized":  # where it would be marked is not known otherwise
+            if not self._relocalization.is_needed(estimate):  # where it would be marked is not known otherwise
                 self._sensed.update(placed, self._state.target, self._replanner.movers.recent)
             self.tracks = self._tracked.update(placed)
         self._replanner.movers.note(self.tracks, now)
@@ -300,18 +300,17 @@ class Navigator(NavigatorRequests):
     def _find_itself(self, estimate: Estimate, scans: Sequence[Scan], now: Snapshot) -> Twist2D | None:
         """Look around while the localizer does not know where the robot is; then go on, from where that turns out."""
         search = self._relocalization
-        if estimate.state != "localized":
+        if search.is_needed(estimate):
             if not self._state.ahead or self._state.is_final:
                 return None
             if self._runner.is_recovering:
                 self._runner.interrupt("the robot does not know where it is")
             return self._apply(search.decide(estimate, scans, now.time))
         if search.is_active:
-            if search.corrected_m(estimate) > CORRECTED_M:
+            if search.end(estimate):
                 self._sensed.reset()
                 self._replanner.drop_path()
             self._recovery.reset()
-            search.reset()
         return None
 
     def _arrive(self, now: Snapshot, soon: Snapshot) -> Twist2D | None:

@@ -14,7 +14,7 @@ from pydantic import Field
 
 from trundle.costmap.costmap import Costmap
 from trundle.costmap.costmap_settings import CostmapSettings
-from trundle.costmap.layers.extent import Extent, read_static
+from trundle.costmap.layers.extent import Extent, differences, read_static
 from trundle.costmap.layers.layer import EVERYWHERE, Layer, MapPart, MapWindow
 from trundle.costmap.layers.obstacle_layer import ObstacleLayer, ObstacleLayerSettings
 from trundle.costmap.layers.scan_placer import PlacedScans
@@ -366,7 +366,7 @@ class LayeredCostmap:
             pose = self._extent.origin @ self._corner_of(part)
             return self._obstacle.repaint(self._cells, part, self._base, self._kept, pose, self._extent.resolution)
         painted = self._painted(part)
-        changed = _differences(painted, self._cells[part])
+        changed = differences(painted, self._cells[part])
         if changed is None:
             return None
         rows, cols = (
@@ -390,15 +390,3 @@ class LayeredCostmap:
         for layer in self._layers:
             layer.paint(MapPart(cells, kept, self._extent.resolution, pose))
         return cells
-
-
-def _differences(one: npt.NDArray[np.int8], other: npt.NDArray[np.int8]) -> _Slices | None:
-    """Return the smallest rectangle outside of which two arrays are equal; None if they are equal."""
-    differ = one != other
-    cells = differ.tobytes()  # searched faster than an array
-    first = cells.find(1)
-    if first < 0:
-        return None
-    rows = slice(first // differ.shape[1], cells.rfind(1) // differ.shape[1] + 1)
-    cols = differ[rows].any(axis=0).tobytes()
-    return rows, slice(cols.find(1), cols.rfind(1) + 1)

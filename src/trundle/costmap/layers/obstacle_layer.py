@@ -285,7 +285,7 @@ class ObstacleLayer:
         return self._grid.marks()
 
     def passes(self, x: FloatArray, y: FloatArray) -> npt.NDArray[np.bool_]:
-        """Whether `misses_to_clear` scans have passed through the cells of points x and y [m], map frame, and none hits."""
+        """Whether scans agree, `misses_to_clear` of them, that beams pass through points x and y [m], map frame."""
         return self._grid.levels(x, y) == SURELY_FREE
 
     def _correct(self, before: Estimate, estimate: Estimate, odom_pose: Pose2D) -> bool:
