@@ -12,6 +12,7 @@ from trundle.errors import PlanningError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
+from trundle.mission import Session
 from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
 from trundle.navigation.sensing import SensedMap, make_placer
 from trundle.navigation.state import FINAL
@@ -55,6 +56,16 @@ def test_a_plan_before_the_first_scan_is_made_again_after_it():
     assert navigator.report().waits_to_plan
     drive(navigator, room(*WALLS))
     assert navigator.status is NavigationStatus.ARRIVED
+
+
+def test_a_run_whose_first_plan_waits_for_a_scan_has_time_for_a_path():
+    navigator = Navigator(grid_of(room(*WALLS, THING)), ROBOT, layers=doubting(), settings=PATIENT)
+    with (
+        simulate(room(*WALLS), ROBOT, backend="kinematic", lidar=True) as sim,
+        Session(sim, navigator, START, GOAL) as run,
+    ):
+        assert run.info.time_limit_s == pytest.approx(60.0 + 4.0 * 4.0 * START.distance_to(GOAL) / 0.8)
+        run.finish()
 
 
 @pytest.mark.parametrize("began", [0.0, 1.7e9], ids=["from 0", "from an epoch"])

@@ -56,9 +56,10 @@ class ObstacleLayerSettings(Config):
         misses_to_clear: How many scans must pass through a marked cell before it is cleared, 1 to 10.
         clear_static: Whether beams also clear obstacles of the static map, also those that lie below or above the
             lidars' planes: a map does not say how high things are.
-        doubt_static: Whether a navigator that finds no path on the map takes things of at most 2 m that no scan has
-            marked since the goal was set off the static map, until the next goal. So it gets past what is on the map
-            and not in the world; what lies below or above the lidars' planes, such as forks and kerbs, it then does
+        doubt_static: Whether a navigator that finds no path takes off the static map, until the next goal, cells through
+            which beams pass, of things of at most 2 m or that touch a wall that was hit; and where the map alone has no
+            path, things of at most 2 m that no scan has marked since the goal was set. So it gets past what is on the
+            map and not in the world; what lies below or above the lidars' planes, such as forks and kerbs, it then does
             not know of.
         static_tolerance: Nothing is marked within this distance of an obstacle of the static map [m], between centres
             of cells, as a robot that is not quite where it believes to be sees walls a little beside their place. If
