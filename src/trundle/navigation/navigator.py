@@ -155,7 +155,7 @@ class Navigator(NavigatorRequests):
             [create_behavior(step) for step in steps],
             Retries(self.dt, settings.recovery_retries),
             PathProgress(self.dt),
-            Retreat(self._replanner, self._routes),
+            Retreat(self._sensed, self._replanner, self._routes),
         )
         self._relocalization = Relocalization(self.robot)
         self._goal_queue = GoalQueue(self._runner, self._replanner, self._recovery, through)

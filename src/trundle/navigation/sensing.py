@@ -141,8 +141,7 @@ class SensedMap:
     def doubt_passed(self) -> bool:
         """Take cells off the map through which beams pass, until the next goal; whether that changes anything.
 
-        As for `doubt_static`; a thing that touches a wall counts by itself, and it stays as far as nothing was seen of
-        it.
+        As for `doubt_static`; a thing that touches a wall counts by itself.
         """
         if not self.may_doubt or self._layered is None:
             return False
@@ -194,6 +193,12 @@ class SensedMap:
             if self.may_doubt:
                 self._note_hits()
             self.costmap = self._layered.clear(region, size, at=at)
+
+    def forget_hidden(self, places: FloatArray) -> None:
+        """Forget marks where something was seen to move, (N, 3) as in `update`, and that no scan sees now."""
+        if self._layered is not None:
+            self._layered.forget_hidden(places)
+            self.costmap = self._layered.costmap
 
     def begin(self) -> None:
         """Expect that the time may start over, and the robot be elsewhere: there is a new goal."""

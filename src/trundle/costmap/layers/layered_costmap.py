@@ -234,6 +234,13 @@ class LayeredCostmap:
             self._repaint([EVERYWHERE])
             return self.costmap
 
+    def forget_hidden(self, places: FloatArray) -> None:
+        """Forget marks where something was seen to move, (N, 3) as in `update`, and that no scan sees now."""
+        with self._lock:
+            if self._obstacle is not None and self._time is not None:
+                window = self._obstacle.forget_movers(places, self._time, hidden=True)
+                self._repaint([] if window is None else [window])
+
     def require(self, points: npt.ArrayLike) -> Costmap | None:
         """Contain these points where there is no map, for example a goal.
 
