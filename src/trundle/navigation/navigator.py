@@ -225,6 +225,7 @@ class Navigator(NavigatorRequests):
         if command is None:
             command = self._apply(self._recovery.make_room(soon, self._state))
         if command is None and not self._recovery.makes_room:
+            soon = soon._replace(costmap=self._sensed.costmap)  # one that has made room has forgotten who stood there
             command = self._plan_or_replan(soon)
         if command is None and self._runner.is_recovering:
             command = self._apply(self._recovery.continue_step(soon, self._state))
