@@ -126,3 +126,27 @@ def test_places_near_each_other_are_shown_as_one():
     assert [round(share, 6) for _, share in hypotheses.places()] == [1.0]
     near.pose = Pose2D(4.0, 4.0, math.pi)
     assert len(hypotheses.places()) == 2
+
+
+def hall(*more):
+    """A hall of 12 by 10 m with four vans."""
+    walls = [
+        *(solid(f"wall_{k}", (12.2, 0.2), (0.0, y)) for k, y in enumerate((-5.1, 5.1))),
+        *(solid(f"end_{k}", (0.2, 10.4), (x, 0.0)) for k, x in enumerate((-6.1, 6.1))),
+    ]
+    vans = ((-3.0, 2.5), (2.0, 3.0), (3.5, -1.0), (-1.0, -3.5))
+    return World("hall", (*walls, *(solid(f"van_{i}", (1.6, 1.0), at) for i, at in enumerate(vans)), *more))
+
+
+def test_a_robot_knows_where_it_is_in_the_middle_of_what_is_drawn_and_not_there(robot):
+    """All beams go through it, and those that end at boxes that are not on the map say nothing either."""
+    boxes = [
+        solid(f"box_{k}", (0.6, 0.6), at) for k, at in enumerate(((-1.2, 1.4), (0.2, -1.4), (-2.4, -1.0), (1.6, 1.2)))
+    ]
+    grid = OccupancyGrid.from_world(
+        hall(solid("ghost", (1.4, 1.0), (-0.6, 0.0))), resolution=0.05, z_range=robot.z_range
+    )
+    start = Pose2D(-3.5, 0.0, 0.0)
+    errors, states = follow(hall(*boxes), grid, robot, start, start, 300, lambda step: Twist2D(0.4 * (step < 150), 0.0))
+    assert errors.max() < 0.1
+    assert states.count("localized") == len(states)

@@ -1,15 +1,18 @@
 """Things on the map that no scan has hit, where they close the only path."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from support.sensed_rooms import GOAL, ROBOT, START, block, grid_of, room
 from trundle.costmap import LETHAL, Costmap, CostmapSettings, LayersSettings, ObstacleLayerSettings
-from trundle.costmap.doubted_map import without_unseen
+from trundle.costmap.doubted_map import without_passed, without_unseen
 from trundle.errors import PlanningError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
+from trundle.mission import Session
 from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
 from trundle.navigation.sensing import SensedMap, make_placer
 from trundle.navigation.state import FINAL
@@ -53,6 +56,16 @@ def test_a_plan_before_the_first_scan_is_made_again_after_it():
     assert navigator.report().waits_to_plan
     drive(navigator, room(*WALLS))
     assert navigator.status is NavigationStatus.ARRIVED
+
+
+def test_a_run_whose_first_plan_waits_for_a_scan_has_time_for_a_path():
+    navigator = Navigator(grid_of(room(*WALLS, THING)), ROBOT, layers=doubting(), settings=PATIENT)
+    with (
+        simulate(room(*WALLS), ROBOT, backend="kinematic", lidar=True) as sim,
+        Session(sim, navigator, START, GOAL) as run,
+    ):
+        assert run.info.time_limit_s == pytest.approx(60.0 + 4.0 * 4.0 * START.distance_to(GOAL) / 0.8)
+        run.finish()
 
 
 @pytest.mark.parametrize("began", [0.0, 1.7e9], ids=["from 0", "from an epoch"])
@@ -178,3 +191,72 @@ def test_nothing_is_doubted_for_a_goal_that_is_occupied():
     drive(navigator, room(aside))
     assert navigator.status is NavigationStatus.NO_PATH
     assert navigator.static_costmap.cost_at(7.25, 1.25) == LETHAL
+
+
+ACROSS = block("across", 4.9, 2.2, 5.5, 3.8)
+"""A thing that touches the walls on both sides of the gap."""
+
+
+def map_with_across():
+    grid = grid_of(room(*WALLS))
+    data = grid.data.copy()
+    low, high = (grid.world_to_cell(*corner) for corner in ((4.9, 2.2), (5.5, 3.8)))
+    data[int(low[0]) : int(high[0]), int(low[1]) : int(high[1])] = 100
+    return replace(grid, data=data)
+
+
+def test_a_thing_that_touches_walls_is_taken_off_where_beams_pass_through_it():
+    navigator = Navigator(map_with_across(), ROBOT, layers=doubting(), settings=PATIENT)
+    drive(navigator, room(*WALLS))
+    assert navigator.status is NavigationStatus.ARRIVED
+    assert navigator.static_costmap.cost_at(5.2, 2.0) == LETHAL
+
+
+def test_a_thing_that_touches_walls_and_is_there_stays():
+    settings = PATIENT.model_copy(update={"patience_s": 4.0})
+    navigator = Navigator(map_with_across(), ROBOT, layers=doubting(), settings=settings)
+    drive(navigator, room(*WALLS, ACROSS))
+    assert navigator.status is NavigationStatus.NO_PATH
+    assert navigator.static_costmap.cost_at(4.92, 3.0) == LETHAL
+
+
+def test_beams_take_a_thing_off_where_it_closes_the_path_together_with_what_was_sensed():
+    """The map alone has a path: through the gap in the north, which a box closes that is not on the map."""
+    walls = WALLS[0], block("middle", 5.0, 3.7, 5.4, 4.5)
+    navigator = Navigator(grid_of(room(*walls, THING)), ROBOT, layers=doubting(), settings=PATIENT)
+    drive(navigator, room(*walls, block("box", 4.9, 4.6, 5.5, 5.9)))
+    assert navigator.status is NavigationStatus.ARRIVED
+
+
+def passed_everywhere(x, y):
+    return np.ones(len(x), np.bool_)
+
+
+def test_cells_that_beams_pass_are_taken_off_beside_a_wall_that_was_hit_and_a_long_kerb_stays():
+    wall, kerb = (slice(0, 60), slice(4, 8), 100), (slice(5, 50), 70, 100)
+    ghost, strip = (slice(20, 32), slice(8, 20), 100), (slice(20, 32), slice(8, 10), 100)
+    static = costmap_with(wall, kerb, ghost)
+    hit = np.zeros(static.shape, np.bool_)
+    hit[:, 7] = True
+    left = without_passed(static, hit, lambda x, _: x > 9 * 0.05)
+    assert np.array_equal(left.data, costmap_with(wall, kerb, strip).data)
+    assert without_passed(static, np.zeros_like(hit), passed_everywhere) is None
+
+
+def test_a_part_of_a_kerb_stays_of_which_more_was_not_seen():
+    static = costmap_with((slice(5, 60), slice(70, 73), 100))
+    seen_in_part = without_passed(static, np.zeros(static.shape, np.bool_), lambda _, y: y < 1.0)
+    assert seen_in_part is None
+
+
+def test_only_cells_that_beams_pass_are_taken_off():
+    thing = (slice(20, 30), slice(30, 40), 100)
+    static = costmap_with(thing)
+    left = without_passed(static, np.zeros(static.shape, np.bool_), lambda x, y: x < 35 * 0.05)
+    assert np.array_equal(left.data, costmap_with((slice(20, 30), slice(35, 40), 100)).data)
+
+
+def test_what_is_kept_out_stays_where_beams_pass():
+    mask = KeepoutMask(OccupancyGrid(np.pad([[100]], ((40, 19), (40, 39))).astype(np.int8), 0.05, Pose2D(0.0, 0.0)))
+    static = costmap_with(keepout=mask)
+    assert without_passed(static, np.zeros(static.shape, np.bool_), passed_everywhere) is None

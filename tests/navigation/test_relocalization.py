@@ -5,10 +5,11 @@ import math
 import pytest
 
 import trundle
+from support.sensed_rooms import ROBOT, grid_of, room
 from trundle.geometry import Pose2D, Twist2D
 from trundle.localization.odometry import OdometryLocalizer
 from trundle.navigation import NavigationStatus, Navigator
-from trundle.navigation.relocalization import GIVES_UP_S, NOT_LOCALIZED
+from trundle.navigation.relocalization import GIVES_UP_S, NOT_LOCALIZED, Relocalization
 from trundle.observation import Estimate, Hypothesis, Observation
 from trundle.robots import Robot
 
@@ -117,3 +118,36 @@ def test_a_robot_that_is_not_localized_has_not_arrived(world):
         time = 0.05 * k
         navigator.update(Observation(time, Twist2D(), Pose2D(0.0, 0.0)), Estimate(time, at, None, at, state))
         assert (navigator.status is NavigationStatus.ARRIVED) == (state == "localized")
+
+
+class DoubtingAt(OdometryLocalizer):
+    """Does not know where the robot is, whenever it looks into some direction."""
+
+    def update(self, observation):
+        found = super().update(observation)
+        state = "ambiguous" if 0.6 < found.pose.yaw < 1.2 else "localized"
+        return Estimate(found.time, found.pose, None, found.T_map_odom, state)
+
+
+def test_it_drives_on_where_doubts_have_ended_in_vain_at_one_place():
+    """Whoever turns to the path doubts, turns back to look, and turns to the path again."""
+    navigator = Navigator(grid_of(room()), ROBOT)
+    start, goal = Pose2D(4.0, 1.5), (6.0, 4.02)  # it has to drive at a yaw of 0.9
+    with trundle.simulate(room(), ROBOT, backend="kinematic", lidar=True) as sim:
+        localizer = DoubtingAt(None, ROBOT)
+        with trundle.Session(sim, navigator, start, goal, localizer=localizer, time_limit_s=90.0) as session:
+            while session.step() is not None:
+                pass
+    assert session.outcome is trundle.Outcome.ARRIVED, session.message
+
+
+def test_doubts_that_ended_elsewhere_do_not_count():
+    search = Relocalization(ROBOT)
+    for k in range(5):
+        place = Pose2D(1.0 * k, 0.0)  # each time it turns out to be 1 m farther on
+        known = Estimate(2.0 * k, place, None, place)
+        assert not search.is_needed(known)
+        doubt = Estimate(2.0 * k + 1.0, place, None, place, "ambiguous")
+        assert search.is_needed(doubt)
+        search.decide(doubt, (), doubt.time)
+        assert search.end(Estimate(2.0 * k + 1.5, place @ Pose2D(1.0, 0.0), None, place @ Pose2D(1.0, 0.0)))

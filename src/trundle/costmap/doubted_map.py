@@ -1,8 +1,9 @@
-"""`without_unseen`: the costmap of a map without the small things on it that no scan has hit."""
+"""The costmap of a map without the small things on it that no scan has hit, or that beams pass through."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
@@ -10,11 +11,15 @@ import numpy.typing as npt
 from trundle._core import label_components
 from trundle.costmap.costmap import Costmap
 from trundle.costmap.costs import LETHAL
+from trundle.geometry import FloatArray
 from trundle.maps import FREE, OCCUPIED
 from trundle.maps.cells import UNKNOWN
 
 _LARGEST_M = 2.0  # walls are longer: a path never leads through one that was not seen yet
 _BESIDE_M = 0.1  # so far from a thing on the map a hit may lie that is one of it
+_BETWEEN_M = 0.1  # cells between beams count as passed where these are at most twice as far apart
+_AT_WALL_M = 0.5
+"""So far from a hit a wall may be drawn that was hit there: one that is seen at a low angle is hit here and there."""
 
 
 def without_unseen(static: Costmap, hit: npt.NDArray[np.bool_]) -> Costmap | None:
@@ -29,24 +34,72 @@ def without_unseen(static: Costmap, hit: npt.NDArray[np.bool_]) -> Costmap | Non
     Returns:
         The costmap without them, or None if there is no such thing.
     """
-    occupied, unknown = static.data == LETHAL, static.unknown_cells
-    labels, table = label_components((occupied | unknown).view(np.uint8), True)
+    occupied = static.data == LETHAL
+    labels, small = _small_things(static, occupied | static.unknown_cells)
+    unseen = small & (np.bincount(labels[occupied], minlength=len(small)) > 0)
+    unseen[labels[_beside(static, hit, _BESIDE_M)]] = False
+    return _without(static, unseen[labels])
+
+
+def without_passed(
+    static: Costmap, hit: npt.NDArray[np.bool_], passes: Callable[[FloatArray, FloatArray], npt.NDArray[np.bool_]]
+) -> Costmap | None:
+    """Take cells off a map that beams pass through, of things that scans have not hit.
+
+    What lies within 0.1 m of a hit belongs to what was hit there. A thing is what hangs together of the other occupied
+    cells; of those of at most 2 m the cells go that beams pass. A thing also counts by itself where it touches a wall
+    that was hit within 0.5 m of there; then all that is not passed of it has to lie there. What is longer stays: beams
+    pass over a kerb.
+
+    Args:
+        static: The costmap of the map. What its keep-out mask forbids stays.
+        hit: Cells in which scans have marked obstacles, shape (rows, cols).
+        passes: Whether scans agree that beams pass through points, given their x and y [m], map frame.
+
+    Returns:
+        The costmap without them, or None if there are no such cells.
+    """
+    occupied = static.data == LETHAL
+    apart = occupied & ~_beside(static, hit, _BESIDE_M)
+    row, col = np.nonzero(_beside(static, apart, _BETWEEN_M))
+    passed = np.zeros(static.shape, np.bool_)
+    passed[row, col] = passes(*static.cell_to_world(row, col))
+    passed = apart & ~_beside(static, ~_beside(static, passed, _BETWEEN_M), _BETWEEN_M)
+    things, small = _small_things(static, apart | static.unknown_cells)
+    parts, small_part = _small_things(static, passed)
+    left = apart & ~passed & ~_beside(static, hit, _AT_WALL_M)
+    small_part[parts[_beside(static, left, static.resolution)]] = False
+    return _without(static, passed & (small[things] | small_part[parts]))
+
+
+def _small_things(static: Costmap, cells: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.bool_]]:
+    """Number what hangs together of cells from 1 on, and say by number what is at most 2 m long and wide."""
+    labels, table = label_components(cells.view(np.uint8), True)
     long = np.maximum(table[:, 2] - table[:, 1], table[:, 4] - table[:, 3]) * static.resolution
-    is_solid = np.bincount(labels[occupied], minlength=len(table) + 1)[1:] > 0
-    unseen = np.append(False, is_solid & (long <= _LARGEST_M + 1e-9))
-    reach = math.ceil(_BESIDE_M / static.resolution - 1e-9)
-    row, col = np.nonzero(hit)
-    for up in range(-reach, reach + 1):
-        for right in range(-reach, reach + 1):
-            inside = static.contains(row + up, col + right)
-            unseen[labels[row[inside] + up, col[inside] + right]] = False
-    gone = unseen[labels]
+    return labels, np.append(False, long <= _LARGEST_M + 1e-9)
+
+
+def _beside(static: Costmap, cells: npt.NDArray[np.bool_], within_m: float) -> npt.NDArray[np.bool_]:
+    """Say which cells are these or lie beside them, in a square around each that reaches so far [m]."""
+    reach = math.ceil(within_m / static.resolution - 1e-9)
+    for _ in range(2):  # along the rows, and then along the columns
+        grown = cells.copy()
+        for step in range(1, reach + 1):
+            grown[step:] |= cells[:-step]
+            grown[:-step] |= cells[step:]
+        cells = grown.T
+    return cells
+
+
+def _without(static: Costmap, gone: npt.NDArray[np.bool_]) -> Costmap | None:
+    """Return the costmap with these cells free, apart from what its mask forbids; None if there are none."""
     if static.keepout is not None:
         gone &= static.keepout != LETHAL
     rows, cols = np.flatnonzero(gone.any(axis=1)), np.flatnonzero(gone.any(axis=0))
     if len(rows) == 0:
         return None
     part = slice(int(rows[0]), int(rows[-1]) + 1), slice(int(cols[0]), int(cols[-1]) + 1)
-    cells = np.where(occupied[part], OCCUPIED, np.where(unknown[part], UNKNOWN, FREE))
+    occupied, unknown = static.data[part] == LETHAL, static.unknown_cells[part]
+    cells = np.where(occupied, OCCUPIED, np.where(unknown, UNKNOWN, FREE))
     cells[gone[part]] = FREE
     return static.update(*part, cells.astype(np.int8))

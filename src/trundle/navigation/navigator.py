@@ -27,7 +27,7 @@ from trundle.navigation.navigator_requests import NavigatorRequests
 from trundle.navigation.navigator_settings import NavigatorSettings
 from trundle.navigation.progress import PathProgress, Retries
 from trundle.navigation.recovery import BehaviorRunner, Recovery
-from trundle.navigation.relocalization import CORRECTED_M, Relocalization
+from trundle.navigation.relocalization import Relocalization
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.retreat import Retreat
 from trundle.navigation.route_planner import RoutePlanner
@@ -155,7 +155,7 @@ class Navigator(NavigatorRequests):
             [create_behavior(step) for step in steps],
             Retries(self.dt, settings.recovery_retries),
             PathProgress(self.dt),
-            Retreat(self._replanner, self._routes),
+            Retreat(self._sensed, self._replanner, self._routes),
         )
         self._relocalization = Relocalization(self.robot)
         self._goal_queue = GoalQueue(self._runner, self._replanner, self._recovery, through)
@@ -225,6 +225,7 @@ class Navigator(NavigatorRequests):
         if command is None:
             command = self._apply(self._recovery.make_room(soon, self._state))
         if command is None and not self._recovery.makes_room:
+            soon = soon._replace(costmap=self._sensed.costmap)  # one that has made room has forgotten who stood there
             command = self._plan_or_replan(soon)
         if command is None and self._runner.is_recovering:
             command = self._apply(self._recovery.continue_step(soon, self._state))
@@ -270,7 +271,7 @@ class Navigator(NavigatorRequests):
             self._has_scans = True
             estimate = Estimate(now, pose) if given.estimate is None else given.estimate
             placed = self._placer.place(scans, estimate)
-            if estimate.state == "localized":  # where it would be marked is not known otherwise
+            if not self._relocalization.is_needed(estimate):  # where it would be marked is not known otherwise
                 self._sensed.update(placed, self._state.target, self._replanner.movers.recent)
             self.tracks = self._tracked.update(placed)
         self._replanner.movers.note(self.tracks, now)
@@ -300,18 +301,17 @@ class Navigator(NavigatorRequests):
     def _find_itself(self, estimate: Estimate, scans: Sequence[Scan], now: Snapshot) -> Twist2D | None:
         """Look around while the localizer does not know where the robot is; then go on, from where that turns out."""
         search = self._relocalization
-        if estimate.state != "localized":
+        if search.is_needed(estimate):
             if not self._state.ahead or self._state.is_final:
                 return None
             if self._runner.is_recovering:
                 self._runner.interrupt("the robot does not know where it is")
             return self._apply(search.decide(estimate, scans, now.time))
         if search.is_active:
-            if search.corrected_m(estimate) > CORRECTED_M:
+            if search.end(estimate):
                 self._sensed.reset()
                 self._replanner.drop_path()
             self._recovery.reset()
-            search.reset()
         return None
 
     def _arrive(self, now: Snapshot, soon: Snapshot) -> Twist2D | None:

@@ -146,6 +146,7 @@ _RECENT_S = 5.0
 _EVERY_S = 0.5
 _JUST_S = 0.15
 """A track that was seen within this time counts as seen now [s]: many lidars scan ten times a second."""
+_SQUARE_M = 0.2
 _SAME_SPEED_MPS = 1e-12
 
 
@@ -198,6 +199,12 @@ class MoverMemory:
         now, before = track.covariance.item, last.covariance.item
         is_predicted = now(0, 0) + now(1, 1) > before(0, 0) + before(1, 1)
         return seen_at if is_predicted else time
+
+    @property
+    def places(self) -> FloatArray:
+        """Where they were in the last minute: x, y and radius [m], map frame, shape (N, 3); one for each square."""
+        squares = {(round(x / _SQUARE_M), round(y / _SQUARE_M)): (x, y, radius) for _, x, y, radius in self._seen}
+        return np.array(list(squares.values())).reshape(-1, 3)
 
     def was_near(self, x: float, y: float, within_m: float) -> bool:
         """Return whether something that moves was within this distance of a point in the last minute."""

@@ -40,6 +40,12 @@ _STEPS_M = np.arange(0.1, 3.01, 0.1)
 _BEAM_ASIDE_RAD = math.radians(3.0)
 CORRECTED_M = 0.3
 """A pose that is farther from where the robot believed to be has put what it sensed meanwhile into wrong places."""
+_IN_VAIN, _SAME_PLACE_M = 3, 1.5
+"""After so many doubts within so far [m] that all ended where the robot believed to be, it drives on through the next.
+
+Things that are on the map alone, or in the world alone, may look doubtful from one yaw only: a robot that turned to its
+path, doubted, turned back to look and turned to its path again did so for 90 s.
+"""
 GIVES_UP_S = 120.0
 """So long it tries: about 25 m at the speed at which it looks around."""
 
@@ -66,6 +72,12 @@ class Relocalization:
 
     def reset(self) -> None:
         """Forget what it did so far."""
+        self._in_vain = 0
+        self._doubted_at: Pose2D | None = None
+        self._T_known: Pose2D | None = None
+        self._begin()
+
+    def _begin(self) -> None:
         self._points.clear()
         self._scans: dict[str, Scan] = {}
         self.is_active = False
@@ -74,11 +86,26 @@ class Relocalization:
         self._came: float | None = None
         self._look_around()
 
-    def corrected_m(self, estimate: Estimate) -> float:
-        """Return how far the robot is [m] from its last estimate before it was lost, continued by its odometry."""
-        if self._T_map_odom is None:
-            return math.inf
-        return estimate.pose.distance_to(self._T_map_odom @ estimate.odom_pose)
+    def is_needed(self, estimate: Estimate) -> bool:
+        """Whether the robot does not know where it is, by what the localizer says and how such doubts ended here."""
+        if estimate.state == "localized":
+            self._T_known = estimate.T_map_odom
+            return False
+        at, known = self._doubted_at, self._T_known
+        if self._in_vain < _IN_VAIN or at is None or known is None:
+            return True
+        is_here = estimate.pose.distance_to(at) <= _SAME_PLACE_M
+        return not is_here or estimate.pose.distance_to(known @ estimate.odom_pose) > CORRECTED_M
+
+    def end(self, estimate: Estimate) -> bool:
+        """Stop, as the robot knows where it is; return whether that is elsewhere than where it believed to be."""
+        believed = None if self._T_map_odom is None else self._T_map_odom @ estimate.odom_pose
+        is_elsewhere = believed is None or estimate.pose.distance_to(believed) > CORRECTED_M
+        if self._doubted_at is None or estimate.pose.distance_to(self._doubted_at) > _SAME_PLACE_M:
+            self._doubted_at, self._in_vain = estimate.pose, 0
+        self._in_vain = 0 if is_elsewhere else self._in_vain + 1
+        self._begin()
+        return is_elsewhere
 
     def decide(self, estimate: Estimate, scans: Sequence[Scan], time: float) -> Decision:
         """Return what to do in this control period.

@@ -9,6 +9,7 @@ from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError, InputError, PlanningError, PlanningStoppedError
 from trundle.geometry import Twist2D
 from trundle.navigation.command_check import BRAKING_SHARE
+from trundle.navigation.map_doubts import MapDoubts
 from trundle.navigation.navigator_settings import NavigatorSettings
 from trundle.navigation.obstacle_watch import MoverMemory, ObstacleWatch
 from trundle.navigation.planning_limits import FailedPlan, PlanningBudget, PlanningTries, moves, timed_out
@@ -62,7 +63,7 @@ class Replanner:
         planner: Planner,
     ) -> None:
         self._settings, self._robot, self._sensed = settings, robot, sensed
-        self._routes = routes
+        self._routes, self._doubts = routes, MapDoubts(sensed, routes)
         self.use(planner)
         self.tries = PlanningTries(settings.planning_deadline_s)
         self.budget = PlanningBudget(settings.replan_rate, settings.replan_expansions)
@@ -156,15 +157,13 @@ class Replanner:
         return found
 
     def _doubts_map(self, error: PlanningError, now: Snapshot, state: DriveState, planner: Planner) -> bool:
-        """Return whether to plan again, with things taken off the map, as there is no path on the map alone either."""
-        static = self._sensed.static
+        """Whether to plan again, as things were taken off the map."""
         if self._sensed.awaits_scan(now.time):
             self.tries.pending, self._failed = True, None
-        if static is None or planner is self.quick or timed_out(error) or not self._sensed.may_doubt:
-            return False
-        is_closed = self._routes.is_closed(static, now.pose, state.ahead, planner, self.tries.deadline_s(now.twist))
-        self.budget.spend(self._routes.expansions, now.time, needed=True)
-        return is_closed and self._sensed.doubt_static()
+        if planner is self.quick:
+            return self._doubts.help_short(error, state.ahead, self.obstacle.standing_s)
+        deadline_s = self.tries.deadline_s(now.twist)
+        return self._doubts.help_long(error, now, state.ahead, planner, deadline_s, self.budget)
 
     def _note_failure(self, error: PlanningError, now: Snapshot, state: DriveState, planner: Planner) -> PlanningError:
         """Remember that a plan found no path; return the error that says most about it."""
@@ -358,6 +357,8 @@ class Replanner:
 
     def _plan_again(self, now: Snapshot, state: DriveState, planner: Planner, *, again: bool = True) -> Decision:
         """Plan and count that, unless there is no use in it or there were too many plans."""
+        if self._doubts.see_more(self._failed, state.ahead):
+            now = now._replace(costmap=self._sensed.costmap)
         refusal = self._refusal(now, state, planner)
         if refusal is not None:
             return Decision(error=refusal.with_traceback(None))

@@ -15,11 +15,12 @@ from trundle.navigation.obstacle_watch import PAST_MOVERS_EVERY_S
 from trundle.navigation.progress import FollowedPath
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.route_planner import RoutePlanner, is_of_goal
+from trundle.navigation.sensing import SensedMap
 from trundle.navigation.state import NOTHING, Decision, DriveState, NavigationStatus, Snapshot
 from trundle.planning import cost_field
 
 _STAND = Twist2D()
-_AFTER_S = 10.0
+_AFTER_S = 6.0
 """So long it stands first [s]: most people are gone by then, and it backs up straight after 2 s."""
 _MOST = 6
 """So often it makes room on the way to a goal, each time at another place."""
@@ -35,7 +36,7 @@ _BESIDE_M = 0.3
 """Room that it leaves to those it saw in the last seconds [m]: it does not drive past them."""
 _OTHER_M = 1.5
 """Places that are nearer to each other than this are one and the same [m]."""
-_WAIT_S, _LONGER_S = 5.0, 3.0
+_WAIT_S, _LONGER_S = 12.0, 3.0
 """How long it waits there [s], and how much longer each time."""
 _SLOWEST_MPS, _SET_OFF_S = 0.15, 6.0
 """It gives up a drive that takes longer than at this speed, and some time to turn [s]."""
@@ -50,12 +51,13 @@ class Retreat:
     where the robot is still in their way.
 
     Args:
+        sensed: The costmap with what its scans saw.
         replanner: Plans again afterwards.
         routes: Plans the path to the place.
     """
 
-    def __init__(self, replanner: Replanner, routes: RoutePlanner) -> None:
-        self._replanner, self._routes = replanner, routes
+    def __init__(self, sensed: SensedMap, replanner: Replanner, routes: RoutePlanner) -> None:
+        self._sensed, self._replanner, self._routes = sensed, replanner, routes
         self._path: FollowedPath | None = None
         self.reset()
 
@@ -137,6 +139,7 @@ class Retreat:
         self._again_s = now.time + _AFTER_S
         obstacle = self._replanner.obstacle
         if self._waits:  # others have had the time to pass: the next plan may search for long
+            self._sensed.forget_hidden(self._replanner.movers.places)  # the robot may not see from here where they were
             self._replanner.budget.allow_more()
             obstacle.see(now.time - PAST_MOVERS_EVERY_S)
         else:

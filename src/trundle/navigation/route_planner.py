@@ -110,15 +110,15 @@ class RoutePlanner:
         finally:
             self.ends_short = ends_short
 
-    def is_closed(
-        self, costmap: Costmap, start: Pose2D, goals: Sequence[Goal], planner: Planner, deadline_s: float | None
-    ) -> bool:
-        """Whether there is no path on a costmap, and not because a goal is occupied; False if it takes too long [s].
+    def is_closed(self, start: Pose2D, goals: Sequence[Goal], planner: Planner, deadline_s: float | None) -> bool:
+        """Whether the map alone has no path, and not because a goal is occupied; False if it takes too long [s].
 
         `expansions` is of this search alone then.
         """
+        if (static := self._sensed.static) is None:
+            return False
         try:
-            self.plan_aside(costmap, start, goals, planner, deadline_s)
+            self.plan_aside(static, start, goals, planner, deadline_s)
         except PlanningError as error:
             return not (timed_out(error) or is_of_goal(error, goals))
         return False

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.costmap import LETHAL, Costmap, CostmapSettings
-from trundle.costmap.doubted_map import without_unseen
+from trundle.costmap.doubted_map import without_passed, without_unseen
 from trundle.costmap.growing_map import GrowingMap, check_size
 from trundle.costmap.layers import LayeredCostmap, LayersSettings, PlacedScan, PlacedScans, ScanPlacer
 from trundle.errors import MapError, OutsideMapError, SensorWarning
@@ -136,9 +136,18 @@ class SensedMap:
 
         Nothing is taken off unless the layers' settings say so, and there was a scan.
         """
-        if not self.may_doubt:
+        return self.may_doubt and self._take_off(without_unseen(self._static, self._note_hits()))
+
+    def doubt_passed(self) -> bool:
+        """Take cells off the map through which beams pass, until the next goal; whether that changes anything.
+
+        As for `doubt_static`; a thing that touches a wall counts by itself.
+        """
+        if not self.may_doubt or self._layered is None:
             return False
-        doubted = without_unseen(self._static, self._note_hits())
+        return self._take_off(without_passed(self._static, self._note_hits(), self._layered.passes))
+
+    def _take_off(self, doubted: Costmap | None) -> bool:
         if doubted is None:
             return False
         self._trusted = self._static if self._trusted is None else self._trusted
@@ -184,6 +193,12 @@ class SensedMap:
             if self.may_doubt:
                 self._note_hits()
             self.costmap = self._layered.clear(region, size, at=at)
+
+    def forget_hidden(self, places: FloatArray) -> None:
+        """Forget marks where something was seen to move, (N, 3) as in `update`, and that no scan sees now."""
+        if self._layered is not None:
+            self._layered.forget_hidden(places)
+            self.costmap = self._layered.costmap
 
     def begin(self) -> None:
         """Expect that the time may start over, and the robot be elsewhere: there is a new goal."""

@@ -361,6 +361,20 @@ def test_what_moved_behind_something_else_is_forgotten_and_what_stands_there_is_
         assert near(layered, 4.0, -2.0, 0.4)
 
 
+def test_who_was_seen_to_move_and_is_hidden_since_is_forgotten_when_that_is_asked_for():
+    someone, shelf, door = [(4.0, 1.0, 0.3)], [(4.0, -3.0, 4.0, -1.0)], [(2.0, -0.4, 2.0, 1.0)]
+    layered = LayeredCostmap(None, CARTER)
+    places = np.array([(4.0, 1.0, 0.3), (4.0, -2.0, 0.3)])
+    for tick in range(100):
+        around = Surroundings([], someone) if tick <= 20 else Surroundings(shelf + door)
+        moved = places if tick <= 20 else ()
+        layered.update([around.scan(0.05 * tick, HERE)], estimate(0.05 * tick, HERE), moved=moved)
+    assert near(layered, 4.0, 1.0, 0.4)
+    layered.forget_hidden(places)
+    assert not near(layered, 4.0, 1.0, 0.4)
+    assert near(layered, 4.0, -2.0, 0.4)
+
+
 def near(layered, x, y, within):
     found = layered.obstacles()
     return bool((np.hypot(found[:, 0] - x, found[:, 1] - y) < within).any())

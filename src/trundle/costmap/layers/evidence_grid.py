@@ -17,6 +17,8 @@ _MOST_CELLS = 25_000_000  # 250 x 250 m at 5 cm
 
 MARKED = 128
 """Bit of a cell that is marked."""
+SURELY_FREE = 1
+"""Evidence of a cell that `misses_to_clear` scans, at least, have passed through since one last hit it."""
 
 
 class EvidenceGrid:
@@ -114,6 +116,15 @@ class EvidenceGrid:
         row, col = np.nonzero(self.cells & MARKED)
         inside = (self.points[row, col].astype(np.float64) + 0.5) / 256.0
         return (inside + np.column_stack([col + self.col, row + self.row])) * self.resolution
+
+    def levels(self, x: FloatArray, y: FloatArray) -> npt.NDArray[np.uint8]:
+        """Return the evidence of the cells in which points x and y [m] lie, map frame; 0 outside of the grid."""
+        row = np.floor(y / self.resolution).astype(np.intp) - self.row
+        col = np.floor(x / self.resolution).astype(np.intp) - self.col
+        inside = (row >= 0) & (row < self.cells.shape[0]) & (col >= 0) & (col < self.cells.shape[1])
+        found = np.zeros(len(x), np.uint8)
+        found[inside] = self.cells[row[inside], col[inside]]
+        return found
 
     def _cells_of(self, x: float, y: float) -> tuple[int, int]:
         return math.floor(y / self.resolution), math.floor(x / self.resolution)

@@ -14,7 +14,7 @@ from pydantic import Field
 
 from trundle.costmap.costmap import Costmap
 from trundle.costmap.costmap_settings import CostmapSettings
-from trundle.costmap.layers.extent import Extent, read_static
+from trundle.costmap.layers.extent import Extent, differences, read_static
 from trundle.costmap.layers.layer import EVERYWHERE, Layer, MapPart, MapWindow
 from trundle.costmap.layers.obstacle_layer import ObstacleLayer, ObstacleLayerSettings
 from trundle.costmap.layers.scan_placer import PlacedScans
@@ -168,6 +168,11 @@ class LayeredCostmap:
         with self._lock:
             return np.zeros((0, 2)) if self._obstacle is None else self._obstacle.obstacles()
 
+    def passes(self, x: FloatArray, y: FloatArray) -> npt.NDArray[np.bool_]:
+        """Whether scans agree that beams pass through points x and y [m], map frame, shape (N,)."""
+        with self._lock:
+            return np.zeros(len(x), np.bool_) if self._obstacle is None else self._obstacle.passes(x, y)
+
     def reset(self) -> None:
         """Forget what was sensed, for a new run."""
         with self._lock:
@@ -228,6 +233,13 @@ class LayeredCostmap:
                 self._obstacle.forget(self._pose if at is None else at, size, outside=region == "except")
             self._repaint([EVERYWHERE])
             return self.costmap
+
+    def forget_hidden(self, places: FloatArray) -> None:
+        """Forget marks where something was seen to move, (N, 3) as in `update`, and that no scan sees now."""
+        with self._lock:
+            if self._obstacle is not None and self._time is not None:
+                window = self._obstacle.forget_movers(places, self._time, hidden=True)
+                self._repaint([] if window is None else [window])
 
     def require(self, points: npt.ArrayLike) -> Costmap | None:
         """Contain these points where there is no map, for example a goal.
@@ -361,7 +373,7 @@ class LayeredCostmap:
             pose = self._extent.origin @ self._corner_of(part)
             return self._obstacle.repaint(self._cells, part, self._base, self._kept, pose, self._extent.resolution)
         painted = self._painted(part)
-        changed = _differences(painted, self._cells[part])
+        changed = differences(painted, self._cells[part])
         if changed is None:
             return None
         rows, cols = (
@@ -385,15 +397,3 @@ class LayeredCostmap:
         for layer in self._layers:
             layer.paint(MapPart(cells, kept, self._extent.resolution, pose))
         return cells
-
-
-def _differences(one: npt.NDArray[np.int8], other: npt.NDArray[np.int8]) -> _Slices | None:
-    """Return the smallest rectangle outside of which two arrays are equal; None if they are equal."""
-    differ = one != other
-    cells = differ.tobytes()  # searched faster than an array
-    first = cells.find(1)
-    if first < 0:
-        return None
-    rows = slice(first // differ.shape[1], cells.rfind(1) // differ.shape[1] + 1)
-    cols = differ[rows].any(axis=0).tobytes()
-    return rows, slice(cols.find(1), cols.rfind(1) + 1)

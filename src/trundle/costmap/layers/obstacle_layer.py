@@ -12,7 +12,7 @@ import numpy.typing as npt
 from pydantic import Field, model_validator
 
 from trundle import _core
-from trundle.costmap.layers.evidence_grid import EvidenceGrid, FieldOfView
+from trundle.costmap.layers.evidence_grid import SURELY_FREE, EvidenceGrid, FieldOfView
 from trundle.costmap.layers.layer import EVERYWHERE, MapPart, MapWindow
 from trundle.costmap.layers.scan_placer import PlacedScan, PlacedScans, ScanPlacer
 from trundle.errors import InputError
@@ -55,10 +55,11 @@ class ObstacleLayerSettings(Config):
         misses_to_clear: How many scans must pass through a marked cell before it is cleared, 1 to 10.
         clear_static: Whether beams also clear obstacles of the static map, also those that lie below or above the
             lidars' planes: a map does not say how high things are.
-        doubt_static: Whether a navigator that finds no path on the map takes things of at most 2 m that no scan has
-            marked since the goal was set off the static map, until the next goal. So it gets past what is on the map
-            and not in the world; what lies below or above the lidars' planes, such as forks and kerbs, it then does
-            not know of.
+        doubt_static: Whether a navigator that finds no path takes off the static map, until the next goal, cells that
+            beams pass, of things of at most 2 m or that are drawn at a wall that was hit; and where the map alone has
+            no path, things of at most 2 m that no scan has marked since the goal was set. So it gets past what is on
+            the map and not in the world; what lies below or above the lidars' planes, such as forks and kerbs, it then
+            does not know of.
         static_tolerance: Nothing is marked within this distance of an obstacle of the static map [m], between centres
             of cells, as a robot that is not quite where it believes to be sees walls a little beside their place. If
             None, this holds for the eight cells around it; 0 marks everything. Without effect with `clear_static`.
@@ -160,7 +161,7 @@ class ObstacleLayer:
         """Forget what was seen in a square of edge `size` [m] around a pose, or outside of it; map frame."""
         self._grid.forget(pose.x, pose.y, 0.5 * size, outside=outside)
 
-    def forget_movers(self, places: FloatArray, time: float) -> MapWindow | None:
+    def forget_movers(self, places: FloatArray, time: float, *, hidden: bool = False) -> MapWindow | None:
         """Forget marks where something was seen to move, and that were not hit within `mover_persistence`.
 
         What no lidar looks at now stays: it is not hit, whether it is there or not.
@@ -168,19 +169,23 @@ class ObstacleLayer:
         Args:
             places: Where that was of late: x, y and radius [m], map frame, shape (N, 3).
             time: Now [s]. It looks for such marks twice a second.
+            hidden: Whether to look at once, and to forget also what no lidar looks at.
 
         Returns:
             What changed, in the map frame, or None if nothing changed.
         """
         persistence, grid = self.settings.mover_persistence, self._grid
-        if persistence is None or len(places) == 0 or 0.0 <= time - self._looked_at < _LOOK_EVERY_S:
+        waits = not hidden and 0.0 <= time - self._looked_at < _LOOK_EVERY_S
+        if persistence is None or len(places) == 0 or waits:
             return None
         self._looked_at = time
         grid.begin_timing(time)
         row, col = grid.unseen(places + np.array([0.0, 0.0, _BESIDE_MOVER_M]), time - persistence)
-        views = self._fields_of_view(time - self.settings.source_timeout)
-        in_view = np.any([np.zeros(len(row), np.bool_), *(view.contains(*grid.centres(row, col)) for view in views)], 0)
-        row, col = row[in_view], col[in_view]
+        if not hidden:
+            views = self._fields_of_view(time - self.settings.source_timeout)
+            seen = [view.contains(*grid.centres(row, col)) for view in views]
+            in_view = np.any([np.zeros(len(row), np.bool_), *seen], 0)
+            row, col = row[in_view], col[in_view]
         if len(row) == 0:
             return None
         misses, hits = self._rule
@@ -282,6 +287,10 @@ class ObstacleLayer:
     def obstacles(self) -> FloatArray:
         """Return where marked cells were hit [m], map frame, shape (N, 2)."""
         return self._grid.marks()
+
+    def passes(self, x: FloatArray, y: FloatArray) -> npt.NDArray[np.bool_]:
+        """Whether scans agree, `misses_to_clear` of them, that beams pass through points x and y [m], map frame."""
+        return self._grid.levels(x, y) == SURELY_FREE
 
     def _correct(self, before: Estimate, estimate: Estimate, odom_pose: Pose2D) -> bool:
         """Forget what lies around the robot if the estimate jumps from the one before; return whether it does."""

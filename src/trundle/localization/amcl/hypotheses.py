@@ -16,7 +16,7 @@ from trundle.localization.amcl.amcl_settings import AmclSettings
 from trundle.localization.amcl.beams import Beams
 from trundle.localization.amcl.map_field import MapField
 from trundle.localization.amcl.motion import Motion
-from trundle.localization.amcl.tracks import Match, Track, match, update_score
+from trundle.localization.amcl.tracks import Match, Track, match, stands_in_drawn, update_score
 from trundle.observation import LocalizationState
 
 _SAME_M, _SAME_RAD = 0.08, 0.05  # tracks this near are one
@@ -137,7 +137,8 @@ class Hypotheses:
             starts, covariances = [*starts, idea], [*covariances, _NEW]
         found = match(self._field, beams, starts, covariances, self._settings, wide=wide, targets=targets)
         for track, one in zip(tracks, found, strict=False):
-            update_score(track, one, seconds, proposed=track.is_far or not self.confirmed)
+            from_drawn = track is self.main and self.confirmed and stands_in_drawn(self._field, beams, one.pose)
+            update_score(track, one, seconds, proposed=track.is_far or not self.confirmed, from_drawn=from_drawn)
         for track in self.others:
             track.lead += _LEAD_GAIN * (track.fit - self.main.fit - track.lead)
         if idea is not None:

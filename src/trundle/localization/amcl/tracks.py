@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from trundle._core import judge_beams, match_scan
+from trundle._core import field_at, judge_beams, match_scan
 from trundle.geometry import FloatArray, Pose2D, wrap_angle
 from trundle.localization.amcl.amcl_settings import AmclSettings
 from trundle.localization.amcl.beams import Beams
@@ -26,6 +26,8 @@ _SHORT_COUNTS = 0.5  # something that is not on the map is in front of it more o
 _BOTH_COUNT = 4.0
 _FEWEST_TO_CONTRADICT = 0.25  # where boxes hide most of the map, a few beams through it say little
 _FEWEST = 0.15  # of the beams: with fewer on the map there is little evidence for anything
+_IN_BODY_M = 0.1  # nothing is so near to a lidar: that would be within the robot
+_FITS_STILL = 0.7  # of the usual fit: else the robot may have been carried away
 _LONG_S = 12.0
 _USUAL_S = 6.0  # of the average of the fit that a slip of wheels is told by
 _SCORE_S = 0.7  # of the average of agreement: it falls from 0.9 to 0.4 in 0.7 s
@@ -166,9 +168,21 @@ def agreements(field_: MapField, beams: Beams, poses: FloatArray) -> list[tuple[
     return list(zip(shares.tolist(), excused.tolist(), pierced.tolist(), strict=True))
 
 
-def update_score(track: Track, found: Match, seconds: float, *, proposed: bool) -> None:
-    """Take what one scan has shown of a track; a place that is only proposed is judged strictly."""
+def stands_in_drawn(field_: MapField, beams: Beams, pose: Pose2D) -> bool:
+    """Whether a lidar would be in something that the map draws, or nearly: that is not there, if the pose is right."""
+    sensors = pose.transform_points(beams.sensors)
+    return bool((field_at(field_.values, field_.resolution, field_.limit, sensors)[:, 0] < _IN_BODY_M).any())
+
+
+def update_score(track: Track, found: Match, seconds: float, *, proposed: bool, from_drawn: bool = False) -> None:
+    """Take what one scan has shown of a track; a place that is only proposed is judged strictly.
+
+    With `from_drawn`, beams that go through what the map draws say nothing, as all begin in it.
+    """
     agreement = found.agreement if proposed else found.excused
+    if from_drawn and found.fit > _FITS_STILL * track.usual:
+        found = replace(found, pierced=track.pierced)
+        agreement = max(agreement, track.score)
     gain = 1.0 if track.scans == 0 else 1.0 - math.exp(-seconds / _SCORE_S)
     track.pose, track.covariance = found.pose, found.covariance
     track.score += gain * (agreement - track.score)

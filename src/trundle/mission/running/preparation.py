@@ -31,6 +31,8 @@ from trundle.worlds import World
 TIME_PER_GOAL_S = 60.0
 SLOWNESS = 4.0
 """The default time limit: so long for every goal [s], and so many times what the paths take at top speed."""
+DETOUR = 4.0
+"""So many times as long as the straight line a path counts that is planned only when the robot has seen something."""
 
 
 def read_goals(goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]] | None) -> tuple[Goal, ...]:
@@ -133,13 +135,13 @@ def allowed_time(agent: Agent, robot: Robot, start: Pose2D, goals: Sequence[Goal
     """Simulated time [s] that a run may take by default; see `Session`."""
     if not goals:
         return math.inf
-    if agent.plans:
+    if agent.plans and paths:
         mask = agent.info().speed_mask
         least = sum(fastest_s(path, robot, mask) for path in paths)
     else:
         stops = (start.as_tuple(), *goals)
         straight = sum(math.dist(here[:2], there[:2]) for here, there in itertools.pairwise(stops))
-        least = straight / robot.limits.linear_speed
+        least = (DETOUR if agent.plans else 1.0) * straight / robot.limits.linear_speed
     tasks_s = sum(task.time_allowance for goal in goals for task in tasks_of(goal))
     return TIME_PER_GOAL_S * len(goals) + SLOWNESS * least + tasks_s
 

@@ -74,7 +74,8 @@ class Session:
             on, True one from the start, and False none.
         time_limit_s: Simulated time [s] at which the run is stopped. If None, 60 s for every goal plus four times
             what the planned paths take at the robot's top speed, or at what a speed mask allows, and what the tasks of
-            waypoints may take. Without a goal it means no limit.
+            waypoints may take. A path that is planned after a first scan counts as four straight lines. Without a goal
+            it means no limit.
         observers: Notified in this order.
         seed: Of the simulator, the agent and the localizer.
         stop_on_contact: Whether the first contact ends the run. A run with a contact is `collided` either way.
