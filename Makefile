@@ -76,7 +76,7 @@ test-ray: dev $(VENV)/.trundle-ray
 test-learning: dev
 	@test -e $(VENV)/.trundle-learning || { $(INSTALL) --target $(VENV)/learning $$($(BIN)/python scripts/requirements.py learning) \
 	  && touch $(VENV)/.trundle-learning; }
-	PYTHONPATH=$(VENV)/learning $(BIN)/python -m pytest $(HANGS) tests/gym tests/sim/batch
+	PYTHONPATH=$(abspath $(VENV)/learning) $(BIN)/python -m pytest $(HANGS) tests/gym tests/sim/batch
 
 # Beside the environment: ovphysx asks for an older packaging than pytest, so nothing of it may be installed there.
 test-physx: dev
