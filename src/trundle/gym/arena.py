@@ -58,9 +58,9 @@ class Arena:
         robot: The robot.
         grids: The maps.
         names: What they are called.
-        missions: Of each map.
+        missions: Missions of each map.
         fields: Distances to goals [m], infinite where the robot cannot go, each of the shape of its map.
-        recordings: Of the movers of each map, none or several.
+        recordings: Recordings of the movers of each map, none or several.
         known: The maps that a robot has, where they lack something; else `grids`.
     """
 

@@ -76,7 +76,7 @@ class Session:
             what the planned paths take at the robot's top speed, or at what a speed mask allows, and what the tasks of
             waypoints may take. Without a goal it means no limit.
         observers: Notified in this order.
-        seed: Of the simulator, the agent and the localizer.
+        seed: Seed of the simulator, the agent and the localizer.
         stop_on_contact: Whether the first contact ends the run. A run with a contact is `collided` either way.
         rules: What else ends the run; None means nothing.
         name: Name of the run.

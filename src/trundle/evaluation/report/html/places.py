@@ -42,7 +42,7 @@ class Place:
 
     Attributes:
         key: Its number in the table.
-        title: For people.
+        title: Name of the place, for people.
         rows: Numbers of its rows in the table.
         map_key: Key of its map; None where no row that was kept has one.
         failed: Its rows that did not arrive, as far as they were kept.
