@@ -146,7 +146,7 @@ def slow_down_in_unseen(
         pose: Where it is, map frame.
         twist: How it moves, base_link.
         command: The command.
-        dt: For how long it is sent [s].
+        dt: Time for which the command is sent [s].
         padded: The footprint's outline [m], base_link, widened by the clearance to keep.
     """
     if costmap.unseen is None or command == Twist2D():

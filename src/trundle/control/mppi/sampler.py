@@ -53,7 +53,7 @@ class Start:
         twist: How it moves.
         change: How it has accelerated since the last tick [m/s², rad/s²].
         speed_limit: [m/s], infinite without one.
-        dt: For how long the command is sent [s].
+        dt: Time for which the command is sent [s].
     """
 
     pose: Pose2D

@@ -48,7 +48,7 @@ class BatchDrive:
     """What was driven along a path on the map.
 
     Attributes:
-        time: At the beginning of each control period, and at the end [s], shape (N,).
+        time: Time at the beginning of each control period, and at the end [s], shape (N,).
         rows: (x, y, yaw, v, w) then, and the command (v, w) of the period before, shape (N, 7).
         check: Checks the path for collisions.
         ending: How it ended, by the kernel's number.

@@ -84,7 +84,7 @@ class Session:
         through: Whether the robot drives through the goals without stopping, but for waypoints with tasks and the last.
         steering: Where directives come from, which are applied between two steps; none takes no directives. With it, a
             navigator needs no goal: it waits for one, and the run goes on after it, until a directive ends it.
-        directives: Those of an earlier run, which are given again after as many control periods as then.
+        directives: Directives of an earlier run, which are given again after as many control periods as then.
         keeps_s: How much of the run the episode has at its end [s], the last so many seconds, with the last ten
             thousand directives: for runs without an end. None means all of it.
 
