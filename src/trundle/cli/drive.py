@@ -273,9 +273,9 @@ def _drive_in_browser(
         start: Where it starts.
         commands: The commands to watch. If None, the robot is driven by hand until the page or Ctrl-C ends it.
         log: Gets every state.
-        observers: Of the drive, such as a recording.
+        observers: Observers of the drive, such as a recording.
         speed: Simulated seconds per second.
-        seed: Of the simulator.
+        seed: Seed of the simulator.
         quiet: Without remarks.
     """
     from trundle.mission import Session

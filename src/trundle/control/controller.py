@@ -81,7 +81,7 @@ class Rollouts:
 
     Attributes:
         poses: (x, y, yaw) [m, m, rad], map frame, shape (N, T, 3).
-        costs: Of each [m], shape (N,), the lowest first.
+        costs: Cost of each [m], shape (N,), the lowest first.
     """
 
     poses: FloatArray
@@ -209,7 +209,7 @@ def create_controller(
         controller: A name, a class, a function or an object; see `ControllerLike`.
         robot: The robot.
         grid: What a class gets as `map`, where there is one.
-        options: Of the controller; more than those of a `Choice`.
+        options: Options of the controller; more than those of a `Choice`.
 
     Raises:
         UnknownNameError: If there is no controller of that name.

@@ -38,7 +38,7 @@ class DelayedCommands:
     within its limits of acceleration. What drives it should start from the pose that it has then.
 
     Args:
-        limits: Of the robot.
+        limits: Limits of the robot.
         delay_s: Time [s] from a command until the wheels receive it.
 
     Attributes:
@@ -80,7 +80,7 @@ class DelayedCommands:
         """Return the pose and twist of the robot when a command that is sent now takes effect.
 
         Args:
-            pose: Of base_link now, any frame.
+            pose: Pose of base_link now, any frame.
             twist: How it moves now, base_link. It goes on so until the first command arrives.
             time: Now [s].
         """

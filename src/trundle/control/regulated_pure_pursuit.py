@@ -359,7 +359,7 @@ class DrivingOff:
 
     Args:
         robot: What is driven.
-        acceleration: Of each wheel along the floor [m/s²].
+        acceleration: Acceleration of each wheel along the floor [m/s²].
     """
 
     def __init__(self, robot: Robot, acceleration: float) -> None:

@@ -28,7 +28,7 @@ class Points:
         places: [m], shape (N, 2), those of one lidar after the other.
         velocities: [m/s], shape (N, 2); 0 for what does not move.
         counts: Number of points of each lidar, in the order of `names`.
-        names: Of the lidars.
+        names: Names of the lidars.
         moves: Whether any of them moves.
     """
 
@@ -88,10 +88,10 @@ class SensedPoints:
     with their own velocity, from the nearest hit of the first scan. Lone hits (see `PlacedScan`) are left out.
 
     Args:
-        footprint: Of the robot. Points inside are its own body.
+        footprint: Footprint of the robot. Points inside are its own body.
 
     Attributes:
-        times: Of the latest scan of each lidar [s].
+        times: Times of the latest scan of each lidar [s].
     """
 
     def __init__(self, footprint: Footprint) -> None:

@@ -27,7 +27,7 @@ class LidarView:
 
     Attributes:
         lidar: Its name.
-        height: Of its beams above the floor [m].
+        height: Height of its beams above the floor [m].
         below: Heights [m, m] from the robot's underside to the beams: an object that ends there is not seen. None where
             the beams are no higher than the underside.
         above: Heights [m, m] from the beams to the robot's top: an object that begins there, such as a table's top, is

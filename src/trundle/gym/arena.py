@@ -59,9 +59,9 @@ class Arena:
         robot: The robot.
         grids: The maps.
         names: What they are called.
-        missions: Of each map.
-        fields: Of each map its distances to goals [m], infinite where the robot cannot go, each of the map's shape.
-        recordings: Of the movers of each map, none or several.
+        missions: Missions of each map.
+        fields: Distances to the goals of each map [m], infinite where the robot cannot go, each of the map's shape.
+        recordings: Recordings of the movers of each map, none or several.
         known: The maps that a robot has, where they lack something; else `grids`.
     """
 

@@ -56,7 +56,7 @@ class Lookup:
         The path descends on the costs to go to the goal, which keeps it away from walls.
 
         Args:
-            poses: Of the robots.
+            poses: Poses of the robots.
             points: How many points.
             known: Whether the path is on the maps that the robots have, which may lack something.
         """

@@ -58,7 +58,7 @@ class Loop:
     Attributes:
         a, b: The submap's middle node, and the key frame.
         transform: Pose of the key frame seen from the middle node.
-        covariance: Of it.
+        covariance: Covariance of the transform.
         fit: How well it fits, 0 to 1.
     """
 

@@ -49,7 +49,7 @@ class Mapper:
 
     Args:
         robot: The robot; beams that end on its own body are left out.
-        seed: Of random choices; there are none now, and the map follows from the observations alone.
+        seed: Seed of random choices; there are none now, and the map follows from the observations alone.
         max_range: The longest beams that are used [m]; None for as long as each lidar measures.
 
     Attributes:

@@ -52,7 +52,7 @@ class Floating:
 
     Attributes:
         before: The node before it, and its pose in the frame of the window.
-        covariance: Of the edge between them.
+        covariance: Covariance of the edge between them.
         anchor: An old node that it was recognised from, or None.
     """
 
@@ -79,7 +79,7 @@ class Nodes:
         travelled: How far the robot had driven at each node [m]; turns count as well.
         lidars: The lidars.
         scans: All scans.
-        first_scan: Of each node; the scans of a node come one after the other.
+        first_scan: Index of the first scan of each node; the scans of a node come one after the other.
         edges, transforms, covariances: As in `PoseGraph`.
     """
 

@@ -69,7 +69,7 @@ class Correction:
 
     Attributes:
         first, second: The nodes: the old place, and the one that recognised it.
-        time: When it was recognised [s], on the clock of the part.
+        time: Time at which it was recognised [s], on the clock of the part.
         metres, radians: How far the second node was off, by odometry and scan matching from the first one on; None for
             a loop between two parts, which had nothing to be off from.
     """

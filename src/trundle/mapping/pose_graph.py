@@ -54,10 +54,10 @@ class PoseGraph:
     to each other by loop edges alone, or not yet: then their poses are not in one frame.
 
     Attributes:
-        times: Of the nodes [s], on the clock of their part, shape (N,).
+        times: Times of the nodes [s], on the clock of their part, shape (N,).
         parts: Which part a node belongs to, int32, shape (N,).
-        poses: Of base_link in the map frame, corrected [m, rad], shape (N, 3).
-        odometry: Of base_link in the odom frame of the part [m, rad], shape (N, 3).
+        poses: Poses of base_link in the map frame, corrected [m, rad], shape (N, 3).
+        odometry: Odometry of base_link in the odom frame of the part [m, rad], shape (N, 3).
         lidars: The lidars.
         scan_nodes: Which node a scan belongs to, int32, shape (S,), ascending.
         scan_lidars: Which lidar measured it, int32, shape (S,).
@@ -65,7 +65,7 @@ class PoseGraph:
         ranges: Of all scans, one after the other [m], float32, as REP-117 has them; a scan has as many as its lidar.
         edges: First node, second node and kind (`FOLLOWS` or `LOOP`), int32, shape (E, 3).
         transforms: Pose of the second node seen from the first [m, rad], shape (E, 3).
-        covariances: Of the transforms (x, y, yaw) [m², rad²], shape (E, 3, 3).
+        covariances: Covariances of the transforms (x, y, yaw) [m², rad²], shape (E, 3, 3).
         robot: Name of the robot; empty where it is not known.
     """
 

@@ -43,8 +43,8 @@ class Match:
     """Where a scan fits.
 
     Attributes:
-        pose: Of base_link.
-        covariance: Of the pose (x, y, yaw).
+        pose: Pose of base_link.
+        covariance: Covariance of the pose (x, y, yaw).
         fit: Mean weight of its points, 0 to 1: 1 where all lie on surfaces.
         overlap: Share of its points that are near surfaces.
     """

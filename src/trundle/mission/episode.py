@@ -141,7 +141,7 @@ class Episode:
         robot: Name of the robot.
         planner: Name of the planner, "none" where the agent has no planner.
         controller: Name of the controller, or of the agent.
-        seed: Of the simulator.
+        seed: Seed of the simulator.
         time_limit_s: Simulated time at which the run would have been stopped [s], or infinity.
         observer_errors: What observers raised; they were dropped, and the run continued. They are not recorded.
         costmap: What the robot planned on at the start, for the notebook's picture; None where it was loaded.

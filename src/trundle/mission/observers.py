@@ -60,7 +60,7 @@ class RunInfo:
         dt: Control period [s], the first one where they differ.
         planner: Name of the planner, "none" where the agent has no planner.
         controller: Name of the controller, or of the agent.
-        seed: Of the simulator.
+        seed: Seed of the simulator.
         speed_mask: What limits its speed, or None.
         world: The simulated world, or None where the simulator does not provide one.
         grid: The map that the agent was given, or None.
@@ -114,11 +114,11 @@ class Step:
 
     Attributes:
         index: Number of control periods driven.
-        state: Of the simulator now: the truth.
+        state: State of the simulator now: the truth.
         command: What the agent commanded for the period that ends now.
         goal: Index of the goal that it drives to.
         path: The path that it follows, or none.
-        status: Of the agent.
+        status: Status of the agent.
         sent: What was sent to the robot: the command, or what the collision monitor made of it.
         observation: What the robot knows now, from which the agent makes its next command.
         estimate: Where the robot believes to be now.

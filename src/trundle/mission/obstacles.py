@@ -51,7 +51,7 @@ class MoverChoice(Config):
         count: How many there are in the crowd.
         sees_robot: Whether a crowd stops for the robot and goes around it.
         area: (x0, y0, x1, y1) [m]: where the crowd stays. If None, anywhere in the world.
-        seed: Of the crowd's random places. If None, the scenario's.
+        seed: Seed of the crowd's random places. If None, the scenario's.
         body: The body of a mover. Either this, `box` or `cylinder`.
         box: Size (x, y, z) [m] of a mover that is a box on the floor.
         cylinder: Radius and height [m] of a mover that is a cylinder on the floor.
@@ -229,7 +229,7 @@ class FreePlaces:
         costmap: The robot's map.
         points: Its start and goals [m], shape (N, 2).
         rng: Draws them.
-        key: Of the scenario, for messages.
+        key: Key of the scenario, for messages.
         what: What is placed, likewise.
     """
 

@@ -27,7 +27,7 @@ class Correction(NamedTuple):
     Attributes:
         moved_m: How far the estimated position jumped [m].
         turned_rad: How far the estimated yaw jumped [rad].
-        time: When [s].
+        time: Time of the correction [s].
         x, y: Where the robot was then, map frame [m].
     """
 
@@ -43,7 +43,7 @@ class MapTrack:
     """Where the map of a localizer comes from: the poses that it has scans of, as they are now.
 
     Attributes:
-        poses: Of base_link, map frame [m, rad], shape (N, 3).
+        poses: Poses of base_link, map frame [m, rad], shape (N, 3).
         loops: Pairs of poses that a loop joins, shape (M, 2).
         corrections: The largest corrections of the estimate so far, the largest first, at most five.
     """

@@ -62,7 +62,7 @@ def create_agent(
         robot: The robot.
         grid: What a class gets as `map`, where there is one.
         navigator: What a class gets as `navigator`, where there is one.
-        options: Of the agent; more than those of a `Choice`.
+        options: Options of the agent; more than those of a `Choice`.
 
     Raises:
         UnknownNameError: If there is no agent of that name.

@@ -49,7 +49,7 @@ class CommandCheck:
     Args:
         robot: The robot.
         sensed: The costmap with what its scans saw.
-        limiter: Of the speed mask, or None.
+        limiter: Limits speeds by the speed mask; None without one.
         dt: Control period [s].
 
     Attributes:
@@ -142,11 +142,11 @@ def slow_down_in_unseen(
 
     Args:
         costmap: Where it drives; without `unseen` cells the command stays as it is.
-        limits: Of the robot.
+        limits: Limits of the robot.
         pose: Where it is, map frame.
         twist: How it moves, base_link.
         command: The command.
-        dt: For how long it is sent [s].
+        dt: Time for which the command is sent [s].
         padded: The footprint's outline [m], base_link, widened by the clearance to keep.
     """
     if costmap.unseen is None or command == Twist2D():

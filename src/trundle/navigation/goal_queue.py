@@ -61,7 +61,7 @@ class Route:
 
     Attributes:
         goals: The same.
-        index: Of the goal that it drives to.
+        index: Index of the goal that it drives to.
 
     Raises:
         InputError: If there is no goal, or one is no pose.

@@ -77,7 +77,7 @@ class Given(NamedTuple):
         pose: Where the robot is, map frame.
         twist: How it moves, base_link; None where that is not known.
         time: Now [s]; None where that is not known.
-        scans: Those that arrived since the last update.
+        scans: Scans that arrived since the last update.
         estimate: Where a localizer believes the robot to be; None where the pose is given alone.
     """
 

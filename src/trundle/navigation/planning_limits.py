@@ -47,7 +47,7 @@ class PlanningBudget:
         """Count a plan that was made at this time [s].
 
         Args:
-            expansions: Of the plan.
+            expansions: Expansions of the plan that was made.
             time: Now [s].
             needed: Whether there was no path to follow: a look for a better one counts by the second alone.
         """
@@ -202,9 +202,9 @@ class FailedPlan:
     Attributes:
         error: Why.
         planner: What planned.
-        start: From where.
+        start: Pose from which it was planned.
         goals: To where.
-        costmap: Where.
+        costmap: Costmap on which it was planned.
     """
 
     error: PlanningError

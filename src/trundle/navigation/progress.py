@@ -23,15 +23,15 @@ class FollowedPath:
     """A path that is followed from its beginning.
 
     Args:
-        planned: As the planner gave it.
-        path: As it is driven.
+        planned: The path as the planner gave it.
+        path: The path as it is driven.
         joints: Indices of the poses of `path` at the goals that it leads through.
 
     Attributes:
         planned: The same.
         path: The same.
-        check: Of `path`.
-        index: Of the checked pose at which the robot is.
+        check: Checks `path` for collisions.
+        index: Index of the checked pose at which the robot is.
         marks: How far along the path the goals are that it leads through [m], those that were not passed yet.
     """
 

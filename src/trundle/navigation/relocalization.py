@@ -112,7 +112,7 @@ class Relocalization:
 
         Args:
             estimate: What the localizer says.
-            scans: Those that arrived in this period.
+            scans: Scans that arrived in this period.
             time: Now [s].
         """
         if not self.is_active:
@@ -228,10 +228,10 @@ class _Seek:
     """A short drive, straight.
 
     Attributes:
-        yaw: At which it drives, odom frame [rad].
+        yaw: Yaw at which the robot drives, odom frame [rad].
         gear: Forward (1) or backward (-1).
-        direction: In which it moves, odom frame [rad].
-        begin: Where it began, odom frame.
+        direction: Direction in which it moves, odom frame [rad].
+        begin: Pose at which it began, odom frame.
     """
 
     yaw: float

@@ -248,7 +248,7 @@ class SensedMap:
         """Put scans into the costmap.
 
         Args:
-            placed: Those that arrived since the last call, and where the robot is now.
+            placed: Scans that arrived since the last call, and the pose of the robot now.
             goal: Where it is driving to.
             moved: Where something was seen to move of late: x, y and radius [m], map frame, shape (N, 3).
 

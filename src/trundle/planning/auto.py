@@ -45,7 +45,7 @@ class AutoPlanner(PosePlanner):
         neutral_cost: Weight of a free cell, as of `LeastCostPlanner`.
         cost_weight: Weight of one unit of cost, as of `LeastCostPlanner`.
         max_expansions: Nodes that each search of `HybridAStarPlanner` expands at most.
-        options: Those of `FootprintPlanner`. Tolerances, `spacing` and `allow_partial` hold for each planner, and
+        options: Options of `FootprintPlanner`. Tolerances, `spacing` and `allow_partial` hold for each planner, and
             `deadline_s` for all together.
 
     Raises:

@@ -31,7 +31,7 @@ class Motion:
     Attributes:
         start: (x, y) [m], map frame.
         end: (x, y) [m], map frame.
-        yaw: At the start [rad].
+        yaw: Yaw at the start [rad].
         turn: Angle that is turned [rad], counter-clockwise positive; 0 for a line.
     """
 

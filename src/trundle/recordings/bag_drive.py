@@ -75,7 +75,7 @@ class _UsedLidar:
     Attributes:
         name: Its name.
         mount: Its pose in the base, shape (4, 4).
-        angles: Of its beams, as most scans have them, as the sensor turns [rad].
+        angles: Directions of its beams in most scans, in the order in which the sensor turns [rad].
         own: Which of them meet the robot.
         increment: Time from beam to beam [s].
         shift: What is added to its stamps [s]; None where the times of reception are used.

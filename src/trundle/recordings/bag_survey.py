@@ -70,7 +70,7 @@ class Survey:
         odometry: The messages of its odometry; None without such a topic.
         odometry_topic: Its name.
         odometry_received: When its messages were received [s].
-        lidars: By topic and frame.
+        lidars: The lidars, by topic and frame.
     """
 
     tree: TransformTree

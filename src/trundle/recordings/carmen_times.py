@@ -19,7 +19,7 @@ def mend_times(times: FloatArray, poses: FloatArray) -> tuple[FloatArray, int]:
     more than a fifth of all steps are so, all of them are estimated.
 
     Args:
-        times: Of the lines [s], shape (N,).
+        times: Times of the lines [s], shape (N,).
         poses: (x, y, yaw) [m, rad] of the robot, shape (N, 3).
     """
     steps = np.diff(times)

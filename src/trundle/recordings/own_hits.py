@@ -40,7 +40,7 @@ class OwnHits:
         """Return which beams meet the robot, shape (B,); none where too few scans tell.
 
         Args:
-            poses: Of the robot at the times of the scans that were kept [m, rad], shape (N, 3); see `times`.
+            poses: Poses of the robot at the times of the scans that were kept [m, rad], shape (N, 3); see `times`.
         """
         if not self._ranges:
             return np.zeros(0, dtype=bool)

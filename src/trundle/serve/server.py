@@ -285,8 +285,8 @@ class _Connections:
     """What is open, and how much of answers waits to be read.
 
     Attributes:
-        strangers: Those without cookie or token, the oldest first.
-        owners: Those with one.
+        strangers: Connections without cookie or token, the oldest first.
+        owners: Connections with one.
         bytes: Size of the answers that wait to be read.
     """
 

@@ -108,7 +108,7 @@ def take_apart(solids: Iterable[Solid], *, ceiling: float) -> dict[str, Pieces]:
     """Split the meshes among solids into convex pieces; see the module's docstring.
 
     Args:
-        solids: Of a world.
+        solids: Solids of a world.
         ceiling: Height [m] above which nothing counts.
 
     Returns:

@@ -56,7 +56,7 @@ class CellField:
     """Blocked cells in the plane.
 
     Attributes:
-        name: Of the solid; a cell of it is `name[row,col]`.
+        name: Name of the solid; a cell of it is `name[row,col]`.
         frame: Pose of the corner of cell (0, 0) in the map frame.
         inverse: Pose of the map frame in that frame.
         blocked: bool, shape (rows, cols).

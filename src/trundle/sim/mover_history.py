@@ -19,8 +19,8 @@ class ShownMovers(NamedTuple):
     """The movers at one moment of a run.
 
     Attributes:
-        states: Of each.
-        trails: Of each its places (x, y) [m] in the last eight seconds, the newest last, shape (N, 2).
+        states: State of each mover.
+        trails: Trail of each: its places (x, y) [m] in the last eight seconds, the newest last, shape (N, 2).
     """
 
     states: tuple[MoverState, ...] = ()

@@ -127,7 +127,7 @@ class MoverOutline:
 
     Args:
         field: The movers.
-        height: Of the cut above the floor [m].
+        height: Height of the cut above the floor [m].
     """
 
     def __init__(self, field: MoverField, height: float) -> None:

@@ -34,8 +34,8 @@ class LocalizerTolerances:
     """Allowed errors of a localizer's estimates, in a room that its map shows, with exact odometry.
 
     Attributes:
-        position_m: In position [m].
-        yaw_rad: In yaw [rad].
+        position_m: Largest error of the position [m].
+        yaw_rad: Largest error of the yaw [rad].
     """
 
     position_m: float = 0.3

@@ -35,8 +35,8 @@ class Tolerances:
         position_m: After five seconds of driving [m].
         yaw_rad: After five seconds of driving [rad].
         speed: Allowed excess over the speed limits, as a share of them.
-        rest_m: Of the pose after a reset, in position [m].
-        wheel_speed: Of a wheel's speed after five seconds of driving, as a share of the faster wheel's.
+        rest_m: Error of the pose after a reset, in position [m].
+        wheel_speed: Error of a wheel's speed after five seconds of driving, as a share of the faster wheel's.
     """
 
     position_m: float = 0.010

@@ -26,7 +26,7 @@ class Triangles:
     """Triangles, each belonging to a geom.
 
     Attributes:
-        corners: In the geom's frame [m], shape (N, 3, 3).
+        corners: Corners in the geom's frame [m], shape (N, 3, 3).
         geoms: Index of each triangle's geom, shape (N,).
     """
 

@@ -100,7 +100,7 @@ class NetworkOptions:
 
         Args:
             settings: What `read` gave.
-            names: Of the node and its namespace.
+            names: Name of the node, and its namespace.
 
         Raises:
             MissingExtraError: If a library is not installed.

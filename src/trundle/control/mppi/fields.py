@@ -31,7 +31,7 @@ class FieldStyle:
     """What fields are made for.
 
     Attributes:
-        radius: Of the widest disc [m].
+        radius: Radius of the widest disc [m].
         near_weight: How much longer a metre counts right beside an obstacle, as a share.
         near_distance: How fast that falls with the distance [m]: to a third over this distance.
     """
@@ -93,7 +93,7 @@ class Window:
         leaves_out: Whether obstacles were left out.
         nearness: 254 less the distance [`unit`] from a cell's centre to the nearest obstacle, itself less half a cell;
             254 where occupied, 0 from 254 units on; uint8, shape (rows, cols).
-        unit: Of `nearness` [m].
+        unit: Length of a unit of `nearness` [m].
         resolution: Edge of a cell [m].
     """
 

@@ -51,26 +51,26 @@ class MppiSettings(Config):
         az_max: Angular acceleration of the samples [rad/s²]. If None, the robot's limit, or what reaches its top
             turning speed in 0.4 s if that is less.
         best_share: How many samples the answer is the average of, as a share; at most half of those that touch nothing.
-        to_go_weight: Of the cost to go, its mean along the sample.
-        goal_weight: Of the cost to go at its end (GoalCritic, PathFollowCritic).
-        path_angle_weight: Of the angle to where the cost to go falls (PathAngleCritic).
+        to_go_weight: Weight of the cost to go, its mean along the sample.
+        goal_weight: Weight of the cost to go at its end (GoalCritic, PathFollowCritic).
+        path_angle_weight: Weight of the angle to where the cost to go falls (PathAngleCritic).
         max_angle_to_path: Angle up to which that costs nothing [rad].
-        goal_angle_weight: Of the angle to the goal's yaw, near the goal (GoalAngleCritic).
+        goal_angle_weight: Weight of the angle to the goal's yaw, near the goal (GoalAngleCritic).
         threshold_to_consider: How near the goal its yaw begins to count [m].
-        overshoot_weight: Of ending too fast to stop at the end of the path, per metre past it.
-        collision_cost: Of touching an obstacle (ObstaclesCritic).
-        repulsion_weight: Of being near one, per metre driven (ObstaclesCritic).
+        overshoot_weight: Weight of ending too fast to stop at the end of the path, per metre past it.
+        collision_cost: Cost of touching an obstacle (ObstaclesCritic).
+        repulsion_weight: Weight of being near one, per metre driven (ObstaclesCritic).
         inflation_radius: How near that is [m], from the discs' edge.
-        slow_near_weight: Of driving fast there, per metre and m/s.
-        mover_weight: Of being near something that moves, per second.
-        mover_contact_cost: Of touching it, where it surely is then; half of that at the end of the horizon.
+        slow_near_weight: Weight of driving fast there, per metre and m/s.
+        mover_weight: Weight of being near something that moves, per second.
+        mover_contact_cost: Cost of touching it, where it surely is then; half of that at the end of the horizon.
         mover_margin: Distance to keep from it [m].
         mover_sigmas: How many standard deviations of its predicted place are added to that.
-        prefer_forward_weight: Of driving against the planned direction, per metre (PreferForwardCritic).
-        twirling_weight: Of turning, per radian (TwirlingCritic).
-        constraint_weight: Of driving faster than a speed limit (ConstraintCritic).
-        acceleration_weight: Of accelerations, the mean of their squares as shares of the robot's limits.
-        jerk_weight: Of their changes from step to step, likewise.
+        prefer_forward_weight: Weight of driving against the planned direction, per metre (PreferForwardCritic).
+        twirling_weight: Weight of turning, per radian (TwirlingCritic).
+        constraint_weight: Weight of driving faster than a speed limit (ConstraintCritic).
+        acceleration_weight: Weight of accelerations, the mean of their squares as shares of the robot's limits.
+        jerk_weight: Weight of their changes from step to step, likewise.
         near_path_weight: How much longer a metre counts right beside an obstacle in the cost to go, as a share.
         near_path_distance: How fast that falls with the distance from it [m].
         footprint_padding: What the discs and the outline are widened by [m].

@@ -53,7 +53,7 @@ class Start:
         twist: How it moves.
         change: How it has accelerated since the last tick [m/s², rad/s²].
         speed_limit: [m/s], infinite without one.
-        dt: For how long the command is sent [s].
+        dt: Time for which the command is sent [s].
     """
 
     pose: Pose2D
@@ -92,7 +92,7 @@ class Sampler:
 
     Attributes:
         settings: As given.
-        steps: Of a sample.
+        steps: Number of steps of a sample.
     """
 
     def __init__(self, robot: Robot, settings: MppiSettings, discs: FloatArray) -> None:
@@ -154,7 +154,7 @@ class Sampler:
             window: Around the robot.
             to_go: Cost to go in it [m].
             start: How the robot moves now.
-            aim: Where to.
+            aim: Where the samples are to lead.
             movers: What moves, map frame.
         """
         twist, change, speed_limit = start.twist, start.change, start.speed_limit

@@ -46,7 +46,7 @@ class ShardDone:
     Attributes:
         episodes: How many it has.
         outcomes: How many of them ended how.
-        errors: Those that ended in `error`, by number.
+        errors: Numbers of the episodes that ended in `error`.
         in_flight_s: For how long those had been driven that had begun when the time was over [s].
     """
 

@@ -115,7 +115,7 @@ class Groups(NamedTuple):
     """Findings grouped for display.
 
     Attributes:
-        noticed: Those of one severity, kind and fix, the worst first, each group the largest first.
+        noticed: Findings of one severity, kind and fix, the worst first, each group the largest first.
         small: Free areas where the robot could not stand, and so does not need.
     """
 

@@ -211,7 +211,7 @@ class _HalfCells:
 
     Args:
         free: The free cells.
-        allowed: Those of them that may be passed.
+        allowed: The free cells that may be passed.
         limit: The widest gap that matters, in cells.
     """
 

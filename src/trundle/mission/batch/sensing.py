@@ -48,9 +48,9 @@ class BatchDrive:
     """What was driven along a path on the map.
 
     Attributes:
-        time: At the beginning of each control period, and at the end [s], shape (N,).
+        time: Time at the beginning of each control period, and at the end [s], shape (N,).
         rows: (x, y, yaw, v, w) then, and the command (v, w) of the period before, shape (N, 7).
-        check: Of the path.
+        check: Checks the path for collisions.
         ending: How it ended, by the kernel's number.
         reasons: In how many control periods the controller made no progress, by its reason.
         needs: What it needs that a batch has not; empty where it needs nothing.
@@ -112,7 +112,7 @@ class MissionSensing:
 
     Args:
         setting: The mission.
-        beams: Of its world.
+        beams: Casts the beams of lidars in its world.
         doubts: Where its layers may change the costmap; None where it has none.
 
     Attributes:

@@ -26,7 +26,7 @@ class ControlLoop:
         observers: Notified of each period.
 
     Attributes:
-        state: Of the simulator now: the truth.
+        state: State of the simulator now: the truth.
         executor: What applies directives; None in a run that takes none.
         returns_steps: Whether somebody besides the observers wants `last`.
         last: What the observers got last.

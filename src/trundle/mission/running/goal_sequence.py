@@ -113,7 +113,7 @@ class GoalSequence:
         An agent that has arrived at one of several goals gets the next one, and is asked again at the same time.
 
         Args:
-            state: Of the simulator now: the truth.
+            state: State of the simulator now: the truth.
         """
         if (ending := self._ending_before(state)) is not None:
             return ending

@@ -90,7 +90,7 @@ def plan_legs(
 
     Args:
         agent: What plans.
-        start: From where.
+        start: Pose from which the first leg is planned.
         goals: To where, in order.
         through: Whether the agent gets all goals at once, and drives through them (True) or stops at each (False);
             None means that it gets the first one.

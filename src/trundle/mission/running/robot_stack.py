@@ -231,7 +231,7 @@ class RobotStack:
 
         Args:
             pose: Where it is.
-            covariance: Of (x, y, yaw) [m², rad²]; None where the pose is exact.
+            covariance: Covariance of (x, y, yaw) [m², rad²]; None where the pose is exact.
 
         Raises:
             InputError: If there is no localizer.

@@ -77,7 +77,7 @@ class Session:
             waypoints may take. A path that is planned after a first scan counts as four straight lines. Without a goal
             it means no limit.
         observers: Notified in this order.
-        seed: Of the simulator, the agent and the localizer.
+        seed: Seed of the simulator, the agent and the localizer.
         stop_on_contact: Whether the first contact ends the run. A run with a contact is `collided` either way.
         rules: What else ends the run; None means nothing.
         name: Name of the run.
@@ -85,7 +85,7 @@ class Session:
         through: Whether the robot drives through the goals without stopping, but for waypoints with tasks and the last.
         steering: Where directives come from, which are applied between two steps; none takes no directives. With it, a
             navigator needs no goal: it waits for one, and the run goes on after it, until a directive ends it.
-        directives: Those of an earlier run, which are given again after as many control periods as then.
+        directives: Directives of an earlier run, which are given again after as many control periods as then.
         keeps_s: How much of the run the episode has at its end [s], the last so many seconds, with the last ten
             thousand directives: for runs without an end. None means all of it.
 

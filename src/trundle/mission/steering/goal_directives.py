@@ -249,7 +249,7 @@ class SetPose(CheckedDirective):
 
     Attributes:
         pose: (x, y, yaw), or a pose; map frame.
-        covariance: Of (x, y, yaw) [m², rad²], three rows of three numbers; None where the pose is exact.
+        covariance: Covariance of (x, y, yaw) [m², rad²], three rows of three numbers; None where the pose is exact.
 
     Raises:
         InputError: If it is no pose, or the covariance is not symmetric or has a negative variance.

@@ -38,7 +38,7 @@ class TaskEnd:
     Attributes:
         result: How it ended.
         message: Why; empty where it succeeded.
-        time: When [s], simulated time.
+        time: Simulated time at which it ended [s].
         status: What the agent was doing then.
         error: The planning error behind it, or None.
         fault: The exception that ended the run, and with it this, as "failed"; None where there was none.

@@ -310,7 +310,7 @@ class Wait(Behavior):
     """Stand for a while.
 
     Args:
-        seconds: For how long [s].
+        seconds: Time to wait [s].
 
     Raises:
         InputError: If that is negative, or not finite.

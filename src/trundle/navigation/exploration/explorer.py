@@ -64,7 +64,7 @@ class Explorer(Agent):
         navigator: What drives.
         settings: As given, or the defaults.
         status: DRIVING until it has FINISHED; STUCK where it gets no scans, or these show no floor around it.
-        frontiers: Those that it has found last, map frame.
+        frontiers: The frontiers found last, map frame.
         target: The one that it drives to, or None.
     """
 

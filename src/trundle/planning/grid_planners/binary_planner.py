@@ -203,7 +203,7 @@ class AStarPlanner(BinaryPlanner):
     Args:
         method: "astar", "jps", or "auto" for whichever is faster on the map, as `GridSearch` has them. All find paths
             of the same length over the cells.
-        options: Those of `FootprintPlanner`.
+        options: Options of `FootprintPlanner`.
     """
 
     name = "astar"

@@ -40,7 +40,7 @@ class LeastCostPlanner(FootprintPlanner):
     Args:
         neutral_cost: Weight of a free cell.
         cost_weight: Weight of one unit of cost.
-        options: Those of `FootprintPlanner`.
+        options: Options of `FootprintPlanner`.
 
     Raises:
         InputError: If an option is out of range.

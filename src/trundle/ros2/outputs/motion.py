@@ -51,8 +51,8 @@ class OdometryCovariance:
         """Take the odometry of the next control period.
 
         Args:
-            pose: In the odometry's frame.
-            twist: In the base.
+            pose: Pose in the odometry's frame.
+            twist: Twist in base_link.
             dt: Length of the period [s].
         """
         errors, last = self._errors, self._last

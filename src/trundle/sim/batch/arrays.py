@@ -57,15 +57,15 @@ class BatchModel(NamedTuple):
         shapes: Rows and columns of the maps, shape (M, 2).
         frames: (x, y, yaw) of the maps [m, rad], shape (M, 3).
         resolution: Edge of a cell [m].
-        outline: Of the footprint [m], base_link, counter-clockwise, shape (K, 2).
+        outline: Outline of the footprint [m], base_link, counter-clockwise, shape (K, 2).
         limits: Speeds forwards, backwards and of turning, their largest changes in a substep, radius of the wheels,
             track, largest speed of a wheel, and length of a substep, shape (9,).
         lidars: (x, y, yaw, range_min, range_max) [m, rad], base_link, shape (L, 5).
         beams: Beams of each lidar.
-        angles: Of the beams [rad], one lidar after the other.
-        corners: Of the movers that are polygons [m], shape (C, 2).
-        corner_counts: Of each mover, 0 for a disc.
-        radii: Of the movers that are discs [m].
+        angles: Angles of the beams [rad], one lidar after the other.
+        corners: Corners of the movers that are polygons [m], shape (C, 2).
+        corner_counts: Number of corners of each mover, 0 for a disc.
+        radii: Radii of the movers that are discs [m].
         tracks: (x, y, yaw) of the movers [m, rad], shape (movers, samples, 3).
         recordings: Where in these the movers of each recording begin, and the end of the last one.
         period: Time between two samples [s].

@@ -101,7 +101,7 @@ class MoverRecording:
             world: The world.
             robot: The robot that will drive there.
             duration_s: How long [s]; for a motion that repeats, as long as the episodes are.
-            seed: Of the crowds, where they are recorded.
+            seed: Seed of the crowds, where they are recorded.
             period_s: Time between two samples [s].
             live_crowds: Whether crowds are not recorded, but computed for each robot of a batch: with its seed, and
                 members that see the robot give way to it.

@@ -170,7 +170,7 @@ class BatchSimulator:
             robots: Which: indices, a bool for each robot, or None for all.
             maps: Number of the map, for all of them or for each.
             recordings: Number of the recording, −1 for none; likewise.
-            seeds: Of the noise of the lidars, and of live crowds; likewise.
+            seeds: Seeds of the noise of the lidars, and of live crowds; likewise.
             noise: Standard deviation of a range [m]; likewise.
             dropouts: Share of the beams without a return, 0 to 1; likewise.
 

@@ -42,7 +42,7 @@ class Poses:
     Args:
         stage: The stage.
         bodies: Paths of the bodies that can move.
-        links: Those that are links of articulations.
+        links: Bodies that are links of articulations.
         roots: The root link of each articulation, and the path by which PhysX knows the articulation.
         physics: PhysX.
         kept: What the root layer had of bodies before; it is added to.

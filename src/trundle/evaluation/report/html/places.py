@@ -42,11 +42,11 @@ class Place:
 
     Attributes:
         key: Its number in the table.
-        title: For people.
+        title: Name of the place, for people.
         rows: Numbers of its rows in the table.
         map_key: Key of its map; None where no row that was kept has one.
         failed: Its rows that did not arrive, as far as they were kept.
-        located: Those of them that have a place, in order; clusters refer to them.
+        located: Failures that have a place, in order; clusters refer to them.
         clusters: Clusters of `located`.
         drawn: Its map; None where there is none, or no more room.
         name: Name of the map in the page.

@@ -34,7 +34,7 @@ class RosProcess:
     Args:
         python: The Python to run it with.
         environ: Its environment.
-        options: Of the program: "node", "namespace" and "range".
+        options: Options of the program: "node", "namespace" and "range".
 
     Raises:
         TransportError: If it cannot be started.
