@@ -228,6 +228,9 @@ def test_beams_take_a_thing_off_where_it_closes_the_path_together_with_what_was_
     assert navigator.status is NavigationStatus.ARRIVED
 
 
+NOWHERE = ROBOT.planar.outline - 100.0
+
+
 def passed_everywhere(x, y):
     return np.ones(len(x), np.bool_)
 
@@ -238,25 +241,33 @@ def test_cells_that_beams_pass_are_taken_off_beside_a_wall_that_was_hit_and_a_lo
     static = costmap_with(wall, kerb, ghost)
     hit = np.zeros(static.shape, np.bool_)
     hit[:, 7] = True
-    left = without_passed(static, hit, lambda x, _: x > 9 * 0.05)
+    left = without_passed(static, hit, lambda x, _: x > 9 * 0.05, NOWHERE)
     assert np.array_equal(left.data, costmap_with(wall, kerb, strip).data)
-    assert without_passed(static, np.zeros_like(hit), passed_everywhere) is None
+    assert without_passed(static, np.zeros_like(hit), passed_everywhere, NOWHERE) is None
 
 
 def test_a_part_of_a_kerb_stays_of_which_more_was_not_seen():
     static = costmap_with((slice(5, 60), slice(70, 73), 100))
-    seen_in_part = without_passed(static, np.zeros(static.shape, np.bool_), lambda _, y: y < 1.0)
+    seen_in_part = without_passed(static, np.zeros(static.shape, np.bool_), lambda _, y: y < 1.0, NOWHERE)
     assert seen_in_part is None
 
 
 def test_only_cells_that_beams_pass_are_taken_off():
     thing = (slice(20, 30), slice(30, 40), 100)
     static = costmap_with(thing)
-    left = without_passed(static, np.zeros(static.shape, np.bool_), lambda x, y: x < 35 * 0.05)
+    left = without_passed(static, np.zeros(static.shape, np.bool_), lambda x, y: x < 35 * 0.05, NOWHERE)
     assert np.array_equal(left.data, costmap_with((slice(20, 30), slice(35, 40), 100)).data)
 
 
 def test_what_is_kept_out_stays_where_beams_pass():
     mask = KeepoutMask(OccupancyGrid(np.pad([[100]], ((40, 19), (40, 39))).astype(np.int8), 0.05, Pose2D(0.0, 0.0)))
     static = costmap_with(keepout=mask)
-    assert without_passed(static, np.zeros(static.shape, np.bool_), passed_everywhere) is None
+    assert without_passed(static, np.zeros(static.shape, np.bool_), passed_everywhere, NOWHERE) is None
+
+
+def test_nothing_is_where_the_robot_stands():
+    static = costmap_with((slice(20, 30), slice(30, 70), 100))
+    outline = Pose2D(2.5, 1.25, 0.3).transform_points(ROBOT.planar.padded(0.05).outline)
+    left = without_passed(static, static.data == LETHAL, lambda x, y: np.zeros(len(x), np.bool_), outline)
+    assert not left.footprint_collides((2.5, 1.25, 0.3))[0]
+    assert left.cost_at(1.6, 1.25) == left.cost_at(3.4, 1.25) == LETHAL

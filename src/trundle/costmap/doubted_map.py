@@ -42,7 +42,10 @@ def without_unseen(static: Costmap, hit: npt.NDArray[np.bool_]) -> Costmap | Non
 
 
 def without_passed(
-    static: Costmap, hit: npt.NDArray[np.bool_], passes: Callable[[FloatArray, FloatArray], npt.NDArray[np.bool_]]
+    static: Costmap,
+    hit: npt.NDArray[np.bool_],
+    passes: Callable[[FloatArray, FloatArray], npt.NDArray[np.bool_]],
+    outline: FloatArray,
 ) -> Costmap | None:
     """Take cells off a map that beams pass through, of things that scans have not hit.
 
@@ -55,6 +58,7 @@ def without_passed(
         static: The costmap of the map. What its keep-out mask forbids stays.
         hit: Cells in which scans have marked obstacles, shape (rows, cols).
         passes: Whether scans agree that beams pass through points, given their x and y [m], map frame.
+        outline: Corners of the robot [m], map frame, counter-clockwise, shape (N, 2): nothing is where it stands.
 
     Returns:
         The costmap without them, or None if there are no such cells.
@@ -69,7 +73,21 @@ def without_passed(
     parts, small_part = _small_things(static, passed)
     left = apart & ~passed & ~_beside(static, hit, _AT_WALL_M)
     small_part[parts[_beside(static, left, static.resolution)]] = False
-    return _without(static, passed & (small[things] | small_part[parts]))
+    return _without(static, passed & (small[things] | small_part[parts]) | (occupied & _within(static, outline)))
+
+
+def _within(static: Costmap, outline: FloatArray) -> npt.NDArray[np.bool_]:
+    """Say which cells have their centres in a convex outline."""
+    inside = np.zeros(static.shape, np.bool_)
+    corners = static.world_to_cell(outline[:, 0], outline[:, 1])
+    rows, cols = (slice(max(0, int(cell.min())), max(0, int(cell.max()) + 1)) for cell in corners)
+    row, col = np.indices(inside[rows, cols].shape)
+    x, y = static.cell_to_world(row + rows.start, col + cols.start)
+    found = np.ones(x.shape, np.bool_)
+    for (ax, ay), (bx, by) in zip(outline.tolist(), np.roll(outline, -1, axis=0).tolist(), strict=True):
+        found &= (bx - ax) * (y - ay) - (by - ay) * (x - ax) >= 0.0
+    inside[rows, cols] = found
+    return inside
 
 
 def _small_things(static: Costmap, cells: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.bool_]]:

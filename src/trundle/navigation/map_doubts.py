@@ -30,9 +30,13 @@ class MapDoubts:
     def __init__(self, sensed: SensedMap, routes: RoutePlanner) -> None:
         self._sensed, self._routes = sensed, routes
 
-    def see_more(self, failed: FailedPlan | None, goals: Sequence[Goal]) -> bool:
-        """Whether beams pass through more of the map than when the last long search failed."""
-        return failed is not None and not is_of_goal(failed.error, goals) and self._sensed.doubt_passed()
+    def see_more(self, failed: FailedPlan | None, now: Snapshot, goals: Sequence[Goal]) -> bool:
+        """Whether beams pass through more of the map since the last long search failed, or the robot stands in it."""
+        static = self._sensed.static
+        if not self._sensed.may_doubt or static is None:
+            return False
+        searched = failed is not None and not is_of_goal(failed.error, goals)
+        return (searched or bool(static.footprint_collides(now.pose.as_tuple())[0])) and self._sensed.doubt_passed()
 
     def help_short(self, error: PlanningError, goals: Sequence[Goal], standing_s: float) -> bool:
         """Whether to plan again after a short search in vain, of a robot that has stood for so long [s]."""

@@ -357,7 +357,7 @@ class Replanner:
 
     def _plan_again(self, now: Snapshot, state: DriveState, planner: Planner, *, again: bool = True) -> Decision:
         """Plan and count that, unless there is no use in it or there were too many plans."""
-        if self._doubts.see_more(self._failed, state.ahead):
+        if self._doubts.see_more(self._failed, now, state.ahead):
             now = now._replace(costmap=self._sensed.costmap)
         refusal = self._refusal(now, state, planner)
         if refusal is not None:

@@ -119,7 +119,7 @@ class SensedMap:
         """Forget what was sensed, but not which things on the map were hit."""
         self.costmap: Costmap = self._static
         self._layered: LayeredCostmap | None = None
-        self._hits_noted_at = -math.inf
+        self._hits_noted_at, self._awaiting_since = -math.inf, None
         self._waiting: tuple[PlacedScan, ...] = ()
         self._frame: object = None
         self._time: float | None = None
@@ -139,13 +139,12 @@ class SensedMap:
         return self.may_doubt and self._take_off(without_unseen(self._static, self._note_hits()))
 
     def doubt_passed(self) -> bool:
-        """Take cells off the map through which beams pass, until the next goal; whether that changes anything.
-
-        As for `doubt_static`; a thing that touches a wall counts by itself.
-        """
+        """Take cells off the map that beams pass, or where the robot stands; else as `doubt_static`."""
         if not self.may_doubt or self._layered is None:
             return False
-        return self._take_off(without_passed(self._static, self._note_hits(), self._layered.passes))
+        at = Pose2D(0.0, 0.0) if self._last_pose is None else self._last_pose
+        outline = at.transform_points(self._robot.planar.padded(self._static.resolution).outline)
+        return self._take_off(without_passed(self._static, self._note_hits(), self._layered.passes, outline))
 
     def _take_off(self, doubted: Costmap | None) -> bool:
         if doubted is None:
