@@ -10,7 +10,7 @@ import numpy as np
 
 from trundle import _core
 from trundle.errors import InputError, UnknownNameError
-from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry import FloatArray, Pose2D, wrap_angle
 from trundle.geometry.solids import Solid
 from trundle.observation import Scan, make_scan
 from trundle.robots import Lidar, Robot
@@ -98,16 +98,21 @@ class LidarSet:
         """Take the scans due after `since` and up to `now` [s], at most one per lidar, at `pose`."""
         if not self._lidars:
             return ()
+        turn = math.cos(pose.yaw), math.sin(pose.yaw)
         return tuple(
-            self._take(name, lidar, angles, pose, now)
-            for name, lidar, angles in self._lidars
-            if math.floor(now * lidar.rate + 1e-6) > math.floor(since * lidar.rate + 1e-6)
+            [
+                self._take(name, lidar, angles, pose, turn, now)
+                for name, lidar, angles in self._lidars
+                if math.floor(now * lidar.rate + 1e-6) > math.floor(since * lidar.rate + 1e-6)
+            ]
         )
 
-    def _take(self, name: str, lidar: Lidar, angles: FloatArray, pose: Pose2D, now: float) -> Scan:
-        mount = self._mounts[name]
-        sensor = pose @ mount
-        ranges = self._cast(sensor.x, sensor.y, lidar.z, angles + sensor.yaw, lidar.range_max)
+    def _take(
+        self, name: str, lidar: Lidar, angles: FloatArray, pose: Pose2D, turn: tuple[float, float], now: float
+    ) -> Scan:
+        mount, (cos, sin) = self._mounts[name], turn
+        x, y = pose.x + cos * mount.x - sin * mount.y, pose.y + sin * mount.x + cos * mount.y
+        ranges = self._cast(x, y, lidar.z, angles + wrap_angle(pose.yaw + mount.yaw), lidar.range_max)
         noise = self._rng.standard_normal(len(angles)) if lidar.noise > 0.0 else _NO_NOISE
         ranges = _core.measure_ranges(ranges, noise, lidar.noise, lidar.range_min, lidar.range_max)
         return make_scan(name, now, mount, lidar.z, angles, ranges, lidar.range_min, lidar.range_max)

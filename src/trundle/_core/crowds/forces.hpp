@@ -111,7 +111,7 @@ inline Vec give_way(Vec p, Vec velocity, double radius, const Robot &robot, doub
 
 // The distance of the robot's centre from an outline, counter-clockwise, at a pose; 0 inside.
 inline double from_outline(const std::vector<Vec> &outline, Vec at, double yaw, const Robot &robot) {
-  const batch::SinCos turn = batch::sin_cos(yaw);
+  const SinCos turn = batch::sin_cos(yaw);
   const double dx = robot.x - at.x, dy = robot.y - at.y;
   const Vec p{turn.cos * dx + turn.sin * dy, turn.cos * dy - turn.sin * dx};
   bool inside = true;

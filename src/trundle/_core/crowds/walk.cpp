@@ -234,7 +234,7 @@ Vec CrowdState::steer(const Member &member, const Planar &from, Vec wanted, cons
     turned = from.yaw;
   }
   const double ahead = speed * std::max(0.0, batch::sin_cos(off).cos);
-  const batch::SinCos turn = batch::sin_cos(turned);
+  const SinCos turn = batch::sin_cos(turned);
   return {ahead * turn.cos, ahead * turn.sin};
 }
 

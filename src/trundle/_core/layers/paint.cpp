@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <vector>
 
 #include "layers/evidence.hpp"
 #include "shared/registers.hpp"
@@ -41,6 +42,12 @@ struct Painted {
   std::ptrdiff_t rows, cols, height, width;
   double u0, v0, cos, sin, scale;  // in cells of the evidence
   bool clear_occupied;
+
+  // Whether its cells lie on those of the evidence, but for rounding: hits are at least half a 256th within theirs.
+  bool lies_on() const {
+    return cos == 1.0 && sin == 0.0 && scale == 1.0 && std::abs(u0 - std::round(u0)) < kOnCell &&
+           std::abs(v0 - std::round(v0)) < kOnCell;
+  }
 };
 
 // Whether any of some bytes, of a whole number of words, has one of the bits of a mask.
@@ -130,17 +137,7 @@ TRUNDLE_INLINE void paint_part(const Painted &p, CellRows<std::int8_t> cells, Ce
   const auto row_end = static_cast<std::ptrdiff_t>(std::clamp(std::floor(high[1]) + 2.0, 0.0, rows));
   const auto col_end = static_cast<std::ptrdiff_t>(std::clamp(std::floor(high[0]) + 2.0, 0.0, cols));
   const double across = 1.0 / (p.scale * p.scale);
-  // Cells that lie on those of the evidence, but for rounding: hits are at least half a 256th within theirs.
-  const std::int64_t on_col = std::llround(p.u0), on_row = std::llround(p.v0);
-  const bool lies_on = p.cos == 1.0 && p.sin == 0.0 && p.scale == 1.0 &&
-                       std::abs(p.u0 - static_cast<double>(on_col)) < kOnCell && std::abs(p.v0 - static_cast<double>(on_row)) < kOnCell;
   const auto put = TRUNDLE_LAMBDA(std::ptrdiff_t r, std::ptrdiff_t c) {
-    if (lies_on) {
-      const std::ptrdiff_t at_row = r - on_row, at_col = c - on_col;
-      if (at_row < 0 || at_col < 0 || at_row >= p.height || at_col >= p.width) return;
-      if (kept[at_row][at_col] == 0) cells[at_row][at_col] = kOccupied;
-      return;
-    }
     const std::uint8_t *point = p.points + 2 * (r * p.cols + c);
     const double u = static_cast<double>(c) + (point[0] + 0.5) / 256.0 - p.u0;
     const double v = static_cast<double>(r) + (point[1] + 0.5) / 256.0 - p.v0;
@@ -170,26 +167,73 @@ TRUNDLE_INLINE void paint_part(const Painted &p, CellRows<std::int8_t> cells, Ce
   }
 }
 
-// Take over what was painted, and return where that differs from before.
-TRUNDLE_INLINE CellBox take_over(CellRows<const std::int8_t> painted, CellRows<std::int8_t> cells, std::ptrdiff_t height,
-                                 std::ptrdiff_t width) {
-  CellBox box;
-  for (std::ptrdiff_t r = 0; r < height; ++r) {
-    const std::int8_t *from = painted[r];
-    std::int8_t *to = cells[r];
-    if (std::memcmp(from, to, static_cast<std::size_t>(width)) == 0) continue;
-    std::ptrdiff_t first = 0, end = width;
-    while (from[first] == to[first]) ++first;
-    while (from[end - 1] == to[end - 1]) --end;
-    box.add(r, first, end);
-    std::memcpy(to + first, from + first, static_cast<std::size_t>(end - first));
+// Cells that lie on those of the evidence, as `free_cells` and then the marks leave them.
+TRUNDLE_INLINE void paint_cells(const std::uint8_t *__restrict evidence, const std::uint8_t *__restrict kept,
+                                std::int8_t *__restrict out, std::ptrdiff_t count, bool clear_occupied) {
+  free_cells(evidence, out, count, clear_occupied);
+  for (std::ptrdiff_t c = 0; c < count; ++c) {
+    const std::int8_t open = kept[c] == 0 ? -1 : 0, marked = evidence[c] >= kMarked ? -1 : 0;
+    const std::int8_t occupied = open & marked;
+    out[c] = static_cast<std::int8_t>((out[c] & ~occupied) | (kOccupied & occupied));
   }
+}
+
+// The same for row `r` of a part that lies on the evidence, block by block: each stays in the nearest memory.
+TRUNDLE_INLINE void paint_row(const Painted &p, std::ptrdiff_t r, const std::uint8_t *kept, std::int8_t *out) {
+  const std::ptrdiff_t row = r + std::lround(p.v0), col = std::lround(p.u0);
+  if (row < 0 || row >= p.rows) return;
+  const std::ptrdiff_t end = std::min(p.width, p.cols - col);
+  const std::uint8_t *evidence = p.evidence + row * p.cols + col;
+  std::ptrdiff_t c = std::max<std::ptrdiff_t>(0, -col);
+  for (; c + kBlock <= end; c += kBlock) paint_cells(evidence + c, kept + c, out + c, kBlock, p.clear_occupied);
+  if (c < end) paint_cells(evidence + c, kept + c, out + c, end - c, p.clear_occupied);
+}
+
+TRUNDLE_INLINE void paint_all(const Painted &p, CellRows<std::int8_t> cells, CellRows<const std::uint8_t> kept) {
+  if (!p.lies_on()) return paint_part(p, cells, kept);
+  for (std::ptrdiff_t r = 0; r < p.height; ++r) paint_row(p, r, kept[r], cells[r]);
+}
+
+// Take over what was painted in a row; `box` grows by where that differs from before.
+TRUNDLE_INLINE void take_over(const std::int8_t *from, std::int8_t *to, std::ptrdiff_t r, std::ptrdiff_t width, CellBox &box) {
+  if (std::memcmp(from, to, static_cast<std::size_t>(width)) == 0) return;
+  std::ptrdiff_t first = 0, end = width;
+  while (from[first] == to[first]) ++first;
+  while (from[end - 1] == to[end - 1]) --end;
+  box.add(r, first, end);
+  std::memcpy(to + first, from + first, static_cast<std::size_t>(end - first));
+}
+
+// Paint a part again from what it is without the evidence, and return where it differs from before.
+TRUNDLE_INLINE CellBox repaint_all(const Painted &p, CellRows<std::int8_t> cells, CellRows<const std::int8_t> base,
+                                   CellRows<const std::uint8_t> kept) {
+  CellBox box;
+  const auto width = static_cast<std::size_t>(p.width);
+  if (p.lies_on()) {
+    std::vector<std::int8_t> row(width);
+    for (std::ptrdiff_t r = 0; r < p.height; ++r) {
+      std::memcpy(row.data(), base[r], width);
+      paint_row(p, r, kept[r], row.data());
+      take_over(row.data(), cells[r], r, p.width, box);
+    }
+    return box;
+  }
+  // Not initialised, as all of it is copied from the map.
+  const std::unique_ptr<std::int8_t[]> memory(new std::int8_t[static_cast<std::size_t>(p.height) * width]);
+  const CellRows<std::int8_t> painted{memory.get(), p.width};
+  for (std::ptrdiff_t r = 0; r < p.height; ++r) std::memcpy(painted[r], base[r], width);
+  paint_part(p, painted, kept);
+  for (std::ptrdiff_t r = 0; r < p.height; ++r) take_over(painted[r], cells[r], r, p.width, box);
   return box;
 }
 
 #ifdef TRUNDLE_AVX2
 TRUNDLE_TARGET("avx2") void paint_avx2(const Painted &part, CellRows<std::int8_t> cells, CellRows<const std::uint8_t> kept) {
-  paint_part(part, cells, kept);
+  paint_all(part, cells, kept);
+}
+TRUNDLE_TARGET("avx2") CellBox repaint_avx2(const Painted &part, CellRows<std::int8_t> cells,
+                                            CellRows<const std::int8_t> base, CellRows<const std::uint8_t> kept) {
+  return repaint_all(part, cells, base, kept);
 }
 #endif
 
@@ -197,7 +241,15 @@ void paint(const Painted &part, CellRows<std::int8_t> cells, CellRows<const std:
 #ifdef TRUNDLE_AVX2
   if (__builtin_cpu_supports("avx2")) return paint_avx2(part, cells, kept);
 #endif
-  paint_part(part, cells, kept);
+  paint_all(part, cells, kept);
+}
+
+CellBox repaint(const Painted &part, CellRows<std::int8_t> cells, CellRows<const std::int8_t> base,
+                CellRows<const std::uint8_t> kept) {
+#ifdef TRUNDLE_AVX2
+  if (__builtin_cpu_supports("avx2")) return repaint_avx2(part, cells, base, kept);
+#endif
+  return repaint_all(part, cells, base, kept);
 }
 
 // What is painted into a part of a map with so many rows and columns; (x, y, yaw) is the pose of its lower left corner.
@@ -253,15 +305,7 @@ Rectangle repaint_marks(Evidence evidence, HitPoints points, std::int64_t row, s
                                   static_cast<std::size_t>(col_end - first_col), x, y, yaw, cell_size, clear_occupied);
   nb::gil_scoped_release release;
   const std::ptrdiff_t corner = first_row * stride + first_col;
-  const CellRows<const std::int8_t> from{base.data() + corner, stride};
-  // Not initialised, as all of it is copied from the map.
-  const std::unique_ptr<std::int8_t[]> painted(new std::int8_t[static_cast<std::size_t>(part.height * part.width)]);
-  const CellRows<std::int8_t> cells_painted{painted.get(), part.width};
-  for (std::ptrdiff_t r = 0; r < part.height; ++r) {
-    std::memcpy(cells_painted[r], from[r], static_cast<std::size_t>(part.width));
-  }
-  paint(part, cells_painted, {kept.data() + corner, stride});
-  CellBox box = take_over({painted.get(), part.width}, {cells.data() + corner, stride}, part.height, part.width);
+  CellBox box = repaint(part, {cells.data() + corner, stride}, {base.data() + corner, stride}, {kept.data() + corner, stride});
   if (box.row < box.row_end) box = {box.row + first_row, box.row_end + first_row, box.col + first_col, box.col_end + first_col};
   return box.as_rectangle();
 }

@@ -1,19 +1,11 @@
 // Marking and clearing by one scan: first the cells that its beams pass and meet are drawn into a small picture of the
 // scan, then the picture is added to the evidence. So each cell counts once per scan, and a cell that was hit is not
 // cleared by another beam of the same scan.
-//
-// Near the sensor many beams pass each cell. A beam between two others that are a cell apart at most passes no cell but
-// theirs, and is drawn only from where they part or end: every other beam, then every other one of those that are left.
-//
-// A beam is drawn as in Bresenham's algorithm: one cell for each step along its longer axis, the one that it passes at
-// the middle of the step. The cell in which it ends is not passed. The cell behind that one loses what hits it had
-// gathered on the way to a mark: a range that is too long now and then does not thicken a wall on its far side, where no
-// beam clears.
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "layers/evidence.hpp"
+#include "layers/scan_picture.hpp"
 #include "shared/directions.hpp"
 #include "shared/registers.hpp"
 
@@ -21,13 +13,8 @@ namespace trundle {
 
 namespace {
 
-constexpr std::uint8_t kBehind = 1, kPassed = 2, kHit = 3;
-constexpr std::ptrdiff_t kBlock = 64;        // cells
-constexpr double kMostReach = 1e5;           // cells
-constexpr double kMostPixels = 268435456.0;  // 16384 x 16384
-constexpr std::size_t kMostSpare = 4'000'000;  // pixels
+constexpr double kMostReach = 1e5;  // cells
 constexpr double kMostAngle = 1e6;
-constexpr double kOne = 4294967296.0;  // of a number with 32 binary places
 
 struct Limits {
   double range_min, range_max, obstacle_min, obstacle_max, raytrace_min, raytrace_max;
@@ -37,140 +24,6 @@ struct Limits {
 struct Sensor {
   const double *poses, *corners;
   std::size_t stride, corner_count;
-};
-
-// Clears from (x0, y0) to (x1, y1) and marks (hit_x, hit_y), in cells of the grid; (dx, dy) is its direction.
-struct Beam {
-  double x0, y0, x1, y1, hit_x, hit_y, dx, dy;
-  bool clears, marks;
-};
-
-// The cell of the grid that a beam marks, and where in it; and the cell behind that.
-struct Mark {
-  std::ptrdiff_t row, col, behind_row, behind_col;
-  std::uint8_t x, y;
-
-  static Mark of(const Beam &beam) {
-    const double col = std::floor(beam.hit_x), row = std::floor(beam.hit_y);
-    const double behind_col = std::floor(beam.hit_x + beam.dx), behind_row = std::floor(beam.hit_y + beam.dy);
-    return {static_cast<std::ptrdiff_t>(row), static_cast<std::ptrdiff_t>(col), static_cast<std::ptrdiff_t>(behind_row),
-            static_cast<std::ptrdiff_t>(behind_col), static_cast<std::uint8_t>((beam.hit_x - col) * kSubcells),
-            static_cast<std::uint8_t>((beam.hit_y - row) * kSubcells)};
-  }
-};
-
-struct Bounds {
-  double low_x = kFarthest * 4.0, low_y = low_x, high_x = -low_x, high_y = -low_x;
-
-  void add(double x, double y) {
-    low_x = std::min(low_x, x);
-    low_y = std::min(low_y, y);
-    high_x = std::max(high_x, x);
-    high_y = std::max(high_y, y);
-  }
-};
-
-std::int64_t to_fixed(double value) { return static_cast<std::int64_t>(std::floor(value * kOne + 0.5)); }
-
-// Cells of a picture that a beam passes: from the one at `first`, step by step, each `y >> 32` rows or columns across.
-struct Line {
-  std::ptrdiff_t first = 0, step = 0, across = 0, count = 0;
-  std::int64_t y = 0, rise = 0;
-};
-
-// The first steps of a line on which it passes no cell but those of the lines beside it. What they differ by is linear.
-std::ptrdiff_t shared_steps(const Line &left, const Line &line, const Line &right) {
-  constexpr std::int64_t kCell = std::int64_t{1} << 32;
-  const auto is_alike = [&](const Line &one) { return one.first == line.first && one.step == line.step && one.across == line.across; };
-  if (!is_alike(left) || !is_alike(right)) return 0;
-  const std::int64_t sign = right.rise < left.rise ? -1 : 1;
-  const std::int64_t past_left = sign * (line.y - left.y), past_line = sign * (right.y - line.y);
-  const std::int64_t left_grows = sign * (line.rise - left.rise), line_grows = sign * (right.rise - line.rise);
-  const std::int64_t wide = past_left + past_line, grows = left_grows + line_grows;
-  std::ptrdiff_t count = std::min({left.count, line.count, right.count});
-  if (grows > 0) count = std::min(count, static_cast<std::ptrdiff_t>(static_cast<double>(kCell - wide) / static_cast<double>(grows)));
-  if (count < 1 || past_left < 0 || past_line < 0 || wide + (count - 1) * grows > kCell) return 0;
-  return past_left + (count - 1) * left_grows >= 0 && past_line + (count - 1) * line_grows >= 0 ? count : 0;
-}
-
-// The picture of a scan: cells [row, row + rows) x [col, col + cols) of the grid.
-struct Picture {
-  std::ptrdiff_t row, col, rows, cols;
-  std::vector<std::uint8_t> pixels;
-
-  // Two rows and columns more on each side: the middle of a beam's first step may lie before its start, and what is
-  // behind a hit a cell further on.
-  explicit Picture(const Bounds &bounds)
-      : row(static_cast<std::ptrdiff_t>(std::floor(bounds.low_y)) - 2),
-        col(static_cast<std::ptrdiff_t>(std::floor(bounds.low_x)) - 2),
-        rows(static_cast<std::ptrdiff_t>(std::floor(bounds.high_y)) + 3 - row),
-        cols(static_cast<std::ptrdiff_t>(std::floor(bounds.high_x)) + 3 - col) {
-    if (static_cast<double>(rows) * static_cast<double>(cols) > kMostPixels) {
-      throw std::invalid_argument("the beams reach over too many cells");
-    }
-    pixels.swap(spare());
-    pixels.assign(static_cast<std::size_t>(rows * cols), 0);
-  }
-  Picture(const Picture &) = delete;
-  Picture &operator=(const Picture &) = delete;
-  ~Picture() {
-    if (pixels.size() <= kMostSpare) pixels.swap(spare());
-  }
-
-  // Memory of the thread's last picture: the system would take back and clear so much each time.
-  static std::vector<std::uint8_t> &spare() {
-    static thread_local std::vector<std::uint8_t> memory;
-    return memory;
-  }
-
-  std::uint8_t &at(std::ptrdiff_t grid_row, std::ptrdiff_t grid_col) {
-    return pixels[static_cast<std::size_t>((grid_row - row) * cols + grid_col - col)];
-  }
-
-  // The cells that a beam passes on its way along x; for one along y with x and y swapped.
-  template <bool kSwapped>
-  Line line_along(double x0, double y0, double x1, double y1) const {
-    const std::ptrdiff_t along = kSwapped ? cols : 1, across = kSwapped ? 1 : cols;
-    const auto first = static_cast<std::ptrdiff_t>(std::floor(x0)), last = static_cast<std::ptrdiff_t>(std::floor(x1));
-    const double slope = (y1 - y0) / (x1 - x0);
-    const std::ptrdiff_t step = last > first ? 1 : -1;
-    return {first * along, step * along, across, step * (last - first),
-            to_fixed(y0 + (static_cast<double>(first) + 0.5 - x0) * slope), to_fixed(step * slope)};
-  }
-
-  Line line_of(const Beam &beam) const {
-    const double x0 = beam.x0 - static_cast<double>(col), y0 = beam.y0 - static_cast<double>(row);
-    const double x1 = beam.x1 - static_cast<double>(col), y1 = beam.y1 - static_cast<double>(row);
-    if (!(std::abs(x1 - x0) >= std::abs(y1 - y0))) return line_along<true>(y0, x0, y1, x1);
-    return x1 != x0 ? line_along<false>(x0, y0, x1, y1) : Line{};
-  }
-
-  void draw(const Line &line, std::ptrdiff_t from) {
-    const std::ptrdiff_t step = line.step, across = line.across;
-    const std::int64_t rise = line.rise;
-    std::int64_t y = line.y + from * rise;
-    std::uint8_t *out = pixels.data() + line.first + from * step;
-    for (std::ptrdiff_t n = line.count - from; n > 0; --n) {
-      out[(y >> 32) * across] = kPassed;
-      y += rise;
-      out += step;
-    }
-  }
-
-  void draw(const std::vector<Beam> &beams, const std::vector<Mark> &marks) {
-    std::vector<Line> lines;
-    lines.reserve(beams.size());
-    for (const Beam &beam : beams) {
-      if (beam.clears) lines.push_back(line_of(beam));
-    }
-    for (const Mark &mark : marks) at(mark.behind_row, mark.behind_col) = kBehind;
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-      const std::size_t apart = i & (~i + 1);  // of the next beams that are drawn whatever this one is
-      const bool is_between = i > 0 && i + apart < lines.size();
-      draw(lines[i], is_between ? shared_steps(lines[i - apart], lines[i], lines[i + apart]) : 0);
-    }
-    for (const Mark &mark : marks) at(mark.row, mark.col) = kHit;
-  }
 };
 
 // How far the robot's outline goes from the sensor, and a little more than the rounding of `is_inside`.
@@ -254,32 +107,6 @@ std::uint8_t unconfirmed(const EvidenceRule &rule, std::uint8_t old) {
   return static_cast<std::uint8_t>(std::max<int>(old - rule.miss, rule.neutral));
 }
 
-// Whether a block has only cells that no beam passed, or that are surely free already: nothing is cleared there.
-TRUNDLE_INLINE bool stays(const std::uint8_t *drawn, const std::uint8_t *evidence) {
-  std::uint8_t any = 0;
-  for (std::ptrdiff_t i = 0; i < kBlock; ++i) {
-    const std::uint8_t not_free = evidence[i] ^ 1, passed = drawn[i] == kPassed ? 255 : 0;
-    any |= static_cast<std::uint8_t>(passed & not_free);
-  }
-  return any == 0;
-}
-
-// What the beams that pass do to a row of cells, block by block: most lie between two beams, or in space that is known to be free.
-TRUNDLE_INLINE bool clear_row(const EvidenceRule &rule, const std::uint8_t *drawn, std::uint8_t *evidence,
-                            std::uint8_t *changed, std::ptrdiff_t count) {
-  std::uint8_t any = 0;
-  std::ptrdiff_t i = 0;
-  for (; i + kBlock <= count; i += kBlock) {
-    if (stays(drawn + i, evidence + i)) {
-      std::memset(changed + i, 0, kBlock);
-    } else {
-      any |= clear_cells(rule, drawn + i, evidence + i, changed + i, kBlock);
-    }
-  }
-  any |= clear_cells(rule, drawn + i, evidence + i, changed + i, count - i);
-  return any != 0;
-}
-
 void add_ends(CellBox &box, std::ptrdiff_t row, std::ptrdiff_t col, const std::uint8_t *changed, std::ptrdiff_t count) {
   const bool is_empty = box.row == box.row_end;  // what lies within the box makes it no larger
   const std::ptrdiff_t west = is_empty ? count : box.col - col, east = is_empty ? 0 : box.col_end - col;
@@ -289,49 +116,65 @@ void add_ends(CellBox &box, std::ptrdiff_t row, std::ptrdiff_t col, const std::u
   box.add(row, col + first, col + end);
 }
 
-// Add what a picture shows as passed to the evidence of a grid; returns where that made a difference.
-TRUNDLE_INLINE CellBox clear_all_rows(const EvidenceRule &rule, const Picture &picture, std::uint8_t *evidence,
-                                    std::ptrdiff_t rows, std::ptrdiff_t cols) {
+// Draw a scan, and add what beams passed to the evidence of a grid, square by square; returns where that made a
+// difference.
+TRUNDLE_INLINE CellBox clear_squares(const EvidenceRule &rule, Picture &picture, const std::vector<Beam> &beams,
+                                     const std::vector<Mark> &marks, std::uint8_t *evidence, std::ptrdiff_t rows,
+                                     std::ptrdiff_t cols) {
   CellBox box;
-  const std::ptrdiff_t first = std::max<std::ptrdiff_t>(0, picture.col), end = std::min(cols, picture.col + picture.cols);
-  if (first >= end) return box;
-  std::vector<std::uint8_t> changed(static_cast<std::size_t>(end - first));
-  const std::ptrdiff_t row_end = std::min(rows, picture.row + picture.rows);
-  for (std::ptrdiff_t r = std::max<std::ptrdiff_t>(0, picture.row); r < row_end; ++r) {
-    const std::uint8_t *drawn = picture.pixels.data() + (r - picture.row) * picture.cols + (first - picture.col);
-    if (clear_row(rule, drawn, evidence + r * cols + first, changed.data(), end - first)) {
-      add_ends(box, r, first, changed.data(), end - first);
+  picture.look_at(evidence, rows, cols);
+  picture.draw(beams, marks);
+  const CellBox part = picture.inside(rows, cols);
+  std::vector<std::uint8_t> changed(static_cast<std::size_t>(picture.cols));
+  for (std::ptrdiff_t s = 0; s < picture.square_rows; ++s) {
+    const std::uint8_t *drawn_in = picture.drawn.data() + s * picture.square_cols;
+    const std::ptrdiff_t row_end = std::min(part.row_end, (s + 1) * kSquare);
+    for (std::ptrdiff_t from = 0, to = 0; from < picture.square_cols; from = to) {
+      for (to = from; to < picture.square_cols && drawn_in[to]; ++to) {
+      }
+      if (to == from) {
+        ++to;
+        continue;
+      }
+      const std::ptrdiff_t first = std::max(part.col, from * kSquare), end = std::min(part.col_end, to * kSquare);
+      for (std::ptrdiff_t r = std::max(part.row, s * kSquare); r < row_end; ++r) {
+        const std::uint8_t *drawn = picture.pixels.data() + r * picture.cols + first;
+        const std::ptrdiff_t at_row = picture.row + r, at_col = picture.col + first;
+        if (clear_cells(rule, drawn, evidence + at_row * cols + at_col, changed.data(), end - first)) {
+          add_ends(box, at_row, at_col, changed.data(), end - first);
+        }
+      }
     }
   }
   return box;
 }
 
 #ifdef TRUNDLE_AVX2
-TRUNDLE_TARGET("avx2") CellBox clear_passed_avx2(const EvidenceRule &rule, const Picture &picture, std::uint8_t *evidence,
-                                                std::ptrdiff_t rows, std::ptrdiff_t cols) {
-  return clear_all_rows(rule, picture, evidence, rows, cols);
+TRUNDLE_TARGET("avx2") CellBox clear_avx2(const EvidenceRule &rule, Picture &picture, const std::vector<Beam> &beams,
+                                          const std::vector<Mark> &marks, std::uint8_t *evidence, std::ptrdiff_t rows,
+                                          std::ptrdiff_t cols) {
+  return clear_squares(rule, picture, beams, marks, evidence, rows, cols);
 }
 #endif
 
-CellBox clear_passed(const EvidenceRule &rule, const Picture &picture, std::uint8_t *evidence, std::ptrdiff_t rows,
-                    std::ptrdiff_t cols) {
+CellBox clear_passed(const EvidenceRule &rule, Picture &picture, const std::vector<Beam> &beams,
+                     const std::vector<Mark> &marks, std::uint8_t *evidence, std::ptrdiff_t rows, std::ptrdiff_t cols) {
 #ifdef TRUNDLE_AVX2
-  if (__builtin_cpu_supports("avx2")) return clear_passed_avx2(rule, picture, evidence, rows, cols);
+  if (__builtin_cpu_supports("avx2")) return clear_avx2(rule, picture, beams, marks, evidence, rows, cols);
 #endif
-  return clear_all_rows(rule, picture, evidence, rows, cols);
+  return clear_squares(rule, picture, beams, marks, evidence, rows, cols);
 }
 
 // Add what a picture shows in a cell, if that is `kind`, and take it off the picture: each cell counts once.
 void add_once(std::uint8_t kind, const EvidenceRule &rule, Picture &picture, std::ptrdiff_t r, std::ptrdiff_t c,
               std::uint8_t *evidence, std::ptrdiff_t rows, std::ptrdiff_t cols, CellBox &box) {
-  std::uint8_t &pixel = picture.at(r, c);
-  if (pixel != kind) return;
-  pixel = 0;
   if (r < 0 || c < 0 || r >= rows || c >= cols) return;
-  std::uint8_t &cell = evidence[r * cols + c];
-  const std::uint8_t old = cell;
-  cell = kind == kHit ? raised(rule, old) : unconfirmed(rule, old);
-  if (matters(old, cell)) box.add(r, c, c + 1);
+  std::uint8_t &cell = evidence[r * cols + c], &pixel = picture.at(r, c);
+  const std::uint8_t old = cell, now = kind == kHit ? raised(rule, old) : unconfirmed(rule, old);
+  if (now == old || pixel != kind) return;  // most walls are marked already
+  pixel = 0;
+  cell = now;
+  if (matters(old, now)) box.add(r, c, c + 1);
 }
 
 }  // namespace
@@ -375,13 +218,12 @@ Rectangle mark_scan(Evidence evidence, HitPoints points, HitTimes times, std::in
   const bool is_beside = bounds.high_x < -3.0 || bounds.high_y < -3.0 || bounds.low_x > static_cast<double>(cols) + 3.0 ||
                          bounds.low_y > static_cast<double>(rows) + 3.0;
   if (beams.empty() || is_beside) return CellBox().as_rectangle();
+  Picture picture(bounds);
   std::vector<Mark> marks;
   marks.reserve(beams.size());
   for (const Beam &beam : beams) {
     if (beam.marks) marks.push_back(Mark::of(beam));
   }
-  Picture picture(bounds);
-  picture.draw(beams, marks);
   for (const Mark &mark : marks) {
     if (mark.row < 0 || mark.col < 0 || mark.row >= rows || mark.col >= cols) continue;
     const std::ptrdiff_t cell = mark.row * cols + mark.col;
@@ -389,7 +231,7 @@ Rectangle mark_scan(Evidence evidence, HitPoints points, HitTimes times, std::in
     if (evidence.data()[cell] & kMarked) continue;
     points.data()[2 * cell] = mark.x, points.data()[2 * cell + 1] = mark.y;
   }
-  CellBox box = clear_passed(rule, picture, evidence.data(), rows, cols);
+  CellBox box = clear_passed(rule, picture, beams, marks, evidence.data(), rows, cols);
   for (const Mark &mark : marks) {
     add_once(kHit, rule, picture, mark.row, mark.col, evidence.data(), rows, cols, box);
     add_once(kBehind, rule, picture, mark.behind_row, mark.behind_col, evidence.data(), rows, cols, box);

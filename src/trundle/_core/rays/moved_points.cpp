@@ -148,6 +148,10 @@ std::vector<char> runs_of(const std::vector<char> &some, const Points &points, c
   return runs;
 }
 
+bool has_enough(const std::vector<char> &some) {
+  return std::count(some.begin(), some.end(), 1) >= static_cast<std::ptrdiff_t>(kLeastPoints);
+}
+
 bool has_run(const Thing &thing, const std::vector<char> &runs) {
   return std::count(runs.begin() + static_cast<std::ptrdiff_t>(thing.first),
                     runs.begin() + static_cast<std::ptrdiff_t>(thing.end), 1) >= static_cast<std::ptrdiff_t>(kLeastPoints);
@@ -250,8 +254,10 @@ nb::tuple find_moved(In<double, 2> points, In<double, 1> sensor, In<double, 1> a
     const std::vector<char> appeared = seen_through(now.points, before);
     const std::vector<char> came = runs_of(appeared, now.points, now.sensor);
     const std::vector<char> left = runs_of(seen_through(before.points, now), before.points, before.sensor);
-    moves = move_things(now.points, before.points, appeared, came, left, seconds, velocities);
-    edges = edges_of(now.points, before.points, came, seconds);
+    if (has_enough(appeared) || has_enough(left)) {  // else nothing moves, as nearly always
+      moves = move_things(now.points, before.points, appeared, came, left, seconds, velocities);
+      edges = edges_of(now.points, before.points, came, seconds);
+    }
   }
   const std::size_t found = edges.size() / 4;
   return nb::make_tuple(to_numpy(std::move(velocities), {count, 2}), moves, to_numpy(std::move(edges), {found, 4}));

@@ -8,6 +8,7 @@
 
 #include "shared/bearing.hpp"
 #include "shared/registers.hpp"
+#include "shared/sine_cosine.hpp"
 
 namespace trundle {
 
@@ -128,10 +129,11 @@ TRUNDLE_INLINE void cast_all(const In<double, 2> &segments, const In<double, 2> 
   const std::size_t rays = out.size();
   const auto count = static_cast<std::ptrdiff_t>(rays);
   std::vector<double> cosines(rays), sines(rays);
+  const double from = std::abs(first) <= kMostUsualAngle ? first : std::remainder(first, kTurn);
   for (std::size_t i = 0; i < rays; ++i) {
-    const double angle = first + static_cast<double>(i) * step;
-    cosines[i] = std::cos(angle);
-    sines[i] = std::sin(angle);
+    const SinCos direction = sin_cos_of_usual(from + static_cast<double>(static_cast<std::int32_t>(i)) * step);
+    cosines[i] = direction.cos;
+    sines[i] = direction.sin;
   }
   Arcs arcs;
   Edges edges;

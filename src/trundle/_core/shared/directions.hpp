@@ -3,11 +3,12 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <deque>
 #include <vector>
+
+#include "shared/sine_cosine.hpp"
 
 namespace trundle {
 
@@ -33,10 +34,7 @@ inline const Directions &directions_of(const double *angles, std::size_t count, 
     found->yaw = yaw;
     found->angles.assign(angles, angles + count);
     found->cos.resize(count), found->sin.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const double direction = angles[i] + yaw;
-      found->cos[i] = std::cos(direction), found->sin[i] = std::sin(direction);
-    }
+    turn_directions(angles, yaw, count, found->cos.data(), found->sin.data());
   }
   std::rotate(kept.begin(), found, found + 1);
   return kept.front();
