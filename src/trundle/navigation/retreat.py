@@ -20,7 +20,7 @@ from trundle.navigation.state import NOTHING, Decision, DriveState, NavigationSt
 from trundle.planning import cost_field
 
 _STAND = Twist2D()
-_AFTER_S = 6.0
+_AFTER_S = 10.0
 """So long it stands first [s]: most people are gone by then, and it backs up straight after 2 s."""
 _MOST = 6
 """So often it makes room on the way to a goal, each time at another place."""
@@ -36,7 +36,7 @@ _BESIDE_M = 0.3
 """Room that it leaves to those it saw in the last seconds [m]: it does not drive past them."""
 _OTHER_M = 1.5
 """Places that are nearer to each other than this are one and the same [m]."""
-_WAIT_S, _LONGER_S = 12.0, 3.0
+_WAIT_S, _LONGER_S = 5.0, 3.0
 """How long it waits there [s], and how much longer each time."""
 _SLOWEST_MPS, _SET_OFF_S = 0.15, 6.0
 """It gives up a drive that takes longer than at this speed, and some time to turn [s]."""
