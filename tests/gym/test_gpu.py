@@ -146,7 +146,7 @@ def test_where_one_robot_gets_no_room_the_others_lose_nothing_on_a_device_too(de
 
     def refused(call) -> None:
         for env in both:
-            with pytest.raises(WorldError, match="robot 5: no room.*reset it with another seed"):
+            with pytest.raises(WorldError, match=r"robot 5: no room.*reset it with another seed"):
                 call(env)
 
     patched.append(True)
