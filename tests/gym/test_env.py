@@ -1,6 +1,7 @@
 """`NavigationEnv`: Gymnasium's conformance check, episodes, rewards and refused arguments."""
 
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 
 import gymnasium
 import numpy as np
@@ -8,8 +9,8 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import trundle.gym
-from trundle.errors import InputError, ScenarioError, UnknownNameError
-from trundle.gym import NavigationEnv
+from trundle.errors import InputError, ScenarioError, UnknownNameError, WorldError
+from trundle.gym import NavigationEnv, arena
 from trundle.maps import OccupancyGrid
 from trundle.worlds import World
 
@@ -215,7 +216,12 @@ def test_a_step_needs_a_reset(quick_options):
         ),
         ({"world": ["maze", "office"], "worlds": [3]}, InputError, "worlds has 1 numbers for 2 of world"),
         ({"world": ["maze", "office"], "worlds": [3, 0]}, InputError, r"worlds\[1\] must be an integer from 1"),
-        ({"world": "maze", "worlds": "3"}, InputError, "worlds must be an integer"),
+        ({"world": "maze", "worlds": "3"}, InputError, "worlds must be an integer or a list"),
+        ({"world": ["maze", "office"], "worlds": b"13"}, InputError, "worlds must be an integer or a list"),
+        ({"world": ["maze", "office"], "worlds": (one for one in (1, 2))}, InputError, "an integer or a list"),
+        ({"world": ["maze", "office"], "worlds": np.ones((2, 2), int)}, InputError, r"worlds\[0\] must be"),
+        ({"world": ["maze", GRID], "worlds": [3, 2]}, InputError, r"worlds\[1\] must be 1, as world\[1\] is one world"),
+        ({"world": "maze", "worlds": 1.0}, InputError, "worlds must be an integer or a list"),
         ({"device": "cuda"}, InputError, "cpu"),
         ({"render_mode": "ansi"}, UnknownNameError, "rgb_array"),
     ],
@@ -239,9 +245,31 @@ def test_several_worlds_of_several_kinds(quick_options):
     assert coarse.episodes.arena.resolution == 0.1
 
 
-def test_each_kind_of_world_has_its_own_number():
-    env = NavigationEnv(world=["maze", "office"], worlds=[2, 1], robot="turtlebot3_burger", beams=36)
+@pytest.mark.parametrize("kind", [list, tuple, np.array])
+def test_each_kind_of_world_has_its_own_number(kind):
+    env = NavigationEnv(world=["maze", "office"], worlds=kind([2, 1]), robot="turtlebot3_burger", beams=36)
     assert [name.split("/")[0] for name in env.episodes.arena.names] == ["maze", "maze", "office"]
+
+
+def test_a_world_without_room_for_its_movers_is_named():
+    world = World.from_map(GRID)
+    with pytest.raises(WorldError, match=r"office/0: the crowd 'people': found no place"):
+        NavigationEnv(world=["office", world], movers=400, max_time_s=1.0, robot="turtlebot3_burger")
+
+
+@pytest.mark.parametrize("given", [{"threads": 2}, {}])
+def test_an_arena_is_made_by_as_many_threads_as_are_given(quick_options, monkeypatch, given):
+    found = set()
+
+    class Watched(ThreadPoolExecutor):
+        def __init__(self, workers=None):
+            found.add(workers)
+            super().__init__(workers)
+
+    monkeypatch.setattr(arena, "ThreadPoolExecutor", Watched)
+    monkeypatch.setenv("TRUNDLE_THREADS", "2")
+    NavigationEnv(**quick_options, path_points=2, **given).reset(seed=0)
+    assert found == {2}
 
 
 def test_the_environments_are_registered():

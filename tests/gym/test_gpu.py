@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import trundle.gym
-from trundle.errors import InputError
+from trundle.errors import InputError, WorldError
+from trundle.gym.episodes import Episodes
 from trundle.maps import OccupancyGrid
 from trundle.worlds import World
 
@@ -112,6 +113,55 @@ def test_a_start_without_room_for_the_crowd_is_drawn_again_alike(device):
         agree(observed, expected)
         found.update(other.unwrapped.episodes._episodes.tolist())
     assert len(found) > 4
+
+
+@pytest.mark.parametrize("mode", ["next_step", "same_step"])
+def test_where_one_robot_gets_no_room_the_others_lose_nothing_on_a_device_too(device, mode, monkeypatch):
+    start, patched = Episodes._start, []
+
+    def start_but_robot_5(self, robots, keys, maps, recordings, drawn, attempt):
+        fits = (robots != 5) | (not patched)
+        error = None if fits.all() else WorldError("robot 5: no room. Nothing was reset")
+        if fits.any():
+            start(self, robots[fits], keys[fits], maps[fits], recordings[fits], drawn, attempt)
+        return error
+
+    def refuse(*_):
+        raise TypeError("NumPy reads no tensor of a GPU")
+
+    monkeypatch.setattr(Episodes, "_start", start_but_robot_5)
+    monkeypatch.setattr(torch.Tensor, "__array__", refuse)  # as a GPU's do
+    cells = np.pad(np.zeros((90, 90), np.int8), 2, constant_values=100)
+    options = {"world": World.from_map(OccupancyGrid(cells, 0.05)), "robot": "turtlebot3_burger", "beams": 16}
+    options |= {"min_distance": 1.0, "crowd": 2, "max_time_s": 0.4, "autoreset_mode": mode}
+    both = make(options).unwrapped, make(options, "cpu").unwrapped
+    still, only_5 = np.zeros((COUNT, 2), np.float32), np.arange(COUNT) == 5
+
+    def agree_on(call) -> None:
+        mine, other = (call(env) for env in both)
+        for found, expected in zip(mine, other, strict=True):
+            found = found if isinstance(found, dict) else {"values": found}
+            expected = expected if isinstance(expected, dict) else {"values": expected}
+            agree(*({n: v for n, v in each.items() if n != "final_obs"} for each in (found, expected)))
+
+    def refused(call) -> None:
+        for env in both:
+            with pytest.raises(WorldError, match=r"robot 5: no room.*reset it with another seed"):
+                call(env)
+
+    patched.append(True)
+    refused(lambda env: env.reset(seed=0))
+    patched.clear()
+    agree_on(lambda env: env.reset(seed=0, options={"reset_mask": only_5}))
+    agree_on(lambda env: env.step(still))
+    patched.append(True)
+    agree_on(lambda env: env.step(still))  # the end of all episodes
+    for _ in range(2):
+        refused(lambda env: env.step(still))
+    patched.clear()
+    agree_on(lambda env: env.reset(seed=100, options={"reset_mask": only_5}))
+    for _ in range(4):
+        agree_on(lambda env: env.step(still))
 
 
 def test_tensors_are_on_the_device_and_numpy_actions_are_taken(quick_options, device):

@@ -91,7 +91,7 @@ def test_path_and_costmap_lack_the_unmapped_boxes_and_all_else_has_them():
         assert not Costmap.from_grid(known, arena.robot).data[(true.data == 100) & differ].max() >= 254
     np.testing.assert_array_equal(arena.costs(), plain.episodes.arena.costs())
     # The path leads through a box somewhere; what the critic knows never does.
-    ahead = arena.cells_ahead(0.5, arena.known), arena.cells_ahead(0.5, arena.grids)
+    ahead = [arena.cells_ahead(0.5, grids, 1) for grids in (arena.known, arena.grids)]
     assert (ahead[0] != ahead[1]).any()
     boxed.reset(seed=3)
     assert boxed.episodes.sim.contacts[0, 0] == NOTHING

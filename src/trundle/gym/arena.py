@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.costmap import INSCRIBED, Costmap
-from trundle.errors import InputError, ScenarioError
+from trundle.errors import InputError, ScenarioError, WorldError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.gym.navigation_settings import SPLITS, NavigationSettings, kind_of
 from trundle.maps import OccupancyGrid
@@ -20,6 +20,7 @@ from trundle.mission.obstacles import Unmapped
 from trundle.planning import cost_field
 from trundle.robots import Robot
 from trundle.sim.batch import MoverRecording
+from trundle.sim.batch.simulator import choose_threads
 from trundle.worlds import World
 from trundle.worlds.movers import Crowd
 
@@ -95,12 +96,13 @@ class Arena:
         self.frames = np.column_stack([x, y, np.cos(yaw), np.sin(yaw)])
         self.resolution = grids[0].resolution
 
-    def cells_ahead(self, length: float, grids: Sequence[OccupancyGrid]) -> npt.NDArray[np.int32]:
+    def cells_ahead(self, length: float, grids: Sequence[OccupancyGrid], threads: int) -> npt.NDArray[np.int32]:
         """Return, for each cell of each field, which cell is some way ahead on a path that keeps away from walls.
 
         Args:
             length: How far ahead [m].
             grids: The maps that the path is on: `grids` or `known`.
+            threads: Number of threads.
         """
         maps = np.repeat(np.arange(len(self.grids)), self.mission_counts)
         steps = max(1, round(length / self.resolution))
@@ -111,7 +113,7 @@ class Arena:
             cell = [int(index) for index in costmaps[maps[mission]].world_to_cell(*self.goals[mission])]
             return _descend(cost_field(guides[maps[mission]], cell, threads=1), steps)
 
-        with ThreadPoolExecutor() as pool:  # NumPy and the kernel leave Python to other threads
+        with ThreadPoolExecutor(threads) as pool:  # NumPy and the kernel leave Python to other threads
             return np.concatenate(list(pool.map(descend_to, np.unique(self.mission_fields, return_index=True)[1])))
 
     def costs(self) -> npt.NDArray[np.uint8]:
@@ -156,6 +158,7 @@ def make_arena(settings: NavigationSettings, robot: Robot) -> Arena:
     Raises:
         InputError: If a world or a map cannot be used.
         ScenarioError: If one has no room for a mission.
+        WorldError: If one has no room for its movers.
     """
     places = [place for one, count in settings.given_worlds() for place in _places(settings, robot, one, count)]
     names, known = [name for name, _, _ in places], [grid for _, _, grid in places]
@@ -164,13 +167,16 @@ def make_arena(settings: NavigationSettings, robot: Robot) -> Arena:
         if settings.unmapped_boxes:
             world, grid = _add_boxes(settings, robot, world, grid, number)
         grids.append(grid)
-        recordings.append(_record(settings, robot, world))
+        try:
+            recordings.append(_record(settings, robot, world))
+        except WorldError as error:
+            raise WorldError(f"{names[number]}: {error}") from None
 
     def pick(number: int) -> tuple[Missions, list[npt.NDArray[np.float32]]]:
         rng = np.random.default_rng([settings.seed, SPLITS.index(settings.split), number])
         return pick_missions(grids[number], robot, rng, settings.min_distance, names[number])
 
-    with ThreadPoolExecutor() as pool:
+    with ThreadPoolExecutor(choose_threads(settings.threads)) as pool:
         missions, fields = zip(*pool.map(pick, range(len(grids))), strict=True)
     return Arena(robot, grids, names, missions, fields, recordings, known if settings.unmapped_boxes else None)
 

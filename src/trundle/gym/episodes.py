@@ -15,6 +15,7 @@ from trundle.gym.arrays import HOST, episode_keys, seed_keys, stream_numbers, un
 from trundle.gym.lookup import Lookup
 from trundle.gym.navigation_settings import SPLITS, NavigationSettings, Variation
 from trundle.sim.batch import NOTHING, BatchSimulator
+from trundle.sim.batch.simulator import choose_threads
 
 _TRIES = 16
 """Starts that are drawn, until no mover stands on one and it leaves room for a crowd."""
@@ -95,7 +96,7 @@ class Episodes:
         vary = settings.vary
         self._variation = vary if isinstance(vary, Variation) else Variation.of(vary)
         self._varies = bool(self._variation)
-        self.lookup = Lookup(arena, self.arrays, count)
+        self.lookup = Lookup(arena, self.arrays, count, choose_threads(settings.threads))
         self._starts, self._goals, self._shortest, self._fields = (
             put(each) for each in (arena.starts, arena.goals, arena.distances, arena.mission_fields)
         )

@@ -22,10 +22,11 @@ class Lookup:
         arena: The maps and missions.
         arrays: The functions and arrays of the device.
         count: Number of robots.
+        threads: Number of threads that find paths.
     """
 
-    def __init__(self, arena: Arena, arrays: Arrays, count: int) -> None:
-        self._arena, self._arrays, self._resolution = arena, arrays, arena.resolution
+    def __init__(self, arena: Arena, arrays: Arrays, count: int, threads: int) -> None:
+        self._arena, self._arrays, self._resolution, self._threads = arena, arrays, arena.resolution, threads
         self._map_frames, self._map_sizes = arrays.put(arena.frames), arrays.put(arena.shapes[:, ::-1])
         self._is_turned = bool((arena.frames[:, 3] != 0.0).any())
         self._map_starts = arrays.put(arena.map_starts)
@@ -64,7 +65,7 @@ class Lookup:
         known = known and arena.known is not arena.grids
         if known not in self._ahead:
             on = arena.known if known else arena.grids
-            self._ahead[known] = self._arrays.put(arena.cells_ahead(POINT_SPACING, on))
+            self._ahead[known] = self._arrays.put(arena.cells_ahead(POINT_SPACING, on, self._threads))
         ahead = self._ahead[known]
         lib, (x0, y0, cos, sin) = self._arrays.lib, self._frames.T
         cell, inside = self.locate(poses)

@@ -161,8 +161,8 @@ class NavigationSettings:
         robot: The robot, its name or its file.
         seed: Which generated worlds, 0 to 99,999.
         split: "train", "validation" or "test": their generated worlds, and their missions, are different ones.
-        worlds: How many worlds are generated of each name, or a list with the number for each of `world`; where none is
-            generated, it is refused.
+        worlds: How many worlds are generated of each name, or a list with the number for each of `world`, which is 1
+            for what is not generated; where none is generated, it is refused.
         world_options: Options of the generated worlds, as for `World.generate`; likewise.
         resolution: Edge of a cell of maps made of worlds [m]; refused where all are maps.
         lidar: Which lidars observe: True for all of the robot's, or names. If None, the first.
@@ -280,11 +280,17 @@ class NavigationSettings:
         each = list(given) if isinstance(given, Sequence) and not isinstance(given, str) else [given]
         if not each:
             raise InputError("an environment needs at least one world")
-        if not isinstance(self.worlds, Sequence) or isinstance(self.worlds, str):
-            return [(one, check_count("worlds", self.worlds, 1, 10_000)) for one in each]
-        if len(self.worlds) != len(each):
-            raise InputError(f"worlds has {len(self.worlds)} numbers for {len(each)} of world: give one for each")
-        counts = [check_count(f"worlds[{place}]", count, 1, 10_000) for place, count in enumerate(self.worlds)]
+        numbers = self.worlds.tolist() if isinstance(self.worlds, np.ndarray) else self.worlds
+        if isinstance(numbers, int | np.integer):
+            return [(one, check_count("worlds", numbers, 1, 10_000)) for one in each]
+        if not isinstance(numbers, Sequence) or isinstance(numbers, str | bytes):
+            raise InputError(f"worlds must be an integer or a list of integers, got {show_value(self.worlds)}")
+        if len(numbers) != len(each):
+            raise InputError(f"worlds has {len(numbers)} numbers for {len(each)} of world: give one for each")
+        counts = [check_count(f"worlds[{place}]", count, 1, 10_000) for place, count in enumerate(numbers)]
+        for place, (one, count) in enumerate(zip(each, counts, strict=True)):
+            if count != 1 and kind_of(one) != "generated":
+                raise InputError(f"worlds[{place}] must be 1, as world[{place}] is one world or map, got {count}")
         return list(zip(each, counts, strict=True))
 
     @property

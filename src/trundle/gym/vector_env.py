@@ -103,7 +103,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         try:
             self.episodes.reset(robots)
         except WorldError:
-            self._note_begun(chosen[self.episodes.is_placed[chosen]])
+            self._note_begun(chosen[self.episodes.arrays.host(self.episodes.is_placed)[chosen]])
             raise
         self._note_begun(chosen)
         return self._observer.observe(), self._masked(self.episodes.start_figures(), put(mask))
@@ -168,7 +168,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             self.episodes.reset(robots)
         except WorldError:
             if self._begun is None:
-                self._begun = np.zeros(self.num_envs, dtype=bool)
+                self._begun = self.episodes.arrays.full(self.num_envs, 0, "bool")
             self._begun[robots] = self.episodes.is_placed[robots]
             raise
         self._begun = None
@@ -177,8 +177,9 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self, ended: Any, robots: Any, observations: Observations, info: dict[str, Any]
     ) -> tuple[Observations, dict[str, Any]]:
         """Begin the next episodes where one has ended, scan there again, and keep what the ends were like."""
+        arrays = self.episodes.arrays
         final: Any = observations
-        if self.episodes.arrays.on_host:
+        if arrays.on_host:
             final = np.full(self.num_envs, None, dtype=object)
             for robot in robots:
                 final[robot] = {name: values[robot].copy() for name, values in observations.items()}
@@ -190,9 +191,9 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             self._no_room = str(error)
             begun = ended & self.episodes.is_placed
             self._ended[:] = ended & ~begun
-            robots = begun.nonzero()[0]
+            robots = arrays.indices(begun)
         self._observer.scan(robots)
-        arrays, fresh = self.episodes.arrays, self.episodes.start_figures()
+        fresh = self.episodes.start_figures()
         info = {
             name: values
             if name.startswith("_")

@@ -141,6 +141,11 @@ def test_a_crowd_without_room_is_refused_by_robot_and_nothing_is_reset():
     batch.step((0.2, 0.0), PERIOD)
 
 
+def test_live_crowds_count_among_the_movers_of_a_recording():
+    with pytest.raises(InputError, match="200 movers for 6000 s are 24,000,200 samples, more than"):
+        live(Crowd("people", 200), seconds=6000.0)
+
+
 def test_recordings_with_and_without_live_crowds_share_a_batch():
     recorded = MoverRecording.of_world(replace(HALL, movers=(CART,)), CARTER, duration_s=20.0)
     batch = BatchSimulator(GRID, CARTER, count=3, recordings=[recorded, live(*PEOPLE, movers=(CART,))])

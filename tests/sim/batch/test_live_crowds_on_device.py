@@ -230,7 +230,8 @@ def test_a_bad_command_on_the_device_lets_crowds_stand(device):
     assert not np.array_equal(simulator.movers(0), before[0])
 
 
-def test_crowds_too_large_for_the_memory_of_a_device_are_refused(device, monkeypatch):
-    monkeypatch.setattr(device_crowds, "free_memory", lambda _: 10**7)
+@pytest.mark.parametrize("free", [10**7, 42 * 10**6], ids=["too little", "too little to search for paths"])
+def test_crowds_too_large_for_the_memory_of_a_device_are_refused(device, monkeypatch, free):
+    monkeypatch.setattr(device_crowds, "free_memory", lambda _: free)
     with pytest.raises(InputError, match=r"robots among live crowds of 9 members need .* GB.*use fewer robots"):
         BatchSimulator(GRID, CARTER, count=3_000, recordings=[live(*PEOPLE)], device="cuda")

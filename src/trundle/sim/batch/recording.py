@@ -120,9 +120,10 @@ class MoverRecording:
         scripted = [mover for mover in world.movers if isinstance(mover, Mover)]
         movers = MoverField(replace(world, movers=tuple(scripted)) if live else world, robot)
         samples = int(np.ceil(duration / period - 1e-9)) + 1
-        if samples * len(movers.names) > _MOST_SAMPLES:
+        count = len(movers.names) + (sum(crowd.count for crowd in crowds) if live else 0)
+        if samples * count > _MOST_SAMPLES:
             raise InputError(
-                f"{len(movers.names)} movers for {duration:g} s are {samples * len(movers.names):,} samples, more than "
+                f"{count} movers for {duration:g} s are {samples * count:,} samples, more than "
                 f"{_MOST_SAMPLES:,}; use a longer period_s than {period:g} s, or less time"
             )
         movers.reset(seed, _FAR_AWAY)

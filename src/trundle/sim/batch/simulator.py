@@ -100,7 +100,7 @@ class BatchSimulator:
         names = choose_lidars(robot, lidar)
         chosen = [robot.lidars[name] for name in names]
         blocked = [blocked_cells(grid, unknown_is_solid=unknown == "solid") for grid in self._maps]
-        workers = _choose_threads(threads)
+        workers = choose_threads(threads)
         model = make_model(self._maps, blocked, robot, chosen, self._recordings, self._timestep)
         self._engine = _find_device(device, workers)(model, self._recordings, self._count)
         ends = np.cumsum([0, *(each.beams for each in chosen)]).tolist()
@@ -346,7 +346,12 @@ def _find_device(name: str, threads: int) -> Callable[[BatchModel, Sequence[Move
     return make_engine(name)
 
 
-def _choose_threads(threads: int | None) -> int:
+def choose_threads(threads: int | None) -> int:
+    """Return how many threads to use: by default TRUNDLE_THREADS, or as many as there are processors.
+
+    Raises:
+        InputError: If it is not an integer from 1 to 1024.
+    """
     if threads is not None:
         return check_count("threads", threads, 1, 1024)
     given = os.environ.get("TRUNDLE_THREADS", "").strip()

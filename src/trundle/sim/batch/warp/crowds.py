@@ -69,18 +69,20 @@ class WarpCrowds:
         self._count, self._device, self._launch = count, device, launch
         walks = list(self._walks.values())
         self._members = max(len(walk.names) for walk in walks)
-        cells = sum(floor.costs.size for walk in walks for floor in walk.arrays.floors)
+        floors = [floor for walk in walks for floor in walk.arrays.floors]
+        cells = sum(floor.costs.size for floor in floors)
         if cells > _MOST_CELLS:
             raise InputError(
                 f"the floors of live crowds have {cells:,} cells in all, more than the {_MOST_CELLS:,} of a device; "
                 "use fewer crowds, or smaller areas"
             )
-        self._free_memory = free_memory(device)
         self._model = self._put_model(live, len(batch.recordings) - 1)
+        self._free_memory = free_memory(device)  # beside the floors
+        self._model.window = self._window_of(max(max(floor.costs.shape) for floor in floors))
         self._check_memory(chunk)
         self._state = self._make_state(max(len(walk.arrays.floors) for walk in walks))
         self._starts = self._make_starts(max(len(walk.arrays.floors) for walk in walks))
-        self._search = self._make_search(max(floor.costs.size for walk in walks for floor in walk.arrays.floors))
+        self._search = self._make_search(max(floor.costs.size for floor in floors))
         self.now = self._zeros((self._members, count, chunk), wp.vec3d)
 
     def draw(self, active: Any, poses: Any, places: Any, seeds: Any, fault: Any) -> None:
@@ -185,13 +187,12 @@ class WarpCrowds:
         model.corners = self._array(np.concatenate([each.corners for each in arrays]), wp.vec2d)
         model.other_radii = self._array(np.concatenate([each.mover_radii for each in arrays]), wp.float64)
         model.others = self._array(np.concatenate([each.movers.reshape(-1, 4) for each in live.values()]), wp.vec4d)
-        model.window = self._window_of(max(max(floor.costs.shape) for floor in floors))
         return model
 
     def _check_memory(self, chunk: int) -> None:
         pairs = self._members * (self._members + 1)
         needed = self._count * (24 * pairs + self._members * (self._model.window**2 // 2 + 24 * chunk + _OF_MEMBER))
-        if needed > self._free_memory:
+        if needed > self._free_memory - self._free_memory // _FOR_SEARCH:
             raise InputError(
                 f"{self._count:,} robots among live crowds of {self._members} members need {needed / 1e9:.2g} GB of "
                 f"the device, which has {self._free_memory / 1e9:.2g} GB free; use fewer robots, or smaller crowds"
