@@ -195,7 +195,7 @@ class SensedMap:
             self.costmap = self._layered.clear(region, size, at=at)
 
     def forget_hidden(self, places: FloatArray) -> None:
-        """Forget marks where something was seen to move, (N, 3) as in `update`, and that no scan sees now."""
+        """Forget marks where something was seen to move, (N, 3) as in `update`, and nothing looks, but near ones."""
         if self._layered is not None:
             self._layered.forget_hidden(places)
             self.costmap = self._layered.costmap
