@@ -1,5 +1,6 @@
 """Things on the map that no scan has hit, where they close the only path."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -271,3 +272,32 @@ def test_nothing_is_where_the_robot_stands():
     left = without_passed(static, static.data == LETHAL, lambda x, y: np.zeros(len(x), np.bool_), outline)
     assert not left.footprint_collides((2.5, 1.25, 0.3))[0]
     assert left.cost_at(1.6, 1.25) == left.cost_at(3.4, 1.25) == LETHAL
+
+
+def low_kerb_navigator():
+    """A navigator that has driven beside a kerb across the room, which no lidar sees and which is 5 cm thick."""
+    grid = grid_of(room())
+    data = grid.data.copy()
+    data[:, int(grid.world_to_cell(5.0, 3.0)[1])] = 100
+    navigator = Navigator(replace(grid, data=data), ROBOT, layers=doubting(), settings=PATIENT)
+    left = float(grid.cell_to_world(0, int(grid.world_to_cell(5.0, 3.0)[1]))[0]) - 0.025
+    start = Pose2D(left - 0.01 - float(ROBOT.planar.outline[:, 1].max()), 3.0, math.pi / 2.0)
+    return navigator, start
+
+
+def test_a_robot_that_stands_beside_a_low_kerb_does_not_drive_over_it():
+    navigator, start = low_kerb_navigator()
+    before = navigator.static_costmap.data
+    drive(navigator, room(), start=start)
+    assert navigator.status is NavigationStatus.NO_PATH
+    assert np.array_equal(navigator.static_costmap.data, before)
+
+
+def test_a_plan_that_is_asked_for_after_a_new_goal_takes_nothing_off_elsewhere():
+    navigator = Navigator(grid_of(room(*WALLS)), ROBOT, layers=doubting(), settings=PATIENT)
+    here = drive(navigator, room(*WALLS), goal=(START.x + 1.0, START.y))
+    before = navigator.static_costmap.data
+    navigator.set_goal(15.0, 3.0)
+    with pytest.raises(PlanningError):
+        navigator.plan(here)
+    assert np.array_equal(navigator.static_costmap.data, before)

@@ -151,3 +151,17 @@ def test_doubts_that_ended_elsewhere_do_not_count():
         assert search.is_needed(doubt)
         search.decide(doubt, (), doubt.time)
         assert search.end(Estimate(2.0 * k + 1.5, place @ Pose2D(1.0, 0.0), None, place @ Pose2D(1.0, 0.0)))
+
+
+def test_a_search_does_not_end_where_earlier_doubts_ended_in_vain():
+    """It drives while it looks around, and may come to where it would not begin."""
+    search, here, there = Relocalization(ROBOT), Pose2D(0.0, 0.0), Pose2D(2.0, 0.0)
+    for k in range(3):
+        assert not search.is_needed(Estimate(2.0 * k, here, None, here))
+        search.decide(Estimate(2.0 * k + 1.0, here, None, here, "lost"), (), 2.0 * k + 1.0)
+        assert not search.end(Estimate(2.0 * k + 1.5, here, None, here))
+    assert not search.is_needed(Estimate(7.0, here, None, here, "lost"))
+    elsewhere = Estimate(8.0, there, None, there, "lost")
+    assert search.is_needed(elsewhere)
+    search.decide(elsewhere, (), 8.0)
+    assert search.is_needed(Estimate(9.0, here, None, here, "lost"))

@@ -45,7 +45,7 @@ def without_passed(
     static: Costmap,
     hit: npt.NDArray[np.bool_],
     passes: Callable[[FloatArray, FloatArray], npt.NDArray[np.bool_]],
-    outline: FloatArray,
+    outline: FloatArray | None,
 ) -> Costmap | None:
     """Take cells off a map that beams pass through, of things that scans have not hit.
 
@@ -58,7 +58,8 @@ def without_passed(
         static: The costmap of the map. What its keep-out mask forbids stays.
         hit: Cells in which scans have marked obstacles, shape (rows, cols).
         passes: Whether scans agree that beams pass through points, given their x and y [m], map frame.
-        outline: Corners of the robot [m], map frame, counter-clockwise, shape (N, 2): nothing is where it stands.
+        outline: Corners of a robot that stands in something on the map [m], map frame, counter-clockwise, shape
+            (N, 2): nothing is there. None where it does not.
 
     Returns:
         The costmap without them, or None if there are no such cells.
@@ -68,12 +69,15 @@ def without_passed(
     row, col = np.nonzero(_beside(static, apart, _BETWEEN_M))
     passed = np.zeros(static.shape, np.bool_)
     passed[row, col] = passes(*static.cell_to_world(row, col))
+    stood_in = np.zeros(static.shape, np.bool_) if outline is None else occupied & _within(static, outline)
+    if not passed.any():  # the rest takes a while on a large map
+        return _without(static, stood_in)
     passed = apart & ~_beside(static, ~_beside(static, passed, _BETWEEN_M), _BETWEEN_M)
     things, small = _small_things(static, apart | static.unknown_cells)
     parts, small_part = _small_things(static, passed)
     left = apart & ~passed & ~_beside(static, hit, _AT_WALL_M)
     small_part[parts[_beside(static, left, static.resolution)]] = False
-    return _without(static, passed & (small[things] | small_part[parts]) | (occupied & _within(static, outline)))
+    return _without(static, passed & (small[things] | small_part[parts]) | stood_in)
 
 
 def _within(static: Costmap, outline: FloatArray) -> npt.NDArray[np.bool_]:
@@ -100,12 +104,13 @@ def _small_things(static: Costmap, cells: npt.NDArray[np.bool_]) -> tuple[npt.ND
 def _beside(static: Costmap, cells: npt.NDArray[np.bool_], within_m: float) -> npt.NDArray[np.bool_]:
     """Say which cells are these or lie beside them, in a square around each that reaches so far [m]."""
     reach = math.ceil(within_m / static.resolution - 1e-9)
-    for _ in range(2):  # along the rows, and then along the columns
+    for across in (False, True):  # along the columns, and then along the rows
         grown = cells.copy()
+        to, by = (grown.T, cells.T) if across else (grown, cells)  # a copy of what is turned costs ten times as much
         for step in range(1, reach + 1):
-            grown[step:] |= cells[:-step]
-            grown[:-step] |= cells[step:]
-        cells = grown.T
+            to[step:] |= by[:-step]
+            to[:-step] |= by[step:]
+        cells = grown
     return cells
 
 

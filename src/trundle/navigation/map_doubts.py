@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from trundle.errors import PlanningError
-from trundle.geometry import Goal
+from trundle.geometry import Goal, Pose2D
 from trundle.navigation.planning_limits import FailedPlan, PlanningBudget, timed_out
 from trundle.navigation.route_planner import RoutePlanner, is_of_goal
 from trundle.navigation.sensing import SensedMap
@@ -36,11 +36,13 @@ class MapDoubts:
         if not self._sensed.may_doubt or static is None:
             return False
         searched = failed is not None and not is_of_goal(failed.error, goals)
-        return (searched or bool(static.footprint_collides(now.pose.as_tuple())[0])) and self._sensed.doubt_passed()
+        if not searched and not static.footprint_collides(now.pose.as_tuple())[0]:
+            return False
+        return self._sensed.doubt_passed(now.pose)
 
-    def help_short(self, error: PlanningError, goals: Sequence[Goal], standing_s: float) -> bool:
-        """Whether to plan again after a short search in vain, of a robot that has stood for so long [s]."""
-        return standing_s >= _STANDS_S and not is_of_goal(error, goals) and self._sensed.doubt_passed()
+    def help_short(self, error: PlanningError, pose: Pose2D, goals: Sequence[Goal], standing_s: float) -> bool:
+        """Whether to plan again after a short search in vain, of a robot that has stood at a pose for so long [s]."""
+        return standing_s >= _STANDS_S and not is_of_goal(error, goals) and self._sensed.doubt_passed(pose)
 
     def help_long(
         self,
@@ -54,7 +56,7 @@ class MapDoubts:
         """Whether to plan again after a long search in vain; `budget` pays for a search of the map alone."""
         if timed_out(error) or is_of_goal(error, goals) or not self._sensed.may_doubt:
             return False
-        if self._sensed.doubt_passed():
+        if self._sensed.doubt_passed(now.pose):
             return True
         is_closed = self._routes.is_closed(now.pose, goals, planner, deadline_s)
         budget.spend(self._routes.expansions, now.time, needed=True)

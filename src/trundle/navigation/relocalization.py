@@ -92,8 +92,8 @@ class Relocalization:
             self._T_known = estimate.T_map_odom
             return False
         at, known = self._doubted_at, self._T_known
-        if self._in_vain < _IN_VAIN or at is None or known is None:
-            return True
+        if self.is_active or self._in_vain < _IN_VAIN or at is None or known is None:
+            return True  # a search that has begun goes on: it may come to a place where none would begin
         is_here = estimate.pose.distance_to(at) <= _SAME_PLACE_M
         return not is_here or estimate.pose.distance_to(known @ estimate.odom_pose) > CORRECTED_M
 

@@ -161,7 +161,7 @@ class Replanner:
         if self._sensed.awaits_scan(now.time):
             self.tries.pending, self._failed = True, None
         if planner is self.quick:
-            return self._doubts.help_short(error, state.ahead, self.obstacle.standing_s)
+            return self._doubts.help_short(error, now.pose, state.ahead, self.obstacle.standing_s)
         deadline_s = self.tries.deadline_s(now.twist)
         return self._doubts.help_long(error, now, state.ahead, planner, deadline_s, self.budget)
 

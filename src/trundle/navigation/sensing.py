@@ -138,12 +138,13 @@ class SensedMap:
         """
         return self.may_doubt and self._take_off(without_unseen(self._static, self._note_hits()))
 
-    def doubt_passed(self) -> bool:
-        """Take cells off the map that beams pass, or where the robot stands; else as `doubt_static`."""
+    def doubt_passed(self, pose: Pose2D) -> bool:
+        """Take cells off the map that beams pass, or that a robot at `pose` stands in; else as `doubt_static`."""
         if not self.may_doubt or self._layered is None:
             return False
-        at = Pose2D(0.0, 0.0) if self._last_pose is None else self._last_pose
-        outline = at.transform_points(self._robot.planar.padded(self._static.resolution).outline)
+        outline = None  # a robot beside a thing stays out of it: a low kerb would have a gap as long as the robot
+        if self._static.footprint_collides(pose.as_tuple())[0]:
+            outline = pose.transform_points(self._robot.planar.padded(self._static.resolution).outline)
         return self._take_off(without_passed(self._static, self._note_hits(), self._layered.passes, outline))
 
     def _take_off(self, doubted: Costmap | None) -> bool:
@@ -194,7 +195,7 @@ class SensedMap:
             self.costmap = self._layered.clear(region, size, at=at)
 
     def forget_hidden(self, places: FloatArray) -> None:
-        """Forget marks where something was seen to move, (N, 3) as in `update`, and that no scan sees now."""
+        """Forget marks where something was seen to move, (N, 3) as in `update`, and nothing looks, but near ones."""
         if self._layered is not None:
             self._layered.forget_hidden(places)
             self.costmap = self._layered.costmap

@@ -375,6 +375,19 @@ def test_who_was_seen_to_move_and_is_hidden_since_is_forgotten_when_that_is_aske
     assert near(layered, 4.0, -2.0, 0.4)
 
 
+def test_what_a_robot_would_turn_into_is_not_forgotten_where_nobody_looks():
+    beside = CARTER.planar.circumscribed_radius + 0.2
+    around = Surroundings([], [(0.0, beside + 0.1, 0.1), (0.0, -3.0, 0.3)])
+    layered = LayeredCostmap(None, CARTER)
+    places = np.array([(0.0, beside + 0.1, 0.1), (0.0, -3.0, 0.3)])
+    for tick in range(100):
+        scans = [around.scan(0.05 * tick, HERE)] if tick <= 20 else []
+        layered.update(scans, estimate(0.05 * tick, HERE), moved=places if tick <= 20 else ())
+    layered.forget_hidden(places)
+    assert near(layered, 0.0, beside, 0.1)
+    assert not near(layered, 0.0, -3.0, 0.4)
+
+
 def near(layered, x, y, within):
     found = layered.obstacles()
     return bool((np.hypot(found[:, 0] - x, found[:, 1] - y) < within).any())

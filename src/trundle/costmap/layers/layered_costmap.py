@@ -235,7 +235,7 @@ class LayeredCostmap:
             return self.costmap
 
     def forget_hidden(self, places: FloatArray) -> None:
-        """Forget marks where something was seen to move, (N, 3) as in `update`, and that no scan sees now."""
+        """Forget marks where something was seen to move, (N, 3) as in `update`, and nothing looks, but near ones."""
         with self._lock:
             if self._obstacle is not None and self._time is not None:
                 window = self._obstacle.forget_movers(places, self._time, hidden=True)

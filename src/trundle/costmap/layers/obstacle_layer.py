@@ -32,6 +32,7 @@ What is off by less lies beside its place by less than a robot leaves for cleara
 _WORTH_A_WARNING_M = 1.0
 _LOOK_EVERY_S = 0.5
 _BESIDE_MOVER_M = 0.3  # marks lie on the near side of a mover, and beside the place that its track has
+_TURNS_WITHIN_M = 0.3  # beyond the circle in which the robot turns: it may turn into that before it looks there
 
 
 class ObstacleLayerSettings(Config):
@@ -169,7 +170,8 @@ class ObstacleLayer:
         Args:
             places: Where that was of late: x, y and radius [m], map frame, shape (N, 3).
             time: Now [s]. It looks for such marks twice a second.
-            hidden: Whether to look at once, and to forget also what no lidar looks at.
+            hidden: Whether to look at once, and to forget also what no lidar looks at, unless it is so near that the
+                robot may turn into it.
 
         Returns:
             What changed, in the map frame, or None if nothing changed.
@@ -181,11 +183,13 @@ class ObstacleLayer:
         self._looked_at = time
         grid.begin_timing(time)
         row, col = grid.unseen(places + np.array([0.0, 0.0, _BESIDE_MOVER_M]), time - persistence)
-        if not hidden:
-            views = self._fields_of_view(time - self.settings.source_timeout)
-            seen = [view.contains(*grid.centres(row, col)) for view in views]
-            in_view = np.any([np.zeros(len(row), np.bool_), *seen], 0)
-            row, col = row[in_view], col[in_view]
+        x, y = grid.centres(row, col)
+        views = self._fields_of_view(time - self.settings.source_timeout)
+        gone = np.any([np.zeros(len(row), np.bool_), *(view.contains(x, y) for view in views)], 0)
+        if hidden and self._last is not None:
+            pose, reach = self._last.pose, self._robot.planar.circumscribed_radius + _TURNS_WITHIN_M
+            gone |= np.hypot(x - pose.x, y - pose.y) > reach
+        row, col = row[gone], col[gone]
         if len(row) == 0:
             return None
         misses, hits = self._rule
