@@ -177,7 +177,7 @@ def stands_in_drawn(field_: MapField, beams: Beams, pose: Pose2D) -> bool:
 def update_score(track: Track, found: Match, seconds: float, *, proposed: bool, from_drawn: bool = False) -> None:
     """Take what one scan has shown of a track; a place that is only proposed is judged strictly.
 
-    With `from_drawn`, beams that go through what the map draws say nothing, as all begin in it.
+    With `from_drawn`, beams that go through what the map draws say nothing, as those of a lidar begin in it.
     """
     agreement = found.agreement if proposed else found.excused
     if from_drawn and found.fit > _FITS_STILL * track.usual:
