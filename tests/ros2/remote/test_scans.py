@@ -58,7 +58,7 @@ def test_scans_that_are_heard_at_a_time_are_taken_together() -> None:
     types.decode = slow  # pyright: ignore[reportAttributeAccessIssue]
     for name in inputs.sensors:
         message = make_message([1.0, 1.0])
-        message.header.stamp.sec = int(clock.time())
+        message.header.stamp.sec, message.header.stamp.nanosec = divmod(clock.time_ns(), 1_000_000_000)
         theirs.publisher(f"/{name}/scan", message.__msgtype__, Qos()).write(jazzy().encode(message))
     driver = threading.Thread(target=lambda: inputs.wait_for_scan(10.0) and taken.append(len(inputs.take_scans())))
     driver.start()
