@@ -91,15 +91,22 @@ def core(threads: int, *, clear: bool) -> None:
     print(f"    with 180 beams to 12 m {rate(both, 5, threads) / 1e3:.1f} k/s")
 
 
+def fill_office(robot: Robot, people: int) -> tuple[OccupancyGrid, list[tuple[bool, MoverRecording]]]:
+    """Return the map of an office, and half a minute of its people: live, and recorded."""
+    office = World.generate("office", seed=3)
+    crowded = replace(office, movers=(Crowd("people", people),))
+    kinds = [
+        (live, MoverRecording.of_world(crowded, robot, duration_s=30.0, live_crowds=live)) for live in (True, False)
+    ]
+    return OccupancyGrid.from_world(office, z_range=robot.z_range), kinds
+
+
 def crowds(threads: int, people: int) -> None:
     """Half a minute in an office among people that each robot has for itself, and among recorded ones."""
     robot, count = make_robot(), 64
-    office = World.generate("office", seed=3)
-    grid = OccupancyGrid.from_world(office, z_range=robot.z_range)
+    grid, recordings = fill_office(robot, people)
     poses, commands = draw(grid, robot, count, clear=True)
-    crowded = replace(office, movers=(Crowd("people", people),))
-    for live in (True, False):
-        recording = MoverRecording.of_world(crowded, robot, duration_s=30.0, live_crowds=live)
+    for live, recording in recordings:
         sim = BatchSimulator(grid, robot, count=count, recordings=[recording], threads=threads)
         started = clock(threads)
         sim.reset(poses, recordings=0, seeds=np.arange(count))
@@ -149,12 +156,9 @@ def gpu_crowds(device: str, count: int, people: int) -> None:
     import warp as wp
 
     robot = make_robot()
-    office = World.generate("office", seed=3)
-    grid = OccupancyGrid.from_world(office, z_range=robot.z_range)
+    grid, recordings = fill_office(robot, people)
     poses, commands = draw(grid, robot, count, clear=True)
-    crowded = replace(office, movers=(Crowd("people", people),))
-    for live in (True, False):
-        recording = MoverRecording.of_world(crowded, robot, duration_s=30.0, live_crowds=live)
+    for live, recording in recordings:
         sim = BatchSimulator(grid, robot, count=count, lidar=True, recordings=[recording], device=device)
         there = wp.array(commands, device=sim.poses.device)
         drives, resets = [], []

@@ -2,6 +2,8 @@
 
 import pytest
 
+from support.warp_device import device  # noqa: F401 - a fixture
+
 collect_ignore_glob: list[str] = []
 try:
     import gymnasium  # noqa: F401

@@ -16,27 +16,11 @@ from trundle.worlds import World
 wp = pytest.importorskip("warp", reason="needs Warp, of the extra gpu")
 torch = pytest.importorskip("torch", reason="needs PyTorch")
 
-from trundle.sim.batch import warp as devices  # noqa: E402 - needs Warp
 from trundle.sim.batch.warp.engine import WarpEngine  # noqa: E402 - needs Warp
 
 ALL = {"path_points": 3, "costmap_cells": 8, "critic": True}
 REWARDS = {"progress": 2.0, "time": -0.5, "smoothness": -0.1, "reverse": -1.0, "contact": -3.0, "success": 5.0}
 COUNT = 12
-
-
-def is_missing_a_gpu() -> bool:
-    devices.find_device("cpu")
-    return not wp.get_cuda_devices()
-
-
-@pytest.fixture(
-    params=["cpu", pytest.param("cuda", marks=pytest.mark.skipif(is_missing_a_gpu(), reason="needs a GPU of NVIDIA's"))]
-)
-def device(request, monkeypatch):
-    """Where `device="cuda"` computes: Warp's CPU device, or a GPU."""
-    find = devices.find_device
-    monkeypatch.setattr(devices, "find_device", lambda _name: find(request.param))
-    return request.param
 
 
 def make(options, where="cuda", **more):

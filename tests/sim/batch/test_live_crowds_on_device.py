@@ -19,7 +19,6 @@ from trundle.worlds.movers import AlongPath, Crowd, Mover, forklift_body
 
 wp = pytest.importorskip("warp", reason="needs Warp, of the extra gpu")
 
-from trundle.sim.batch import warp as devices  # noqa: E402 - needs Warp
 from trundle.sim.batch.warp import crowds as device_crowds  # noqa: E402 - needs Warp
 
 CARTER = Robot.load("nova_carter")
@@ -31,21 +30,6 @@ PEOPLE = (Crowd("people", 4, speed=1.4), Crowd("blind", 4, sees_robot=False), Cr
 ALONG = AlongPath(((-4.0, 0.0), (4.0, 0.0)), 0.8, repeat="back_and_forth")
 CART = Mover("cart", forklift_body(), ALONG, may_cross=True)
 ROOM = OccupancyGrid(np.pad(np.zeros((100, 100), np.int8), 2, constant_values=100), 0.05)
-
-
-def is_missing_a_gpu() -> bool:
-    devices.find_device("cpu")
-    return not wp.get_cuda_devices()
-
-
-@pytest.fixture(
-    params=["cpu", pytest.param("cuda", marks=pytest.mark.skipif(is_missing_a_gpu(), reason="needs a GPU of NVIDIA's"))]
-)
-def device(request, monkeypatch):
-    """Where `device="cuda"` computes: Warp's CPU device, or a GPU."""
-    find = devices.find_device
-    monkeypatch.setattr(devices, "find_device", lambda _name: find(request.param))
-    return request.param
 
 
 def live(*crowds, movers=(), world=HALL, seconds=20.0):

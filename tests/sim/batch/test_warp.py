@@ -16,30 +16,12 @@ from trundle.sim import BatchSimulator, MoverRecording
 
 wp = pytest.importorskip("warp", reason="needs Warp, of the extra gpu")
 
-from trundle.sim.batch import warp as devices  # noqa: E402 - needs Warp
+from support.warp_device import is_missing_a_gpu  # noqa: E402 - needs Warp
 
 CARTER = Robot.load("nova_carter")
 COUNT = 24
 ROBOTS = np.arange(COUNT)
 SQUARE = np.array([(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)])
-
-
-def is_missing_a_gpu() -> bool:
-    devices.find_device("cpu")
-    return not wp.get_cuda_devices()
-
-
-@pytest.fixture(
-    params=[
-        "cpu",
-        pytest.param("cuda", marks=pytest.mark.skipif(is_missing_a_gpu(), reason="needs a GPU of NVIDIA's")),
-    ],
-)
-def device(request, monkeypatch):
-    """Where `device="cuda"` computes: Warp's CPU device, or a GPU."""
-    find = devices.find_device
-    monkeypatch.setattr(devices, "find_device", lambda _name: find(request.param))
-    return request.param
 
 
 def clutter(seed: int, shape=(120, 160), yaw: float = 0.3) -> OccupancyGrid:

@@ -69,7 +69,7 @@ def identity_of(choice: Choice) -> dict[str, Any]:
 
 
 def _file_digest(name: str) -> str:
-    """Hash of a file, so that what a changed one did is not taken for what it does."""
+    """Hash of a file, so that results of a changed file are told from those of the file before."""
     try:
         return hashlib.sha256(Path(name).read_bytes()).hexdigest()
     except OSError:

@@ -1,6 +1,6 @@
 """Kernels that start the crowds around robots that are reset: `CrowdState::reset`, a thread for a robot.
 
-A crowd is drawn into memory of its own first, so that nothing changes where one has no room.
+A crowd is drawn into separate memory first, so that nothing changes where one has no room.
 """
 
 # pyright: reportAttributeAccessIssue=false, reportInvalidTypeForm=false, reportOperatorIssue=false
